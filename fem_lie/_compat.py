@@ -1,0 +1,85 @@
+"""Every difference between DOLFINx versions (0.9 is the target, 0.10 and 0.11 are kept possible)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import basix.ufl
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+from dolfinx.fem import IntegralType
+from dolfinx.fem.forms import form_cpp_class
+from mpi4py import MPI
+
+VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+# 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel
+BRANCHING_IN_PARALLEL = VERSION >= (0, 10)
+
+
+def custom_form(
+    spaces: Sequence[fem.FunctionSpace],
+    kernel: int,
+    cells: npt.NDArray[np.int32],
+    coefficients: Sequence[fem.Function],
+    constants: Sequence[fem.Constant],
+    mesh: dolfinx.mesh.Mesh,
+) -> fem.Form:
+    """A DOLFINx form over ``cells`` whose cell tensor is computed by the function at ``kernel``."""
+    active = np.arange(len(coefficients), dtype=np.int8)
+    integrals = {IntegralType.cell: [(-1, kernel, cells, active)]}
+    if VERSION >= (0, 10):
+        integrals = {IntegralType.cell: [(0, kernel, cells, active)]}
+    arguments: list[Any] = [
+        [V._cpp_object for V in spaces],
+        integrals,
+        [f._cpp_object for f in coefficients],
+        [c._cpp_object for c in constants],
+        False,
+        [] if VERSION >= (0, 10) else {},
+        mesh._cpp_object,
+    ]
+    return fem.Form(form_cpp_class(np.float64)(*arguments))
+
+
+def coefficient_key(form: fem.Form) -> Any:
+    """The key under which DOLFINx keeps the packed coefficients of a :func:`custom_form`."""
+    return (IntegralType.cell, 0 if VERSION >= (0, 10) else -1)
+
+
+def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
+    """Geometry nodes of the local cells, shape ``(num_cells, nodes)``."""
+    geometry = mesh.geometry
+    return geometry.dofmaps(0) if VERSION >= (0, 11) else geometry.dofmap
+
+
+def create_line_mesh(
+    comm: MPI.Intracomm,
+    points: npt.NDArray[np.float64],
+    cells: npt.NDArray[np.int64],
+    degree: int = 1,
+    max_cells_at_vertex: int = 2,
+) -> dolfinx.mesh.Mesh:
+    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``.
+
+    The call is by keyword: two arguments were swapped in 0.10.
+    """
+    element = basix.ufl.element("Lagrange", "interval", degree, shape=(3,))
+    options: dict[str, Any] = {}
+    if BRANCHING_IN_PARALLEL:
+        options["max_facet_to_cell_links"] = max_cells_at_vertex
+    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
+
+
+def read_gmsh_model(model: Any, comm: MPI.Intracomm, gdim: int = 3) -> Any:
+    """``(mesh, cell_tags, facet_tags)`` of the current gmsh model."""
+    if VERSION >= (0, 10):
+        from dolfinx.io import gmsh as gmshio
+
+        data = gmshio.model_to_mesh(model, comm, 0, gdim=gdim)
+        return data.mesh, data.cell_tags, data.facet_tags
+    from dolfinx.io import gmshio
+
+    return gmshio.model_to_mesh(model, comm, 0, gdim=gdim)

@@ -1,0 +1,1 @@
+"""Element families: one file each, with its strain measures and its energy."""

@@ -1,0 +1,2 @@
+"""Rigid-body frames."""
+from fem_lie._lie_scalar import *
