@@ -14,14 +14,14 @@ from __future__ import annotations
 from math import atan2, cos, factorial, pi, sin, sqrt
 from typing import TypeAlias
 
-from fem_lie._jit import Array, compiled, inlined
+from fem_lie._jit import Array, inlined, inlined_series
 
 Vector: TypeAlias = tuple[float, float, float]
 Matrix: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 Coefficients: TypeAlias = tuple[float, float, float]
 
 ZERO: Matrix = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-_F = tuple(1.0 / factorial(k) for k in range(31))
+_F = tuple(1.0 / factorial(k) for k in range(30))
 _PI2 = pi * pi
 
 
@@ -43,6 +43,13 @@ def load_row(M: Array, i: int) -> Vector:
 @inlined
 def store_row(M: Array, i: int, a: Vector) -> None:
     M[i, 0], M[i, 1], M[i, 2] = a
+
+
+@inlined
+def store_rows(M: Array, i: int, a: Vector, b: Vector, c: Vector) -> None:
+    store_row(M, i, a)
+    store_row(M, i + 1, b)
+    store_row(M, i + 2, c)
 
 
 @inlined
@@ -130,7 +137,7 @@ def rotate_back(d1: Vector, d2: Vector, d3: Vector, v: Vector) -> Vector:
     return dot(d1, v), dot(d2, v), dot(d3, v)
 
 
-@inlined
+@inlined_series
 def stumpff(x: float) -> tuple[float, float, float, float, float, float, float, float]:
     """Stumpff functions ``c_k(x) = Σ (−x)ⁱ/(2i+k)!``, k = 0 … 7: ``cos θ``, ``sin θ/θ``, ….
 
@@ -145,7 +152,7 @@ def stumpff(x: float) -> tuple[float, float, float, float, float, float, float, 
         return c0, c1, c2, c3, c4, c5, (_F[4] - c4) / x, (_F[5] - c5) / x
     p = q = 0.0
     if x > 0.5:
-        p = _F[20] - x * (_F[22] - x * (_F[24] - x * (_F[26] - x * (_F[28] - x * _F[30]))))
+        p = _F[20] - x * (_F[22] - x * (_F[24] - x * (_F[26] - x * _F[28])))
         q = _F[21] - x * (_F[23] - x * (_F[25] - x * (_F[27] - x * _F[29])))
     p = _F[12] - x * (_F[14] - x * (_F[16] - x * (_F[18] - x * p)))
     q = _F[13] - x * (_F[15] - x * (_F[17] - x * (_F[19] - x * q)))
@@ -227,9 +234,7 @@ def blend_derivative(k: Coefficients, dk: Coefficients, θ: Vector, w: Vector) -
 
 
 @inlined
-def inverse_transposed_second(
-    θ: Vector, u: Vector, n: Vector, m: Vector
-) -> tuple[Matrix, Matrix]:
+def inverse_transposed_second(θ: Vector, u: Vector, n: Vector, m: Vector) -> tuple[Matrix, Matrix]:
     """``∂(T⁻ᵀ(θ) n)/∂θ`` with ``θ + εu`` and ``n + εm`` in it: real and dual part."""
     x, s, p = dot(θ, θ), 2.0 * dot(θ, u), dot(θ, n)
     e, de, dde = inverse_series(x)
@@ -246,11 +251,11 @@ def inverse_transposed_second(
 
 
 @inlined
-def rotation_columns(θ: Vector) -> tuple[Vector, Vector, Vector]:
-    """Columns of ``exp θ̂``."""
-    c, a, b, _, _, _, _, _ = stumpff(dot(θ, θ))
-    E = matrix((c, a, b), θ)
-    return (E[0], E[3], E[6]), (E[1], E[4], E[7]), (E[2], E[5], E[8])
+def exponential(u: Vector, θ: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+    """Position ``Tᵀ(θ) u`` and columns of ``exp θ̂``."""
+    cosine, a, b, c, _, _, _, _ = stumpff(dot(θ, θ))
+    E = matrix((cosine, a, b), θ)
+    return blend((a, b, c), θ, u), (E[0], E[3], E[6]), (E[1], E[4], E[7]), (E[2], E[5], E[8])
 
 
 @inlined

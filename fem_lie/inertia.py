@@ -10,10 +10,14 @@ gyroscopic and centrifugal terms included, nothing else to derive. (Betsch & Ley
 
 from __future__ import annotations
 
-import numpy as np
+from numbers import Real
 
-from fem_lie._jit import compiled
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._jit import Array, compiled
 from fem_lie.frames import push
+from fem_lie.lie import hat
 
 
 @compiled
@@ -176,3 +180,65 @@ def invariants(H, v, indptr, indices, G, qdot, p):  # type: ignore[no-untyped-de
             for j in range(3):
                 energy += 0.5 * qdot[i, k, j] * y[j]
     return energy, p0, p1, p2, l0, l1, l2
+
+
+def gram_from_rigid(
+    mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
+    """Gram matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
+
+    ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``: the second moments of
+    the mass distribution, without the products that an inertia tensor mixes.
+
+    Args:
+        mass: Mass.
+        inertia: Inertia tensor J about the centre of mass, in the body's axes, shape (3, 3), or its
+            diagonal, shape (3,).
+        centre: Centre of mass c relative to the frame's origin, in the body's axes.
+
+    Returns:
+        Symmetric positive semidefinite matrix, shape (4, 4).
+
+    Raises:
+        ValueError: The mass is not positive, or J is not symmetric positive definite, or one
+            principal value exceeds the sum of the others: no body has such a tensor.
+    """
+    J = np.asarray(inertia, dtype=np.float64)
+    J = np.diag(J) if J.shape == (3,) else J
+    c = np.asarray(centre, dtype=np.float64)
+    if not isinstance(mass, Real) or not 0.0 < mass < np.inf:
+        raise ValueError(f"mass must be a positive finite number, got {mass!r}")
+    if c.shape != (3,) or not np.isfinite(c).all():
+        raise ValueError(f"centre must be 3 finite numbers, got {centre!r}")
+    if J.shape != (3, 3) or not np.isfinite(J).all() or np.abs(J - J.T).max() > 1e-8 * J.max():
+        raise ValueError(f"inertia must be a symmetric 3×3 tensor, got\n{inertia!r}")
+    principal = np.linalg.eigvalsh(J)
+    if principal[0] <= 0.0 or principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9):
+        raise ValueError(
+            "inertia must have positive principal values, none greater than the sum of the others, "
+            f"got {principal}"
+        )
+    G = np.empty((4, 4))
+    G[0, 0] = mass
+    G[0, 1:] = G[1:, 0] = mass * c
+    G[1:, 1:] = 0.5 * np.trace(J) * np.eye(3) - 0.5 * (J + J.T) + mass * np.outer(c, c)
+    return G
+
+
+def mass_matrix_6x6(gram: npt.ArrayLike) -> Array:
+    """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
+
+    Args:
+        gram: Gram matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
+
+    Returns:
+        Symmetric matrix, shape (6, 6); J is about the frame's origin.
+    """
+    G = np.asarray(gram, dtype=np.float64)
+    E = G[1:, 1:]
+    M = np.empty((6, 6))
+    M[:3, :3] = G[0, 0] * np.eye(3)
+    M[3:, :3] = hat(G[0, 1:])
+    M[:3, 3:] = -M[3:, :3]
+    M[3:, 3:] = np.trace(E) * np.eye(3) - E
+    return M

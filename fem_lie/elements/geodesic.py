@@ -8,10 +8,12 @@ nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, C
 from __future__ import annotations
 
 import numba
+import numpy as np
 import ufl
 from ufl.core.expr import Expr
 
 from fem_lie import lie
+from fem_lie._jit import Array
 from fem_lie.kernel import FrameMap, StrainEnergy, frame_function, stack
 
 
@@ -89,3 +91,23 @@ def geodesic_energy(
         dx=ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 0}),
         weight=length / ufl.CellVolume(domain),
     )
+
+
+def with_bending_flexibility(stiffness: Array, lengths: Array) -> Array:
+    """Section stiffness with the residual bending flexibility of elements of given length.
+
+    With a moment that varies linearly, ``M(s) = M̄ − s e₁ × N``, the complementary energy has the
+    additional shear compliance ``ℓ²/12 ê₁ᵀ C_κκ ê₁``, for a diagonal section
+    ``1/GA* = 1/GA + ℓ²/(12 EI)``. (MacNeal, Comput. Struct. 8 (1978) 175.)
+
+    Args:
+        stiffness: Section stiffness per cell, shape (m, 6, 6).
+        lengths: Length ℓ per cell, shape (m,).
+    """
+    compliance = np.linalg.inv(stiffness)
+    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    compliance[:, :3, :3] += (
+        lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
+    )
+    effective = np.linalg.inv(compliance)
+    return 0.5 * (effective + effective.transpose(0, 2, 1))

@@ -1,26 +1,26 @@
-"""The operations of :mod:`fem_lie.lie` for one point at a time, for use in compiled loops.
+"""The operations of SE(3) in :mod:`fem_lie.lie` for one point at a time, for compiled loops.
 
 Nothing is allocated: results go to the last argument, ``out``, which may be any view of the right
-shape and may be one of the inputs. Shapes: frames ``H`` (4, 3), rotations ``D`` (3, 3) as director
-rows, twists and forces (6,), vectors (3,), and (6, 6) or (3, 3) for matrices. Shapes are not
-checked. Conventions: the card in :mod:`fem_lie.lie`; formulas: :mod:`fem_lie._lie_tuples`.
+shape and may be one of the inputs. Shapes: frames ``H`` (4, 3), twists and forces (6,), matrices
+(6, 6); they are not checked. Conventions stand in :mod:`fem_lie.lie`, formulas in
+:mod:`fem_lie._lie_tuples`.
 """
 
 from __future__ import annotations
 
-from fem_lie._jit import Array, compiled, inlined
+from fem_lie._jit import Array, inlined
 from fem_lie._lie_tuples import (
     ZERO,
     Coefficients,
     Matrix,
     Vector,
     blend,
-    blend_derivative,
     combined,
     cross,
     dot,
     dual_blend,
     dual_part,
+    exponential,
     inverse_coefficients,
     inverse_transposed_second,
     load,
@@ -31,50 +31,43 @@ from fem_lie._lie_tuples import (
     plus,
     rotate,
     rotate_back,
-    rotation_columns,
     rotation_vector,
     scaled,
     shifted_hat,
     store,
     store_block,
     store_row,
+    store_rows,
     tangent_coefficients,
 )
-
 
 # --- frames -------------------------------------------------------------------------------------
 
 
-@compiled
+@inlined
 def exp_se3(d: Array, out: Array) -> None:
     """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of ``d = (u, θ)``."""
-    u, θ = load(d, 0), load(d, 3)
-    k, _ = tangent_coefficients(dot(θ, θ))
-    r1, r2, r3 = rotation_columns(θ)
-    _store_frame(out, blend(k, negative(θ), u), r1, r2, r3)
+    p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
+    _store_frame(out, p, r1, r2, r3)
 
 
-@compiled
+@inlined
 def retract(H: Array, d: Array, out: Array) -> None:
     """Frame ``H exp(d)``."""
-    u, θ = load(d, 0), load(d, 3)
+    p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
     x, d1, d2, d3 = _load_frame(H)
-    k, _ = tangent_coefficients(dot(θ, θ))
-    r1, r2, r3 = rotation_columns(θ)
-    moved = plus(x, rotate(d1, d2, d3, blend(k, negative(θ), u)))
-    _store_frame(
-        out, moved, rotate(d1, d2, d3, r1), rotate(d1, d2, d3, r2), rotate(d1, d2, d3, r3)
-    )
+    moved = plus(x, rotate(d1, d2, d3, p))
+    _store_frame(out, moved, rotate(d1, d2, d3, r1), rotate(d1, d2, d3, r2), rotate(d1, d2, d3, r3))
 
 
-@compiled
+@inlined
 def log_se3(H: Array, out: Array) -> None:
     """Twist ``log(H)`` with ``|θ| ≤ π``."""
     x, d1, d2, d3 = _load_frame(H)
     _store_log(out, x, d1, d2, d3)
 
 
-@compiled
+@inlined
 def relative(A: Array, B: Array, out: Array) -> None:
     """Twist ``log(A⁻¹B)`` with ``|θ| ≤ π``."""
     xa, a1, a2, a3 = _load_frame(A)
@@ -88,18 +81,16 @@ def relative(A: Array, B: Array, out: Array) -> None:
     )
 
 
-@compiled
+@inlined
 def compose(A: Array, B: Array, out: Array) -> None:
     """Frame ``A B = (R_A R_B, x_A + R_A x_B)``."""
     xa, a1, a2, a3 = _load_frame(A)
     xb, b1, b2, b3 = _load_frame(B)
     moved = plus(xa, rotate(a1, a2, a3, xb))
-    _store_frame(
-        out, moved, rotate(a1, a2, a3, b1), rotate(a1, a2, a3, b2), rotate(a1, a2, a3, b3)
-    )
+    _store_frame(out, moved, rotate(a1, a2, a3, b1), rotate(a1, a2, a3, b2), rotate(a1, a2, a3, b3))
 
 
-@compiled
+@inlined
 def inverse(H: Array, out: Array) -> None:
     """Frame ``H⁻¹ = (Rᵀ, −Rᵀx)``."""
     x, (a, b, c), (d, e, f), (g, h, i) = _load_frame(H)
@@ -107,7 +98,7 @@ def inverse(H: Array, out: Array) -> None:
     _store_frame(out, negative(back), (a, d, g), (b, e, h), (c, f, i))
 
 
-@compiled
+@inlined
 def reorthonormalise(H: Array) -> None:
     """One Newton-Schulz step ``R ← R(3I − RᵀR)/2`` in place; the error of ``RᵀR`` is squared."""
     _, d1, d2, d3 = _load_frame(H)
@@ -120,67 +111,67 @@ def reorthonormalise(H: Array) -> None:
 # --- tangent operator ---------------------------------------------------------------------------
 
 
-@compiled
+@inlined
 def tangent(d: Array, out: Array) -> None:
     """``T₆(d)``, the right Jacobian of exp: ``H⁻¹δH = (T₆(d) δd)^``."""
     _store_matrix(tangent_coefficients(_angle2(d)), 1.0, d, out)
 
 
-@compiled
+@inlined
 def tangent_inverse(d: Array, out: Array) -> None:
     """``T₆⁻¹(d)``, for ``|θ| < 2π``."""
     _store_matrix(inverse_coefficients(_angle2(d)), 1.0, d, out)
 
 
-@compiled
+@inlined
 def tangent_inverse_minus(d: Array, out: Array) -> None:
     """``T₆⁻¹(−d) = T₆⁻¹(d) Ad(exp −d)``."""
     _store_matrix(inverse_coefficients(_angle2(d)), -1.0, d, out)
 
 
-@compiled
+@inlined
 def apply_tangent(d: Array, v: Array, out: Array) -> None:
     """``T₆(d) v``."""
     _store_twist(tangent_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
-@compiled
+@inlined
 def apply_tangent_transposed(d: Array, f: Array, out: Array) -> None:
     """``T₆ᵀ(d) f``."""
     _store_force(tangent_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
-@compiled
+@inlined
 def apply_tangent_inverse(d: Array, v: Array, out: Array) -> None:
     """``T₆⁻¹(d) v``."""
     _store_twist(inverse_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
-@compiled
+@inlined
 def apply_tangent_inverse_minus(d: Array, v: Array, out: Array) -> None:
     """``T₆⁻¹(−d) v``."""
     _store_twist(inverse_coefficients(_angle2(d)), -1.0, d, v, out)
 
 
-@compiled
+@inlined
 def apply_tangent_inverse_transposed(d: Array, f: Array, out: Array) -> None:
     """``T₆⁻ᵀ(d) f``."""
     _store_force(inverse_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
-@compiled
+@inlined
 def apply_tangent_inverse_transposed_minus(d: Array, f: Array, out: Array) -> None:
     """``T₆⁻ᵀ(−d) f``."""
     _store_force(inverse_coefficients(_angle2(d)), 1.0, d, f, out)
 
 
-@compiled
+@inlined
 def tangent_inverse_transposed_derivative(d: Array, f: Array, out: Array) -> None:
     """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``."""
     _store_derivative(1.0, d, f, out)
 
 
-@compiled
+@inlined
 def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) -> None:
     """``G(−d, f)``: ``∂(T₆⁻ᵀ(δ) f)/∂δ`` at ``δ = −d``; the derivative is by δ, not by d."""
     _store_derivative(-1.0, d, f, out)
@@ -189,7 +180,7 @@ def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) 
 # --- adjoints -----------------------------------------------------------------------------------
 
 
-@compiled
+@inlined
 def adjoint(H: Array, out: Array) -> None:
     """``Ad(H) = [[R, x̂R], [0, R]]``."""
     x, d1, d2, d3 = _load_frame(H)
@@ -199,7 +190,7 @@ def adjoint(H: Array, out: Array) -> None:
     _store_dual(out, R, xR)
 
 
-@compiled
+@inlined
 def apply_adjoint(H: Array, v: Array, out: Array) -> None:
     """``Ad(H) v``: the twist ``v`` of the frame H in the frame that H is given in."""
     x, d1, d2, d3 = _load_frame(H)
@@ -208,7 +199,7 @@ def apply_adjoint(H: Array, v: Array, out: Array) -> None:
     store(out, 3, ω)
 
 
-@compiled
+@inlined
 def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
     """``Ad(H)⁻¹ v``."""
     x, d1, d2, d3 = _load_frame(H)
@@ -217,7 +208,7 @@ def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
     store(out, 3, rotate_back(d1, d2, d3, ω))
 
 
-@compiled
+@inlined
 def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
     """``Ad(H)ᵀ f``."""
     x, d1, d2, d3 = _load_frame(H)
@@ -226,7 +217,7 @@ def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
     store(out, 3, rotate_back(d1, d2, d3, minus(m, cross(x, n))))
 
 
-@compiled
+@inlined
 def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
     """``Ad(H)⁻ᵀ f``: the force ``f`` on the frame H in the frame that H is given in."""
     x, d1, d2, d3 = _load_frame(H)
@@ -235,7 +226,7 @@ def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
     store(out, 0, n)
 
 
-@compiled
+@inlined
 def apply_ad(v: Array, w: Array, out: Array) -> None:
     """``ad(v) w``, the Lie bracket."""
     ω, q = load(v, 3), load(w, 3)
@@ -244,7 +235,7 @@ def apply_ad(v: Array, w: Array, out: Array) -> None:
     store(out, 0, translation)
 
 
-@compiled
+@inlined
 def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
     """``ad(v)ᵀ p``."""
     u, ω, n, m = load(v, 0), load(v, 3), load(p, 0), load(p, 3)
@@ -252,116 +243,11 @@ def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
     store(out, 3, plus(cross(n, u), cross(m, ω)))
 
 
-@compiled
+@inlined
 def coadjoint_matrix(p: Array, out: Array) -> None:
     """``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``."""
     n, m = shifted_hat(0.0, load(p, 0)), shifted_hat(0.0, load(p, 3))
     _store_codual(out, n, m)
-
-
-# --- rotations ----------------------------------------------------------------------------------
-
-
-@compiled
-def exp_so3(θ: Array, out: Array) -> None:
-    """Director rows of ``exp θ̂``."""
-    r1, r2, r3 = rotation_columns(load(θ, 0))
-    _store_rows(out, 0, r1, r2, r3)
-
-
-@compiled
-def log_so3(D: Array, out: Array) -> None:
-    """Rotation vector of the director rows ``D``, ``|θ| ≤ π``."""
-    store(out, 0, rotation_vector(load_row(D, 0), load_row(D, 1), load_row(D, 2)))
-
-
-@compiled
-def tangent_so3(θ: Array, out: Array) -> None:
-    """``T(θ)``: ``RᵀδR = (T(θ) δθ)^``."""
-    t = load(θ, 0)
-    k, _ = tangent_coefficients(dot(t, t))
-    store_block(out, 0, 0, matrix(k, t))
-
-
-@compiled
-def tangent_inverse_so3(θ: Array, out: Array) -> None:
-    """``T⁻¹(θ)``, for ``|θ| < 2π``."""
-    t = load(θ, 0)
-    k, _ = inverse_coefficients(dot(t, t))
-    store_block(out, 0, 0, matrix(k, t))
-
-
-@compiled
-def apply_tangent_so3(θ: Array, w: Array, out: Array) -> None:
-    """``T(θ) w``."""
-    t = load(θ, 0)
-    k, _ = tangent_coefficients(dot(t, t))
-    store(out, 0, blend(k, t, load(w, 0)))
-
-
-@compiled
-def apply_tangent_transposed_so3(θ: Array, w: Array, out: Array) -> None:
-    """``Tᵀ(θ) w = T(−θ) w``."""
-    t = load(θ, 0)
-    k, _ = tangent_coefficients(dot(t, t))
-    store(out, 0, blend(k, negative(t), load(w, 0)))
-
-
-@compiled
-def apply_tangent_inverse_so3(θ: Array, w: Array, out: Array) -> None:
-    """``T⁻¹(θ) w``."""
-    t = load(θ, 0)
-    k, _ = inverse_coefficients(dot(t, t))
-    store(out, 0, blend(k, t, load(w, 0)))
-
-
-@compiled
-def apply_tangent_inverse_transposed_so3(θ: Array, w: Array, out: Array) -> None:
-    """``T⁻ᵀ(θ) w = T⁻¹(−θ) w``."""
-    t = load(θ, 0)
-    k, _ = inverse_coefficients(dot(t, t))
-    store(out, 0, blend(k, negative(t), load(w, 0)))
-
-
-@compiled
-def tangent_derivative_so3(θ: Array, w: Array, out: Array) -> None:
-    """``∂(T(θ) w)/∂θ``."""
-    t = load(θ, 0)
-    k, dk = tangent_coefficients(dot(t, t))
-    store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
-
-
-@compiled
-def tangent_inverse_derivative_so3(θ: Array, w: Array, out: Array) -> None:
-    """``∂(T⁻¹(θ) w)/∂θ``."""
-    t = load(θ, 0)
-    k, dk = inverse_coefficients(dot(t, t))
-    store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
-
-
-@compiled
-def cayley_so3(ψ: Array, out: Array) -> None:
-    """Director rows of ``cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``."""
-    t = load(ψ, 0)
-    x = dot(t, t)
-    r = 1.0 / (1.0 + 0.25 * x)
-    k = (1.0 - 0.5 * r * x, -r, 0.5 * r)  # of the transpose: its rows are the columns of cay ψ
-    store_block(out, 0, 0, matrix(k, t))
-
-
-@compiled
-def cayley_tangent_so3(ψ: Array, out: Array) -> None:
-    """``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``."""
-    t = load(ψ, 0)
-    r = 1.0 / (1.0 + 0.25 * dot(t, t))
-    store_block(out, 0, 0, shifted_hat(r, scaled(-0.5 * r, t)))
-
-
-@compiled
-def cayley_tangent_inverse_so3(ψ: Array, out: Array) -> None:
-    """``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ``."""
-    t = load(ψ, 0)
-    store_block(out, 0, 0, matrix((1.0, 0.5, 0.25), t))
 
 
 # --- load and store -----------------------------------------------------------------------------
@@ -373,16 +259,9 @@ def _load_frame(H: Array) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 @inlined
-def _store_rows(out: Array, i: int, a: Vector, b: Vector, c: Vector) -> None:
-    store_row(out, i, a)
-    store_row(out, i + 1, b)
-    store_row(out, i + 2, c)
-
-
-@inlined
 def _store_frame(out: Array, x: Vector, d1: Vector, d2: Vector, d3: Vector) -> None:
     store_row(out, 0, x)
-    _store_rows(out, 1, d1, d2, d3)
+    store_rows(out, 1, d1, d2, d3)
 
 
 @inlined
@@ -401,7 +280,8 @@ def _stretched(d: Vector) -> Vector:
 
 @inlined
 def _angle2(d: Array) -> float:
-    return d[3] * d[3] + d[4] * d[4] + d[5] * d[5]
+    θ = load(d, 3)
+    return dot(θ, θ)
 
 
 @inlined
@@ -427,9 +307,7 @@ def _store_force(
 
 
 @inlined
-def _store_matrix(
-    k: tuple[Coefficients, Coefficients], s: float, d: Array, out: Array
-) -> None:
+def _store_matrix(k: tuple[Coefficients, Coefficients], s: float, d: Array, out: Array) -> None:
     u, θ = scaled(s, load(d, 0)), scaled(s, load(d, 3))
     _store_dual(out, matrix(k[0], θ), dual_part(k[0], k[1], θ, u))
 

@@ -1,0 +1,28 @@
+# Every target sets the environment up first, where that is still to be done.
+.PHONY: help set-up demo test lint bench clean-environment
+
+help:
+	@echo 'make demo               set up and run the flexible double pendulum (ARGS="--help")'
+	@echo 'make test               set up and run the tests (ARGS="-k lie")'
+	@echo 'make lint               ruff and mypy'
+	@echo 'make bench              the benchmarks'
+	@echo 'make clean-environment  remove the private Debian root and all else in its cache folder'
+	@echo 'tools/run CMD...        run any command in the environment'
+
+set-up:
+	@tools/setup
+
+demo: set-up
+	tools/run python3 demos/double_pendulum.py $(ARGS)
+
+test: set-up
+	tools/run python3 -m pytest $(ARGS)
+
+lint: set-up
+	tools/lint
+
+bench: set-up
+	@set -e; for script in benchmarks/*.py; do echo "$$script"; tools/run python3 "$$script"; done
+
+clean-environment:
+	tools/setup --remove

@@ -1,0 +1,215 @@
+"""Lines of gmsh models: first-order line cells, CAD tangents, named groups."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_lie._lines import Array, Indices
+
+_LINE_2 = 1  # gmsh's element type
+
+
+@dataclass(frozen=True, eq=False)
+class RawLines:
+    """Line cells as gmsh has them; points without cells are dropped.
+
+    Attributes:
+        points: Coordinates, shape (n, 3).
+        cells: Pairs of points, shape (m, 2).
+        tangents: Unit tangents from CAD curves, shape (m, 2, 3), nan where there is no CAD.
+        groups: Cells of each physical group of curves.
+        named_points: Points of each physical group of points.
+    """
+
+    points: Array
+    cells: Indices
+    tangents: Array
+    groups: dict[str, Indices]
+    named_points: dict[str, Indices]
+
+
+def read_lines(path: str | os.PathLike[str], parameters: Mapping[str, float] | None) -> RawLines:
+    """Lines of a file, in a model of its own that is removed afterwards.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, a parameter is not in it, or it has no lines.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise FileNotFoundError(f"no mesh file {str(file)!r}")
+    with _session() as gmsh:
+        if parameters:
+            _check_parameters(gmsh, file, parameters)
+        with _model(gmsh):
+            _merge(gmsh, file, parameters or {})
+            if gmsh.model.mesh.getNodes()[0].size == 0:
+                _logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
+            return model_lines(str(file))
+
+
+def model_lines(what: str) -> RawLines:
+    """Lines of the current gmsh model; ``what`` is its name in messages."""
+    import gmsh
+
+    curves = _curves(gmsh)
+    cells, tangents, owner = [], [], []
+    for curve in curves:
+        ends = _line_cells(gmsh, curve, what)
+        cells.append(ends)
+        tangents.append(_cad_tangents(gmsh, curve, ends))
+        owner.append(np.full(len(ends), curve))
+    if not cells or not sum(map(len, cells)):
+        raise ValueError(f"{what} has no line cells; give the curves a mesh and a physical group")
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    used, local = np.unique(np.concatenate(cells), return_inverse=True)
+    order = np.argsort(tags)
+    rows = order[np.searchsorted(tags, used, sorter=order)]
+    of_curve = np.concatenate(owner)
+    return RawLines(
+        points=coordinates.reshape(-1, 3)[rows],
+        cells=local.reshape(-1, 2).astype(np.int64),
+        tangents=np.concatenate(tangents),
+        groups={
+            name: np.flatnonzero(np.isin(of_curve, entities))
+            for name, entities in _physical(gmsh, 1).items()
+        },
+        named_points=_named_points(gmsh, used),
+    )
+
+
+@contextmanager
+def _session() -> Iterator[Any]:
+    """gmsh, started if it was not, silent, and left as it was."""
+    import gmsh
+
+    own = not gmsh.isInitialized()
+    if own:
+        # without its handler, gmsh leaves Ctrl-C to Python
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    terminal = gmsh.option.getNumber("General.Terminal")
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        yield gmsh
+    finally:
+        if own:
+            gmsh.finalize()
+        else:
+            gmsh.option.setNumber("General.Terminal", terminal)
+
+
+@contextmanager
+def _model(gmsh: Any) -> Iterator[None]:
+    """A model of its own; the user's parameters and current model come back afterwards."""
+    current, onelab = gmsh.model.getCurrent(), gmsh.onelab.get()
+    gmsh.onelab.clear()
+    gmsh.model.add("fem_lie")
+    try:
+        yield
+    finally:
+        gmsh.model.remove()
+        gmsh.parser.clear()
+        gmsh.onelab.clear()
+        gmsh.onelab.set(onelab)
+        if current:
+            gmsh.model.setCurrent(current)
+
+
+def _merge(gmsh: Any, file: Path, parameters: Mapping[str, float]) -> None:
+    gmsh.parser.clear()
+    for name, value in parameters.items():
+        gmsh.parser.setNumber(name, [float(value)])
+    # "open" would forget the numbers
+    _logged(gmsh, file, lambda: gmsh.merge(str(file)))
+
+
+def _logged(gmsh: Any, file: Path, call: Any) -> None:
+    """Turn what gmsh only logs as an error into an exception."""
+    gmsh.logger.start()
+    try:
+        call()
+        errors = [line for line in gmsh.logger.get() if line.startswith("Error")]
+    except Exception as error:
+        # gmsh raises nothing more special
+        errors = [str(error)]
+    finally:
+        gmsh.logger.stop()
+    if errors:
+        raise ValueError(f"gmsh cannot read {str(file)!r}: " + "; ".join(errors))
+
+
+def _check_parameters(gmsh: Any, file: Path, parameters: Mapping[str, float]) -> None:
+    with _model(gmsh):
+        _merge(gmsh, file, {})
+        known = set(gmsh.parser.getNames())
+    for name in parameters:
+        if name not in known:
+            listed = ", ".join(sorted(known)) or "none"
+            raise ValueError(f"{str(file)!r} has no parameter {name!r}; it has: {listed}")
+    with _model(gmsh):
+        _merge(gmsh, file, parameters)
+        for name, value in parameters.items():
+            if gmsh.parser.getNumber(name)[0] != float(value):
+                raise ValueError(
+                    f"{str(file)!r} sets {name!r} itself; let it stand in DefineConstant[...]"
+                )
+
+
+def _physical(gmsh: Any, dim: int) -> dict[str, list[int]]:
+    """Entities of each physical group; a group without a name is called by its number."""
+    return {
+        gmsh.model.getPhysicalName(dim, tag) or str(tag): list(
+            gmsh.model.getEntitiesForPhysicalGroup(dim, tag)
+        )
+        for _, tag in gmsh.model.getPhysicalGroups(dim)
+    }
+
+
+def _curves(gmsh: Any) -> list[int]:
+    """Curves in physical groups, or all if there are none."""
+    grouped = {tag for entities in _physical(gmsh, 1).values() for tag in entities}
+    return sorted(grouped or {tag for _, tag in gmsh.model.getEntities(1)})
+
+
+def _line_cells(gmsh: Any, curve: int, what: str) -> Indices:
+    types, _, nodes = gmsh.model.mesh.getElements(1, curve)
+    for kind in types:
+        if kind != _LINE_2:
+            name = gmsh.model.mesh.getElementProperties(kind)[0]
+            raise ValueError(
+                f"{what}: curve {curve} has cells of type {name!r}; wanted are lines of order 1"
+            )
+    return nodes[0].astype(np.int64).reshape(-1, 2) if len(nodes) else np.empty((0, 2), np.int64)
+
+
+def _cad_tangents(gmsh: Any, curve: int, cells: Indices) -> Array:
+    """Unit tangents at both ends of each cell, (m, 2, 3); nan if the curve has no geometry."""
+    unknown = np.full((len(cells), 2, 3), np.nan)
+    if gmsh.model.getType(1, curve) == "Discrete curve":
+        return unknown
+    tags, coordinates, parameter = gmsh.model.mesh.getNodes(1, curve, True, True)
+    if len(parameter) != len(tags):
+        return unknown
+    derivative = np.array(gmsh.model.getDerivative(1, curve, parameter)).reshape(-1, 3)
+    size = np.linalg.norm(derivative, axis=1, keepdims=True)
+    unit = np.divide(derivative, size, where=size > 0, out=np.full_like(derivative, np.nan))
+    order = np.argsort(tags)
+    rows = order[np.searchsorted(tags, cells, sorter=order)]
+    chord = np.diff(coordinates.reshape(-1, 3)[rows], axis=1)
+    return unit[rows] * np.where((unit[rows] * chord).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
+
+
+def _named_points(gmsh: Any, used: Indices) -> dict[str, Indices]:
+    """Points with cells in each physical group of points."""
+    named = {}
+    for name, entities in _physical(gmsh, 0).items():
+        tags = np.concatenate([gmsh.model.mesh.getNodes(0, tag)[0] for tag in entities])
+        named[name] = np.flatnonzero(np.isin(used, tags))
+    return {name: points for name, points in named.items() if len(points)}

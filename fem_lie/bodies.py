@@ -1,0 +1,164 @@
+"""What a scene is made of: bodies with nodal frames, and points on them.
+
+A body is nodes with frames, inertia, and perhaps an elastic assembly shared with all bodies of its
+kind. It knows nothing of unknowns, solvers or other bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._jit import Array
+
+if TYPE_CHECKING:
+    from fem_lie.assembly import Assembly
+
+
+def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
+    """``value`` as finite numbers of shape ``(size,)``.
+
+    Raises:
+        ValueError: It is something else; the message says what was given for what.
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be {size} numbers, got {value!r}") from None
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise ValueError(f"{what} must be {size} finite numbers, got {value!r}")
+    return array
+
+
+class Body:
+    """Nodes that move.
+
+    Attributes:
+        frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
+        velocities: Initial local velocities (translation, rotation), shape (n, 6).
+        cells: Pairs of nodes, for drawing, shape (m, 2).
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``: for drawing.
+        size: A length of the body, for tolerances.
+        assembly: What assembles all bodies of this kind, or ``None`` for rigid ones.
+        name: How messages and results call it; the scene gives one if it is empty.
+    """
+
+    assembly: type[Assembly] | None = None
+
+    def __init__(
+        self,
+        frames: Array,
+        *,
+        cells: npt.NDArray[np.int64],
+        outline: Array | None,
+        size: float,
+        points: dict[str, int],
+        name: str = "",
+    ) -> None:
+        """Keep copies of the frames; velocities start at zero."""
+        self.frames = np.array(frames, dtype=np.float64)
+        self.velocities = np.zeros((len(self.frames), 6))
+        self.cells, self.outline, self.size, self.name = cells, outline, size, name
+        self._points = points
+
+    def __getitem__(self, name: str) -> Point:
+        """The point with this name.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        if name not in self._points:
+            known = ", ".join(sorted(self._points)) or "none"
+            raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
+        return Point(self, self._points[name], name)
+
+    @property
+    def label(self) -> str:
+        """The name, or the class if there is none yet."""
+        return self.name or type(self).__name__
+
+    @property
+    def point_names(self) -> dict[str, int]:
+        """Named points and their nodes."""
+        return dict(self._points)
+
+    def node(self, index: int) -> Point:
+        """Point at a node.
+
+        Raises:
+            ValueError: There is no such node.
+        """
+        if not -len(self.frames) <= index < len(self.frames):
+            raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
+        return Point(self, index % len(self.frames), f"node {index}")
+
+    def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
+        """Add a rigid rotation to the initial velocities.
+
+        Args:
+            omega: Angular velocity, global components, rad per time.
+            about: A point of a body, or a place, that stays at rest in this rotation.
+        """
+        centre = about.position if isinstance(about, Point) else vector(about, 3, "about")
+        spin = vector(omega, 3, "omega")
+        self._add_velocity(np.cross(spin, self.frames[:, 0] - centre), spin)
+
+    def move(self, velocity: npt.ArrayLike) -> None:
+        """Add a translation, global components, to the initial velocities."""
+        given = vector(velocity, 3, "velocity")
+        self._add_velocity(np.tile(given, (len(self.frames), 1)), np.zeros(3))
+
+    def cell_lengths(self, group: str | None = None) -> tuple[npt.NDArray[np.int64], Array]:
+        """Cells of a group (default: all) and their reference lengths.
+
+        Raises:
+            ValueError: The body has no cells, or no such group.
+        """
+        raise ValueError(f"{self.label} has no cells to put a line load on")
+
+    def _add_velocity(self, translation: Array, spin: Array) -> None:
+        self.velocities[:, :3] += np.einsum("nij,nj->ni", self.frames[:, 1:], translation)
+        self.velocities[:, 3:] += self.frames[:, 1:] @ spin
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A node of a body, or ground (``body`` is ``None``), to which joints and loads are attached."""
+
+    body: Body | None
+    node: int = 0
+    name: str = ""
+
+    @property
+    def is_ground(self) -> bool:
+        """Whether it is fixed in space."""
+        return self.body is None
+
+    @property
+    def position(self) -> Array:
+        """Initial position of the node, shape (3,)."""
+        return np.zeros(3) if self.body is None else self.body.frames[self.node, 0]
+
+    @property
+    def frame(self) -> Array:
+        """Initial frame of the node, shape (4, 3)."""
+        return lie.frame(np.zeros(3), np.eye(3)) if self.body is None else self.body.frames[self.node]
+
+    @property
+    def size(self) -> float:
+        """A length of the body."""
+        return 1.0 if self.body is None else self.body.size
+
+    @property
+    def label(self) -> str:
+        """For messages and results."""
+        return "ground" if self.body is None else f"{self.body.label}.{self.name}"
+
+
+def ground() -> Point:
+    """What does not move."""
+    return Point(None)

@@ -1,0 +1,117 @@
+"""Line meshes from gmsh and from DOLFINx."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.mesh import KINK_ANGLE, LineMesh
+
+if TYPE_CHECKING:
+    import dolfinx
+
+
+def read_gmsh(
+    path: str | os.PathLike[str] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    kink_angle: float = KINK_ANGLE,
+) -> LineMesh:
+    """Lines of a gmsh file or model, with the names of its physical groups.
+
+    Physical groups of curves become groups of cells, those of points named points; a group without
+    a name is called by its number. Curves outside of groups count only if no curve is in one. A
+    ``.geo`` file is meshed here; its tangents are those of the CAD curves. A ``.msh`` file has no
+    curves any more; tangents come from its points, see :meth:`~fem_lie.mesh.LineMesh.from_cells`.
+
+    Args:
+        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
+        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+        kink_angle: See :meth:`~fem_lie.mesh.LineMesh.from_cells`.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, a parameter is not in it, it has no lines, lines of higher
+            order, or anything that the class refuses.
+    """
+    from fem_lie._gmsh import model_lines, read_lines
+
+    if path is None and parameters:
+        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
+    raw = model_lines("the gmsh model") if path is None else read_lines(path, parameters)
+    return LineMesh.from_cells(
+        raw.points,
+        raw.cells,
+        tangents=raw.tangents,
+        groups=raw.groups,
+        named_points=raw.named_points,
+        kink_angle=kink_angle,
+    )
+
+
+def from_dolfinx(
+    mesh: dolfinx.mesh.Mesh,
+    cell_tags: dolfinx.mesh.MeshTags | None = None,
+    vertex_tags: dolfinx.mesh.MeshTags | None = None,
+    *,
+    groups: Mapping[str, int] | None = None,
+    named_points: Mapping[str, int] | None = None,
+    kink_angle: float = KINK_ANGLE,
+) -> LineMesh:
+    """A DOLFINx mesh of intervals; cells keep DOLFINx's numbers, points those of its geometry.
+
+    Args:
+        mesh: Mesh of intervals of first order, on one process.
+        cell_tags: Tags of cells.
+        vertex_tags: Tags of vertices (the facets of a line).
+        groups: Name of each tag of cells; default: the tags' numbers are the names.
+        named_points: Name of each tag of vertices; default likewise.
+        kink_angle: See :meth:`~fem_lie.mesh.LineMesh.from_cells`.
+
+    Raises:
+        ValueError: The mesh has other cells or is spread over processes, a tag does not exist, or
+            anything that the class refuses.
+    """
+    from dolfinx.mesh import entities_to_geometry
+
+    from fem_lie._compat import geometry_dofmap
+
+    if mesh.comm.size > 1:
+        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    cells = geometry_dofmap(mesh)
+    if mesh.topology.dim != 1 or cells.shape[1] != 2:
+        raise ValueError(
+            "the mesh must consist of intervals of order 1, got "
+            f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
+        )
+    names = _tagged(vertex_tags, named_points, "vertex_tags")
+    return LineMesh.from_cells(
+        mesh.geometry.x,
+        cells,
+        groups=_tagged(cell_tags, groups, "cell_tags"),
+        named_points={
+            name: entities_to_geometry(mesh, 0, vertices).ravel()
+            for name, vertices in names.items()
+        },
+        kink_angle=kink_angle,
+    )
+
+
+def _tagged(
+    tags: dolfinx.mesh.MeshTags | None, names: Mapping[str, int] | None, what: str
+) -> dict[str, npt.NDArray[np.int32]]:
+    """Entities of each name."""
+    if tags is None:
+        if names:
+            raise ValueError(f"names {sorted(names)} need {what}, got none")
+        return {}
+    exist = np.unique(tags.values)
+    wanted = {str(tag): int(tag) for tag in exist} if names is None else names
+    for name, tag in wanted.items():
+        if tag not in exist:
+            raise ValueError(f"{what} has no tag {tag} (for {name!r}); it has: {exist.tolist()}")
+    return {name: tags.find(tag) for name, tag in wanted.items()}

@@ -1,0 +1,290 @@
+"""Line meshes in space: points, cells with tangents at both ends, named groups and points.
+
+A mesh comes from a helper (:func:`straight`, :func:`curve`), from gmsh or DOLFINx
+(:mod:`fem_lie.io`), or from bare arrays (:meth:`LineMesh.from_cells`).
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import pi, radians
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._lines import Array, Indices, circle_tangents, flipped, join_tangents, valence
+
+# A circle of ten cells is still smooth, a corner of 45 degrees is not.
+KINK_ANGLE = radians(40.0)
+
+
+@dataclass(frozen=True, eq=False)
+class LineMesh:
+    """Straight or curved lines cut into cells; they may branch.
+
+    Attributes:
+        points: Coordinates, shape (n, 3); every point belongs to a cell.
+        cells: Pairs of points, shape (m, 2).
+        tangents: Unit tangents at the two ends of each cell, from its first to its second point,
+            shape (m, 2, 3). The two sides of a point differ at a kink or branch.
+        groups: Cells of each named group.
+        named_points: Points of each name.
+
+    Raises:
+        ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
+            length or stands there twice; a point has no cell.
+    """
+
+    points: Array
+    cells: Indices
+    tangents: Array
+    groups: Mapping[str, Indices] = field(default_factory=dict)
+    named_points: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        points, cells = _points(self.points), _cells(self.cells, len(self.points))
+        _check_cells(points, cells)
+        tangents = _tangents(self.tangents, len(cells))
+        # also refuses nan
+        if not (np.abs(np.linalg.norm(tangents, axis=-1) - 1.0) < 1e-6).all():
+            raise ValueError("tangents must be unit vectors")
+        for name, value in (
+            ("points", points),
+            ("cells", cells),
+            ("tangents", tangents),
+            ("groups", _members(self.groups, len(cells), "cells")),
+            ("named_points", _members(self.named_points, len(points), "points")),
+        ):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_cells(
+        cls,
+        points: npt.ArrayLike,
+        cells: npt.ArrayLike,
+        *,
+        tangents: npt.ArrayLike | None = None,
+        groups: Mapping[str, npt.ArrayLike] | None = None,
+        named_points: Mapping[str, npt.ArrayLike] | None = None,
+        kink_angle: float = KINK_ANGLE,
+    ) -> LineMesh:
+        """Mesh from bare arrays; tangents from circles through three successive points.
+
+        Cells are turned round where needed, so that along a line each follows the one before it;
+        the one with the lowest number keeps its direction. Tangents are exact on circles and second
+        order on other smooth lines.
+
+        Args:
+            points: Coordinates, shape (n, 3).
+            cells: Pairs of points, shape (m, 2).
+            tangents: Those that are known, as in the class, nan elsewhere. Where the two sides of a
+                point differ by less than a degree both get their mean.
+            groups: Cells of each named group.
+            named_points: Points of each name.
+            kink_angle: Where successive chords turn by more than this angle, rad, the line has a
+                kink, and the tangents on both sides are the chords.
+
+        Raises:
+            ValueError: See the class.
+        """
+        if not 0.0 <= kink_angle <= pi:
+            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+        x = _points(points)
+        given = _cells(cells, len(x))
+        _check_cells(x, given)
+        flip = flipped(given, len(x))
+        directed = np.where(flip[:, np.newaxis], given[:, ::-1], given)
+        found = circle_tangents(x, directed, kink_angle)
+        if tangents is not None:
+            known = _tangents(tangents, len(given))
+            known = np.where(flip[:, np.newaxis, np.newaxis], -known[:, ::-1], known)
+            found = join_tangents(directed, np.where(np.isfinite(known), known, found), len(x))
+        return cls(
+            x,
+            directed,
+            found,
+            _members(groups or {}, len(given), "cells"),
+            _members(named_points or {}, len(x), "points"),
+        )
+
+    @property
+    def branching_points(self) -> Indices:
+        """Points at which more than two cells meet."""
+        return np.flatnonzero(valence(self.cells, len(self.points)) > 2)
+
+    def group(self, name: str) -> Indices:
+        """Cells of a group.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return _find(self.groups, name, "group of cells")
+
+    def named(self, name: str) -> Indices:
+        """Points of a name.
+
+        Raises:
+            ValueError: There is no such name; the message lists those that exist.
+        """
+        return _find(self.named_points, name, "named point")
+
+    def part(self, group: str) -> LineMesh:
+        """The mesh of one group, with the names that it contains.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        index = self.group(group)
+        used, local = np.unique(self.cells[index], return_inverse=True)
+        groups = {
+            name: np.flatnonzero(np.isin(index, cells)) for name, cells in self.groups.items()
+        }
+        names = {
+            name: np.flatnonzero(np.isin(used, points))
+            for name, points in self.named_points.items()
+        }
+        return LineMesh(
+            self.points[used],
+            local.reshape(-1, 2),
+            self.tangents[index],
+            {name: cells for name, cells in groups.items() if len(cells)},
+            {name: points for name, points in names.items() if len(points)},
+        )
+
+
+def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
+    """Straight line in equal cells; its ends are named "start" and "end".
+
+    Raises:
+        ValueError: The ends coincide or are not points, or there is no cell.
+    """
+    a, b = _points([start, end])
+    if np.array_equal(a, b):
+        raise ValueError(f"a line must have a length, but start and end are both {a}")
+    s = np.linspace(0.0, 1.0, _count(cells) + 1)[:, np.newaxis]
+    unit = (b - a) / np.linalg.norm(b - a)
+    return _chain((1.0 - s) * a + s * b, np.tile(unit, (len(s), 1)))
+
+
+def curve(
+    function: Callable[[float], npt.ArrayLike],
+    cells: int,
+    *,
+    derivative: Callable[[float], npt.ArrayLike] | None = None,
+) -> LineMesh:
+    """Smooth curve, cut at equal steps of its parameter; its ends are named "start" and "end".
+
+    Args:
+        function: Point at ``s``, shape (3,); s from 0 to 1.
+        cells: Number of cells.
+        derivative: Any vector along the tangent at ``s``, shape (3,). Default: differences of sixth
+            order of ``function``, within [0, 1], good to about 1e-12.
+
+    Raises:
+        ValueError: The curve stands still somewhere, is not finite, or there is no cell.
+    """
+    s = np.linspace(0.0, 1.0, _count(cells) + 1)
+    points = _points([function(float(si)) for si in s])
+    along = _points([derivative(float(si)) if derivative else _slope(function, si) for si in s])
+    speed = np.linalg.norm(along, axis=1, keepdims=True)
+    if not speed.min() > 1e-10 * speed.max():
+        raise ValueError(f"the curve has no tangent at s = {s[speed.argmin()]:g}")
+    return _chain(points, along / speed)
+
+
+def _chain(points: Array, tangents: Array) -> LineMesh:
+    number = np.arange(len(points) - 1)
+    cells = np.column_stack([number, number + 1])
+    ends = {"start": np.array([0]), "end": number[-1:] + 1}
+    return LineMesh(points, cells, tangents[cells], {}, ends)
+
+
+def _slope(function: Callable[[float], npt.ArrayLike], s: float) -> Array:
+    """Derivative from seven points around ``s``, moved inward at the ends."""
+    step, offsets = 2.0**-10, np.arange(-3.0, 4.0)
+    centre = min(max(s, 3 * step), 1.0 - 3 * step)
+    offsets += (centre - s) / step
+    # weights that are exact for polynomials up to degree six
+    weights = np.linalg.solve(np.vander(offsets, increasing=True).T, np.eye(7)[1])
+    values = np.array([function(float(s + offset * step)) for offset in offsets], dtype=np.float64)
+    slope: Array = weights @ values / step
+    return slope
+
+
+def _count(cells: int) -> int:
+    try:
+        number = operator.index(cells)
+    except TypeError:
+        number = 0
+    if number < 1:
+        raise ValueError(f"cells must be a whole number of at least 1, got {cells!r}")
+    return number
+
+
+def _points(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
+    points: Array = np.array(value, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+        raise ValueError(f"points must have shape (n, 3), got {points.shape}")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise ValueError(f"points must be finite; point {bad[0]} is {points[bad[0]]}")
+    return points
+
+
+def _cells(value: npt.ArrayLike, points: int) -> Indices:
+    cells = np.asarray(value)
+    if cells.ndim != 2 or cells.shape[1] != 2 or not len(cells):
+        raise ValueError(f"cells must be pairs of points, shape (m, 2), got {cells.shape}")
+    return _indices(cells, points, "cells")
+
+
+def _tangents(value: npt.ArrayLike, cells: int) -> Array:
+    tangents = np.array(value, dtype=np.float64)
+    if tangents.shape != (cells, 2, 3):
+        raise ValueError(f"tangents must have shape ({cells}, 2, 3), got {tangents.shape}")
+    return tangents
+
+
+def _indices(value: npt.ArrayLike, size: int, what: str) -> Indices:
+    index = np.asarray(value)
+    if index.size and index.dtype.kind not in "iu":
+        raise ValueError(f"{what} must be whole numbers, got {index.dtype}")
+    if index.size and not (0 <= index.min() and index.max() < size):
+        raise ValueError(f"{what} must be in 0 … {size - 1}, got {index.min()} … {index.max()}")
+    return index.astype(np.int64)
+
+
+def _check_cells(points: Array, cells: Indices) -> None:
+    length = np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1)
+    # two points of one place, up to the digits with which they are given
+    short = np.flatnonzero(length <= 1e-14 * np.abs(points).max())
+    if len(short):
+        a, b = cells[short[0]]
+        raise ValueError(
+            f"cell {short[0]} has no length: its points {a} and {b} are both at {points[a]}"
+        )
+    _, first, count = np.unique(
+        np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    if (count > 1).any():
+        twice = first[count > 1][0]
+        raise ValueError(f"cell {twice} (points {cells[twice]}) stands there twice")
+    alone = np.flatnonzero(valence(cells, len(points)) == 0)
+    if len(alone):
+        raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
+
+
+def _members(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dict[str, Indices]:
+    return {
+        name: np.unique(_indices(index, size, f"{what} of {name!r}"))
+        for name, index in groups.items()
+    }
+
+
+def _find(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
+    if name not in groups:
+        known = ", ".join(sorted(groups)) or "none"
+        raise ValueError(f"the mesh has no {what} {name!r}; it has: {known}")
+    return groups[name]

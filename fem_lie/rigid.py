@@ -1,0 +1,62 @@
+"""Rigid bodies: one node with its frame, and an inertia tensor."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie.bodies import Body, Point, vector
+from fem_lie.inertia import gram_from_rigid
+
+
+class RigidBody(Body):
+    """A rigid body whose frame is at its centre of mass.
+
+    Attributes:
+        gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
+    """
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: npt.ArrayLike,
+        position: npt.ArrayLike = (0.0, 0.0, 0.0),
+        rotation: npt.ArrayLike | None = None,
+        *,
+        name: str = "",
+    ) -> None:
+        """Place the body.
+
+        Args:
+            mass: Mass.
+            inertia: Inertia tensor about the centre of mass in the body's axes, shape (3, 3), or
+                its three principal values.
+            position: Centre of mass, global components.
+            rotation: Body axes as columns, shape (3, 3); default: global axes.
+            name: For messages and results.
+
+        Raises:
+            ValueError: The mass is not positive, the inertia not that of a body, or the rotation
+                not a rotation.
+        """
+        tensor = np.asarray(inertia, dtype=np.float64)
+        tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
+        self.gram = gram_from_rigid(mass, tensor)
+        R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
+        if R.shape != (3, 3) or not np.allclose(R.T @ R, np.eye(3)) or np.linalg.det(R) < 0:
+            raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
+        super().__init__(
+            lie.frame(vector(position, 3, "position"), R)[np.newaxis],
+            cells=np.empty((0, 2), dtype=np.int64),
+            outline=None,
+            # radius of gyration: the only length that a rigid body has
+            size=float(np.sqrt(np.trace(tensor) / mass)),
+            points={"centre": 0},
+            name=name,
+        )
+
+    @property
+    def centre(self) -> Point:
+        """The centre of mass; joints elsewhere on the body take it with ``at=...``."""
+        return self["centre"]

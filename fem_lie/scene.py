@@ -1,0 +1,79 @@
+"""A scene: what there is, in the order in which it was added, with names."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import numpy.typing as npt
+
+from fem_lie.bodies import Body, vector
+from fem_lie.joints import Joint
+from fem_lie.loads import Clamp, LineLoad, Load, PointLoad, PrescribedMotion
+
+Item = TypeVar("Item", bound=Body | Joint | PointLoad | LineLoad | Clamp | PrescribedMotion)
+
+
+class Scene:
+    """Bodies, joints, loads and supports.
+
+    Attributes:
+        gravity: Acceleration of free fall, global components, shape (3,).
+        bodies: All bodies; likewise ``joints``, ``loads``, ``clamps``, ``motions``.
+    """
+
+    def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Start empty.
+
+        Args:
+            gravity: Acceleration of free fall, global components.
+        """
+        self.gravity = vector(gravity, 3, "gravity")
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+        self.loads: list[Load] = []
+        self.clamps: list[Clamp] = []
+        self.motions: list[PrescribedMotion] = []
+
+    def add(self, item: Item) -> Item:
+        """Add a body, joint, load, clamp or prescribed motion, and return it.
+
+        Raises:
+            ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
+                name is taken.
+            TypeError: It is none of these.
+        """
+        if isinstance(item, Body):
+            self._add_body(item)
+        elif isinstance(item, Joint):
+            self._check_points(item.label, item.a.body, item.b.body)
+            item.frame()
+            if item.a.body is item.b.body and item.a.node == item.b.node:
+                raise ValueError(f"{item.label} joins a point to itself")
+            self.joints.append(item)
+        elif isinstance(item, PointLoad | LineLoad):
+            item.check()
+            self._check_points(type(item).__name__, item.body)
+            self.loads.append(item)
+        elif isinstance(item, Clamp | PrescribedMotion):
+            item.check()
+            self._check_points(type(item).__name__, item.point.body)
+            supports: list = self.clamps if isinstance(item, Clamp) else self.motions  # type: ignore[type-arg]
+            supports.append(item)
+        else:
+            raise TypeError(f"a scene takes bodies, joints, loads and supports, got {item!r}")
+        return item
+
+    def _add_body(self, body: Body) -> None:
+        if body in self.bodies:
+            raise ValueError(f"{body.label} is in the scene already")
+        kind = type(body).__name__.lower()
+        number = 1 + sum(type(other) is type(body) for other in self.bodies)
+        body.name = body.name or f"{kind} {number}"
+        if any(other.name == body.name for other in self.bodies):
+            raise ValueError(f"the scene has a body named {body.name!r} already")
+        self.bodies.append(body)
+
+    def _check_points(self, what: str, *bodies: Body | None) -> None:
+        for body in bodies:
+            if body is not None and body not in self.bodies:
+                raise ValueError(f"{what}: {body.label} is not in the scene; add it first")

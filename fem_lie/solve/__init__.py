@@ -1,0 +1,1 @@
+"""Statics and time integration: one scheme per file."""

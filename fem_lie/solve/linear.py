@@ -1,0 +1,70 @@
+"""Direct solution with a kept factorisation, through PETSc."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from petsc4py import PETSc
+
+from fem_lie._jit import Array
+
+
+class ConvergenceError(RuntimeError):
+    """An iteration did not converge; the message says where, how far it came, and what to try.
+
+    Attributes:
+        result: What was computed before, if anything.
+    """
+
+    def __init__(self, message: str, result: Any = None) -> None:
+        """Keep the results with the message."""
+        super().__init__(message)
+        self.result = result
+
+
+class DirectSolver:
+    """Factorise now, solve many times.
+
+    KLU is the fastest for chains of bodies (block triangular, little fill). Any other direct solver
+    of PETSc can be chosen at run time with ``-<prefix>pc_factor_mat_solver_type``.
+
+    Attributes:
+        factorisations: How many there were.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, prefix: str) -> None:
+        """Keep the matrix; nothing is factorised yet.
+
+        Args:
+            matrix: Square matrix whose values change between factorisations.
+            prefix: Prefix of the PETSc options.
+        """
+        self._ksp = PETSc.KSP().create(matrix.comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self._ksp.setOperators(matrix)
+        self._ksp.setType(PETSc.KSP.Type.PREONLY)
+        self._ksp.getPC().setType(PETSc.PC.Type.LU)
+        self._ksp.getPC().setFactorSolverType("klu")
+        self._ksp.setFromOptions()
+        self._matrix = matrix
+        self.factorisations = 0
+
+    def factorise(self) -> None:
+        """Factorise the matrix as it is now."""
+        self._ksp.setOperators(self._matrix)
+        self._ksp.setUp()
+        self.factorisations += 1
+
+    def bind(self, b: Array, x: Array) -> None:
+        """Say in which arrays :meth:`solve` finds the right-hand side and leaves the solution."""
+        self._b = PETSc.Vec().createWithArray(b, comm=self._matrix.comm)
+        self._x = PETSc.Vec().createWithArray(x, comm=self._matrix.comm)
+
+    def solve(self) -> None:
+        """Solve with the last factorisation; a singular matrix leaves values that are not finite."""
+        self._ksp.solve(self._b, self._x)
+
+    def destroy(self) -> None:
+        """Free PETSc's memory."""
+        for thing in (self._ksp, self._b, self._x):
+            thing.destroy()

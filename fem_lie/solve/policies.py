@@ -1,0 +1,114 @@
+"""When to build and factorise the iteration matrix anew: the gift of local frames is that it keeps.
+
+A policy sees the iterations of every step and decides. Decisions depend on iteration counts only,
+never on measured time, so that a run repeats bit for bit.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+
+class Policy(ABC):
+    """Decides on factorisations; one object per run is made by :meth:`fresh`."""
+
+    @abstractmethod
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+
+    @abstractmethod
+    def before_iteration(self, iteration: int) -> bool:
+        """Whether to factorise before the given iteration (counted from 1) of a step."""
+
+    def after_step(self, iterations: int) -> None:  # noqa: B027 - most policies have no memory
+        """Learn how many iterations the step took."""
+
+
+class EveryIteration(Policy):
+    """Full Newton."""
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return EveryIteration()
+
+    def before_iteration(self, iteration: int) -> bool:
+        """Always."""
+        return True
+
+
+class Limit(Policy):
+    """When a step reaches ``iterations``: the paper's NNI ≥ k."""
+
+    def __init__(self, iterations: int = 4) -> None:
+        """Set the limit.
+
+        Raises:
+            ValueError: It is below 2.
+        """
+        if iterations < 2:
+            raise ValueError(f"the limit must be at least 2 iterations, got {iterations}")
+        self.iterations = iterations
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return Limit(self.iterations)
+
+    def before_iteration(self, iteration: int) -> bool:
+        """When the limit is exceeded; again each time that as many more iterations were needed."""
+        return iteration > 1 and (iteration - 1) % self.iterations == 0
+
+
+class Never(Policy):
+    """One factorisation for the whole run."""
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return self
+
+    def before_iteration(self, iteration: int) -> bool:
+        """Never."""
+        return False
+
+
+class Automatic(Policy):
+    """When keeping the matrix has cost as much as a new one.
+
+    The iterations that steps take beyond those of the first steps with a fresh matrix add up; when
+    they reach the cost of a factorisation, it is made at the start of the next step. Within a step
+    a factorisation is made when the iteration converges badly.
+    """
+
+    def __init__(self, cost: float = 15.0, rescue: int = 8) -> None:
+        """Set the costs.
+
+        Args:
+            cost: Time of building and factorising the matrix, in iterations.
+            rescue: Iterations of one step after which the matrix is renewed at once.
+
+        Raises:
+            ValueError: One of them is not positive.
+        """
+        if not cost > 0 or rescue < 1:
+            raise ValueError(f"cost must be positive and rescue at least 1, got {cost}, {rescue}")
+        self.cost, self.rescue = cost, rescue
+        self._best, self._excess = 0, 0.0
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return Automatic(self.cost, self.rescue)
+
+    def before_iteration(self, iteration: int) -> bool:
+        """At the start of a step if it pays, or in the middle of a bad one."""
+        if iteration == 1:
+            due = self._excess >= self.cost
+        else:
+            due = (iteration - 1) % self.rescue == 0
+        if due:
+            self._best, self._excess = 0, 0.0
+        return due
+
+    def after_step(self, iterations: int) -> None:
+        """Add up what the kept matrix costs."""
+        if self._best == 0 or iterations < self._best:
+            self._best = iterations
+        self._excess += iterations - self._best

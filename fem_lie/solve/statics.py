@@ -1,0 +1,205 @@
+"""Statics by load steps: Newton's method on the group with the stress as an iterate."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._jit import Array, compiled
+from fem_lie.bodies import Point
+from fem_lie.scene import Scene
+from fem_lie.solve.linear import ConvergenceError, DirectSolver
+from fem_lie.system import System
+
+_log = logging.getLogger(__name__)
+
+
+@compiled
+def _advance(H, dx, held, size):  # type: ignore[no-untyped-def]
+    """``H ← H exp(−dx)`` for the moving nodes; returns the largest increment over ``size``."""
+    largest, h = 0.0, np.empty(6)
+    for i in range(held.shape[0]):
+        if not held[i]:
+            for k in range(6):
+                h[k] = -dx[6 * i + k]
+                step = abs(h[k]) / (size if k < 3 else 1.0)
+                if not step <= largest:
+                    largest = step
+            lie.retract(H[i], h, H[i])
+            lie.reorthonormalise(H[i])
+    return largest
+
+
+@dataclass(frozen=True)
+class StaticResult:
+    """Equilibrium states.
+
+    Attributes:
+        factors: Load factors of the accepted steps, shape (k,), the last is 1.
+        frames: Frames at them, shape (k, nodes, 4, 3).
+        multipliers: Joint forces at them, shape (k, m).
+        iterations: Linear solves of each accepted step, shape (k,).
+        failed_iterations: Linear solves of steps that were given up.
+        system: Numbering of nodes and joints.
+    """
+
+    factors: Array
+    frames: Array
+    multipliers: Array
+    iterations: np.ndarray
+    failed_iterations: int
+    system: System
+
+    def position(self, point: Point) -> Array:
+        """Positions of a point at all steps, shape (k, 3)."""
+        return self.frames[:, self.system.node(point), 0]
+
+    def rotation(self, point: Point) -> Array:
+        """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
+        return lie.rotation(self.frames[:, self.system.node(point)])
+
+
+def statics(
+    scene: Scene,
+    *,
+    load_steps: int = 1,
+    carried_stress: bool = True,
+    tolerance: float = 1e-10,
+    max_iterations: int = 25,
+    smallest_step: float = 1e-3,
+    petsc_options_prefix: str = "fem_lie_statics_",
+) -> StaticResult:
+    """Equilibrium under the full loads, reached from the unloaded configuration.
+
+    Loads without history grow with the load factor from 0 to 1; histories and prescribed motions
+    are evaluated at the load factor. A step that fails is halved; later steps grow back.
+
+    Args:
+        scene: What there is.
+        load_steps: Number of equal steps to begin with.
+        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
+            converges in a few iterations at any slenderness; otherwise plain Newton.
+        tolerance: Predicted error of a step's end, in rotations and in translations over the
+            size of the model.
+        max_iterations: More are a failure of the step.
+        smallest_step: Smallest step of the load factor before giving up.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Raises:
+        ValueError: Bad scene or options.
+        ConvergenceError: The smallest step failed.
+    """
+    if load_steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
+        raise ValueError(
+            "wanted load_steps ≥ 1, tolerance > 0, max_iterations ≥ 1, 0 < smallest_step ≤ 1; got "
+            f"{load_steps}, {tolerance}, {max_iterations}, {smallest_step}"
+        )
+    newton = _Newton(scene, carried_stress, tolerance, max_iterations, petsc_options_prefix)
+    factors, frames, multipliers, iterations = [], [], [], []
+    reached, step, failed = 0.0, 1.0 / load_steps, 0
+    while reached < 1.0:
+        target = min(1.0, reached + step)
+        # the last step must land on 1 in spite of round-off
+        target = 1.0 if 1.0 - target < 1e-9 else target
+        count = newton.solve(target)
+        if count is None:
+            failed += newton.iterations
+            step /= 2
+            if step < smallest_step:
+                newton.destroy()
+                raise ConvergenceError(
+                    f"no equilibrium from load factor {reached:g} to {target:g}: after "
+                    f"{newton.iterations} iterations the residual is {newton.residual_size:.2e} and "
+                    f"the last increment {newton.last:.2e} (tolerance {tolerance:g}). "
+                    + newton.advice()
+                )
+            _log.info("step to load factor %g failed, halved to %g", target, step)
+            continue
+        reached = target
+        step = min(2 * step, 1.0 / load_steps)
+        factors.append(reached)
+        frames.append(newton.H.copy())
+        multipliers.append(newton.multipliers.copy())
+        iterations.append(count)
+    newton.destroy()
+    return StaticResult(
+        np.array(factors),
+        np.array(frames),
+        np.array(multipliers),
+        np.array(iterations),
+        failed,
+        newton.system,
+    )
+
+
+class _Newton:
+    """Newton's method from one accepted state to the next."""
+
+    def __init__(
+        self, scene: Scene, carried: bool, tolerance: float, max_iterations: int, prefix: str
+    ) -> None:
+        self.system = system = System(scene, dynamics=False)
+        self._carried, self._tolerance, self._max = carried, tolerance, max_iterations
+        self.H = system.frames.copy()
+        self.multipliers = np.zeros(system.m)
+        self._zero = np.zeros((system.count, 6))
+        self._r, self._dx = np.zeros(system.size), np.zeros(system.size)
+        self._unit = np.ones(system.m)
+        self._solver = DirectSolver(system.kkt.matrix, prefix)
+        self._solver.bind(self._r, self._dx)
+        self.iterations, self.residual_size, self.last = 0, 0.0, 0.0
+        system.reset_stress(self.H)
+
+    def destroy(self) -> None:
+        self._solver.destroy()
+
+    def advice(self) -> str:
+        """What to try."""
+        if not np.isfinite(self.last):
+            return (
+                "The matrix is singular: is every body held by clamps or joints, with no motion "
+                "left free?"
+            )
+        if not self._carried:
+            return "Try carried_stress=True, or more load_steps."
+        return (
+            "Try more load_steps; if the load has a maximum here (snap-through), prescribe a "
+            "displacement instead of a load."
+        )
+
+    def solve(self, factor: float) -> int | None:
+        """Go to the load factor; ``None`` (and the old state) if it fails, else the iterations."""
+        system = self.system
+        H, multipliers = self.H.copy(), self.multipliers.copy()
+        system.set_time(factor, factor)
+        self.H[system.count + 1 :] = system.prescribed_frames(factor)
+        previous = np.inf
+        for self.iterations in range(1, self._max + 1):
+            self._iterate()
+            if not np.isfinite(self.last) or self.last > 1e3:
+                break
+            ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
+            # quadratic convergence: the next increment is this one times the ratio squared
+            if self.last * ratio**2 <= self._tolerance:
+                return self.iterations
+            previous = self.last
+        self.H, self.multipliers = H, multipliers
+        system.reset_stress(H)
+        return None
+
+    def _iterate(self) -> None:
+        system, H, zero = self.system, self.H, self._zero
+        if not self._carried:
+            system.reset_stress(H)
+        system.residual(H, zero, zero, self.multipliers, self._unit, self._r)
+        self.residual_size = float(np.abs(self._r).max(initial=0.0))
+        system.fill_matrix(H, zero, zero, self.multipliers, self._unit, zero, 0.0, 0.0)
+        self._solver.factorise()
+        self._solver.solve()
+        if self._carried:
+            system.carry_stress(H, -self._dx[: 6 * system.count])
+        self.last = _advance(H, self._dx, system.held, system.length)
+        self.multipliers -= self._dx[6 * system.count :]

@@ -1,0 +1,461 @@
+"""The equations of a scene: residual, matrix and invariants on nodes in local frames.
+
+Unknowns are six per moving node (all bodies, kind by kind) and one multiplier per constraint. The
+frames of what does not move by itself follow the moving ones in every array: ground first, then the
+prescribed motions. Index 3 equations at a time level::
+
+    Lᵀ G q̈ + f_elastic(H) − f_load(H, t) + Bᵀ λ = 0,     Φ(H) = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+import scipy.sparse as sp
+
+from fem_lie import constraints, inertia, lie
+from fem_lie._jit import Array, compiled
+from fem_lie.assembly import Assembly
+from fem_lie.bodies import Body, Point
+from fem_lie.constraints import JointTable
+from fem_lie.frames import pull, pull_derivative
+from fem_lie.joints import Fixed, Joint
+from fem_lie.kkt import KKT
+from fem_lie.rigid import RigidBody
+from fem_lie.scene import Scene
+
+
+@compiled
+def _add_loads(H, dead, following, r):  # type: ignore[no-untyped-def]
+    """``r −= loads``: global forces and moments (n, 6) and local ones (n, 6)."""
+    for i in range(dead.shape[0]):
+        for a in range(3):
+            for j in range(3):
+                r[6 * i + a] -= H[i, 1 + a, j] * dead[i, j]
+                r[6 * i + 3 + a] -= H[i, 1 + a, j] * dead[i, 3 + j]
+            r[6 * i + a] -= following[i, a]
+            r[6 * i + 3 + a] -= following[i, 3 + a]
+
+
+@compiled
+def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
+    """``K −= ∂(local components of global loads)/∂h``: ``(Rᵀf)^`` and ``(Rᵀm)^``."""
+    for i in range(dead.shape[0]):
+        block = K[diagonal[i]]
+        for kind in range(2):
+            at, row = 3 * kind, 3 * kind
+            n0 = n1 = n2 = 0.0
+            for j in range(3):
+                n0 += H[i, 1, j] * dead[i, at + j]
+                n1 += H[i, 2, j] * dead[i, at + j]
+                n2 += H[i, 3, j] * dead[i, at + j]
+            block[row, 4] += n2
+            block[row, 5] -= n1
+            block[row + 1, 3] -= n2
+            block[row + 1, 5] += n0
+            block[row + 2, 3] += n1
+            block[row + 2, 4] -= n0
+
+
+@compiled
+def _rigid_part(H, v, a, indptr, indices, G, gravity, dead, following, work, r):  # type: ignore[no-untyped-def]
+    """Inertia and loads: ``r = Lᵀ (G q̈ − gravity) − loads``; ``work`` (2, n, 4, 3)."""
+    count = dead.shape[0]
+    nodal = r[: 6 * count].reshape(count, 6)
+    r[:] = 0.0
+    inertia.accelerations(H, v[:count], a[:count], work[0])
+    inertia.multiply(indptr, indices, G, work[0], work[1])
+    for i in range(count):
+        for k in range(4):
+            for j in range(3):
+                work[1, i, k, j] -= gravity[i, k, j]
+    pull(H, work[1], 1.0, nodal)
+    _add_loads(H, dead, following, r)
+
+
+@compiled
+def _rigid_tangent(
+    H, v, a, indptr, indices, G, place, f, dead, diagonal, mass, damping, A, K
+):  # type: ignore[no-untyped-def]
+    """Derivatives of :func:`_rigid_part`; ``f = G q̈ − gravity`` of the last residual."""
+    count = dead.shape[0]
+    inertia.tangents(H, v[:count], a[:count], indptr, indices, G, place, mass, damping, A, K)
+    for i in range(count):
+        pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
+    _add_load_stiffness(H, dead, diagonal, K)
+
+
+@compiled
+def _add_blocks(target, place, blocks):  # type: ignore[no-untyped-def]
+    for b in range(place.shape[0]):
+        for k in range(6):
+            for n in range(6):
+                target[place[b], k, n] += blocks[b, k, n]
+
+
+@compiled
+def _combine(A, K, rows, d, nodes, bind):  # type: ignore[no-untyped-def]
+    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+    count = d.shape[0]
+    T, product = np.empty((count, 6, 6)), np.empty((6, 6))
+    for i in range(count):
+        lie.tangent(d[i], T[i])
+    for b in range(bind.shape[0]):
+        _multiply(K[b], T[bind[b]], product)
+        for k in range(6):
+            for n in range(6):
+                A[b, k, n] += product[k, n]
+    row = np.empty(6)
+    for c in range(rows.shape[0]):
+        for side in range(2):
+            node = nodes[c, side]
+            if node < count:
+                for n in range(6):
+                    row[n] = 0.0
+                    for k in range(6):
+                        row[n] += rows[c, side, k] * T[node, k, n]
+                rows[c, side] = row
+
+
+@compiled
+def _multiply(A, B, out):  # type: ignore[no-untyped-def]
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
+            for k in range(6):
+                out[i, j] += A[i, k] * B[k, j]
+
+
+class System:
+    """The equations of a scene.
+
+    Attributes:
+        count: Moving nodes ``n``; ``size`` unknowns are six of each and ``m`` multipliers.
+        frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
+        velocities: Initial local velocities, same rows, (…, 6).
+        table: All joints.
+        held: Which of the moving nodes are clamped, shape (n,).
+        length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
+    """
+
+    def __init__(self, scene: Scene, *, dynamics: bool) -> None:
+        """Number the unknowns and build what stays constant.
+
+        Args:
+            scene: What there is.
+            dynamics: Whether inertia is needed.
+
+        Raises:
+            ValueError: No body; no inertia in dynamics; redundant joints; velocities that break
+                a joint.
+        """
+        if not scene.bodies:
+            raise ValueError("the scene has no body")
+        self.scene = scene
+        self._number_nodes(scene.bodies)
+        self._motions = [motion.motion for motion in scene.motions]
+        fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
+        self.frames = np.concatenate([self.frames, fixed])
+        self.velocities = np.concatenate([self.velocities, np.zeros((len(fixed), 6))])
+        self.held = np.zeros(self.count, dtype=bool)
+        for clamp in scene.clamps:
+            self.held[self.node(clamp.point)] = True
+        self.joints, self.table = self._tabulate(scene)
+        self.m = len(self.table.selection)
+        self.size = 6 * self.count + self.m
+        box = np.ptp(self.frames[: self.count, 0], axis=0)
+        self.length = float(max(np.linalg.norm(box), max(b.size for b in scene.bodies)))
+        self._build_inertia(scene, dynamics)
+        self._build_loads(scene)
+        self._build_matrix()
+        self._check_redundancy()
+        self._work = np.zeros((2, self.count, 4, 3))
+        self.set_time(0.0, 1.0)
+
+    # --- numbering ---
+
+    def _number_nodes(self, bodies: Sequence[Body]) -> None:
+        """Nodes kind by kind: ``self.nodes[body]`` in system numbering, assemblies on slices."""
+        self.nodes: dict[Body, npt.NDArray[np.int64]] = {}
+        self.assemblies: list[tuple[slice, Assembly]] = []
+        start = 0
+        kinds = dict.fromkeys(body.assembly for body in bodies)
+        for kind in kinds:
+            members = [body for body in bodies if body.assembly is kind]
+            total = sum(len(body.frames) for body in members)
+            order = np.arange(total)
+            if kind is not None:
+                assembly = kind(members)  # type: ignore[call-arg, arg-type]
+                order = assembly.order
+                self.assemblies.append((slice(start, start + total), assembly))
+            first = 0
+            for body in members:
+                self.nodes[body] = start + order[first : first + len(body.frames)]
+                first += len(body.frames)
+            start += total
+        self.count = start
+        self.frames, self.velocities = np.empty((start, 4, 3)), np.empty((start, 6))
+        for body, nodes in self.nodes.items():
+            self.frames[nodes], self.velocities[nodes] = body.frames, body.velocities
+
+    def node(self, point: Point) -> int:
+        """Number of a point's node; of ground it is ``count``."""
+        return self.count if point.body is None else int(self.nodes[point.body][point.node])
+
+    def _tabulate(self, scene: Scene) -> tuple[list[Joint], JointTable]:
+        """All joints, a prescribed motion being a fixed joint to its moving frame."""
+        joints = list(scene.joints)
+        sides = [(self.node(joint.a), self.node(joint.b)) for joint in joints]
+        for k, motion in enumerate(scene.motions):
+            joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
+            sides.append((self.count + 1 + k, self.node(motion.point)))
+        nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
+        frames = np.empty((len(joints), 2, 4, 3))
+        for k, joint in enumerate(joints):
+            for side in range(2):
+                inverse = lie.se3_inverse(self.frames[nodes[k, side]])
+                frames[k, side] = lie.se3_compose(inverse, joint.frame())
+        sizes = [len(joint.selection) for joint in joints]
+        first = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]).astype(np.int64)
+        selection = np.concatenate([np.empty((0, 12))] + [joint.selection for joint in joints])
+        return joints, JointTable(nodes, frames, first, selection)
+
+    # --- what stays constant ---
+
+    def _build_inertia(self, scene: Scene, dynamics: bool) -> None:
+        rows, columns, blocks = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)], []
+        for where, assembly in self.assemblies:
+            if assembly.inertia is None and (dynamics or scene.gravity.any()):
+                raise ValueError(
+                    "dynamics and gravity need the inertia of all sections: "
+                    "Section.from_stiffness(..., inertia=...)"
+                )
+            if assembly.inertia is not None:
+                r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
+                rows.append(where.start + r)
+                columns.append(where.start + assembly.indices)
+                blocks.append(assembly.inertia)
+        for body in scene.bodies:
+            if isinstance(body, RigidBody):
+                rows.append(self.nodes[body])
+                columns.append(self.nodes[body])
+                blocks.append(body.gram[np.newaxis])
+        r, c = np.concatenate(rows), np.concatenate(columns)
+        order = np.lexsort((c, r))
+        self._inertia_rows, self.inertia_indices = r[order], c[order]
+        self.inertia_indptr = np.searchsorted(r[order], np.arange(self.count + 1))
+        self.inertia = np.concatenate([np.empty((0, 4, 4)), *blocks])[order]
+
+    def _build_loads(self, scene: Scene) -> None:
+        q = np.zeros((self.count, 4, 3))
+        q[:, 0] = scene.gravity
+        self._weight = np.zeros_like(q)
+        inertia.multiply(self.inertia_indptr, self.inertia_indices, self.inertia, q, self._weight)
+        self._histories = [load.history for load in scene.loads]
+        shape = (len(scene.loads), self.count, 6)
+        self._dead_cases, self._following_cases = np.zeros(shape), np.zeros(shape)
+        for k, load in enumerate(scene.loads):
+            target = self._following_cases if load.following else self._dead_cases
+            np.add.at(target[k], self.nodes[load.body], load.nodal())
+        self.time_dependent = any(h is not None for h in self._histories) or bool(self._motions)
+
+    def set_time(self, time: float, factor: float = 1.0) -> None:
+        """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
+
+        Raises:
+            ValueError: A history or motion is not finite.
+        """
+        amplitude = np.array([factor if h is None else h(time) for h in self._histories], dtype=float)
+        if not np.isfinite(amplitude).all():
+            k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
+            raise ValueError(f"the history of load {k + 1} is {amplitude[k]} at time {time:g}")
+        self._gravity = factor * self._weight
+        self.dead = np.tensordot(amplitude, self._dead_cases, 1)
+        self.following = np.tensordot(amplitude, self._following_cases, 1)
+
+    def prescribed_frames(self, time: float) -> Array:
+        """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
+        frames = np.array([motion(time) for motion in self._motions]).reshape(-1, 4, 3)
+        if not np.isfinite(frames).all():
+            raise ValueError(f"a prescribed motion is not finite at time {time:g}")
+        return frames
+
+    # --- matrix ---
+
+    def _build_matrix(self) -> None:
+        pairs = [(self._inertia_rows, self.inertia_indices)]
+        for where, assembly in self.assemblies:
+            r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
+            pairs.append((where.start + r, where.start + assembly.indices.astype(np.int64)))
+        self.kkt = KKT(pairs, self.table, self.held)
+        place, diagonal = self.kkt.place, np.arange(self.count)
+        self._place_inertia = place(*pairs[0])
+        self._place_elastic = [place(*pair) for pair in pairs[1:]]
+        self._diagonal = place(diagonal, diagonal)
+        a, b = self.table.nodes.T
+        self._place_joints = np.stack(
+            [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
+        )
+        self._per_constraint = np.repeat(
+            self.table.nodes, np.diff(self.table.first), axis=0
+        )
+        self._A = np.zeros((len(self.kkt.indices), 6, 6))
+        self._K = np.zeros_like(self._A)
+        self._rows = np.zeros((self.m, 2, 6))
+
+    def jacobian(self, H: Array) -> sp.csr_matrix:
+        """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
+        constraints.jacobian(H, self.table, self._rows)
+        c, side = np.nonzero(self._per_constraint < self.count)
+        node = self._per_constraint[c, side]
+        free = ~self.held[node]
+        c, side, node = c[free], side[free], node[free]
+        columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
+        values = self._rows[c, side].ravel()
+        return sp.csr_matrix((values, (np.repeat(c, 6), columns)), shape=(self.m, 6 * self.count))
+
+    def _check_redundancy(self) -> None:
+        """Raise ``ValueError`` naming joints whose constraints follow from others."""
+        if self.m == 0:
+            return
+        B = self.jacobian(self.frames)
+        weight = np.tile([1.0, 1, 1] + [1.0 / self.length] * 3, self.count)
+        B = B @ sp.diags(weight)
+        norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        empty = np.flatnonzero(norms == 0.0)
+        gram = (sp.diags(1.0 / np.where(norms == 0, 1.0, norms)) @ B).toarray()
+        gram = gram @ gram.T
+        _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=1e-10)
+        redundant = np.union1d(pivots[rank:] - 1, empty)
+        if len(redundant):
+            owner = np.searchsorted(self.table.first, redundant, side="right") - 1
+            names = "; ".join(self.joints[k].label for k in dict.fromkeys(owner))
+            raise ValueError(
+                f"{len(redundant)} of {self.m} constraints are redundant, they follow from the "
+                f"other joints and clamps: {names}. Replace a joint by one with fewer constraints "
+                "(e.g. Spherical instead of Revolute) or remove it"
+            )
+
+    # --- equations ---
+
+    def residual(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
+        """Equations of motion and constraints times ``scale``, into ``r`` (size,).
+
+        Args:
+            H: Frames of all rows; ``v``, ``a`` local velocities and their rates, at least (n, 6).
+            weights: Multipliers (forces and moments), shape (m,).
+            scale: Factor of each constraint, shape (m,).
+            r: Overwritten.
+        """
+        _rigid_part(
+            H,
+            v,
+            a,
+            self.inertia_indptr,
+            self.inertia_indices,
+            self.inertia,
+            self._gravity,
+            self.dead,
+            self.following,
+            self._work,
+            r,
+        )
+        constraints.evaluate(H, self.table, weights, scale, self.count, r)
+        for where, assembly in self.assemblies:
+            assembly.add_forces(H[where], r[6 * where.start : 6 * where.stop])
+        if self.scene.clamps:
+            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+
+    def fill_matrix(
+        self,
+        H: Array,
+        v: Array,
+        a: Array,
+        weights: Array,
+        scale: Array,
+        d: Array,
+        mass: float,
+        damping: float,
+    ) -> None:
+        """Derivative of :meth:`residual` in the increments ``d`` from ``H exp(−d)``, into the KKT.
+
+        ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d. Call it after a residual at the same state.
+        """
+        self._A[:] = 0.0
+        self._K[:] = 0.0
+        _rigid_tangent(
+            H,
+            v,
+            a,
+            self.inertia_indptr,
+            self.inertia_indices,
+            self.inertia,
+            self._place_inertia,
+            self._work[1],
+            self.dead,
+            self._diagonal,
+            mass,
+            damping,
+            self._A,
+            self._K,
+        )
+        for (where, assembly), place in zip(self.assemblies, self._place_elastic, strict=True):
+            _add_blocks(self._K, place, assembly.tangent(H[where]))
+        constraints.geometric(H, self.table, weights, self._place_joints, self._K)
+        constraints.jacobian(H, self.table, self._rows)
+        _combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
+        self.kkt.fill(self._A, self._rows, scale)
+
+    def fill_mass_matrix(self, H: Array) -> None:
+        """Mass matrix bordered by the constraints, without scaling, into the KKT."""
+        self._A[:] = 0.0
+        self._K[:] = 0.0
+        still = np.zeros((self.count, 6))
+        inertia.tangents(
+            H,
+            still,
+            still,
+            self.inertia_indptr,
+            self.inertia_indices,
+            self.inertia,
+            self._place_inertia,
+            1.0,
+            0.0,
+            self._A,
+            self._K,
+        )
+        constraints.jacobian(H, self.table, self._rows)
+        self.kkt.fill(self._A, self._rows, np.ones(self.m))
+
+    def effective_mass(self, H: Array) -> Array:
+        """``1/(B M⁻¹ Bᵀ)`` of each constraint with the diagonal of the mass matrix, shape (m,)."""
+        self.fill_mass_matrix(H)
+        diagonal = self._A[self._diagonal].diagonal(axis1=1, axis2=2).ravel()
+        B = self.jacobian(H)
+        return 1.0 / np.asarray(B.multiply(B).multiply(1.0 / diagonal).sum(axis=1)).ravel()
+
+    def elastic_energy(self, H: Array) -> float:
+        """Stored energy of all bodies."""
+        return sum(assembly.energy(H[where]) for where, assembly in self.assemblies)
+
+    def potential_energy(self, H: Array) -> float:
+        """Potential of gravity and of loads fixed in space that have no history and no moment."""
+        energy = -float(np.vdot(self._gravity, H[: self.count]))
+        return energy - float(np.vdot(self.dead[:, :3], H[: self.count, 0]))
+
+    def carry_stress(self, H: Array, h: Array) -> None:
+        """Carry all stresses on along the increment ``h`` (6 n,) made from frames ``H``."""
+        for where, assembly in self.assemblies:
+            assembly.carry(H[where], h[6 * where.start : 6 * where.stop])
+
+    def reset_stress(self, H: Array) -> None:
+        """Make all carried stresses the true ones at frames ``H``."""
+        for where, assembly in self.assemblies:
+            assembly.reset_stress(H[where])
+
+
+def scene_info(system: System) -> object:
+    return None

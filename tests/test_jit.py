@@ -1,0 +1,87 @@
+"""The disk cache of compiled code: found again by the next process, never stale."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+
+import pytest
+
+import fem_lie._jit
+
+HELPER = """
+from {package}._jit import {decorator}
+@{decorator}
+def helper(x):
+    return {value} * x
+"""
+
+CALLER = """
+import numba
+numba.config.CACHE_DIR = "/users/own"
+from {package}._jit import callback, compiled
+from {package}.helper import helper
+
+@compiled
+def caller(x):
+    return helper(x) + 1.0
+
+@callback("float64(float64)")
+def called_back(x):
+    return helper(x) + 2.0
+
+assert numba.config.CACHE_DIR == "/users/own"
+print(caller(1.0), called_back.ctypes(1.0))
+print(sum(caller.stats.cache_hits.values()) + called_back.cache_hits)
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Write a small package with a helper that multiplies by ``value``, and run its caller."""
+    package = tmp_path / "small"
+    package.mkdir()
+    shutil.copy(fem_lie._jit.__file__, package)
+    (package / "__init__.py").touch()
+    (package / "caller.py").write_text(CALLER.format(package="small"))
+
+    def call(value, decorator="compiled", cache=tmp_path / "cache"):
+        source = HELPER.format(package="small", decorator=decorator, value=value)
+        (package / "helper.py").write_text(source)
+        environment = os.environ | {"XDG_CACHE_HOME": str(cache), "PYTHONPATH": str(tmp_path)}
+        done = subprocess.run(
+            [sys.executable, "-m", "small.caller"], env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        *values, hits = done.stdout.split()
+        return [float(v) for v in values], int(hits), done.stderr
+
+    return call
+
+
+@pytest.mark.parametrize("decorator", ["compiled", "inlined", "inlined_series"])
+def test_cache_is_found_again_and_notices_changes(run, decorator):
+    assert run(3.0, decorator)[:2] == ([4.0, 5.0], 0)
+    assert run(3.0, decorator)[:2] == ([4.0, 5.0], 2)
+    assert run(7.0, decorator)[:2] == ([8.0, 9.0], 0)
+
+
+def test_unwritable_cache_folder_is_a_warning(run, tmp_path):
+    (tmp_path / "file").touch()
+    values, hits, log = run(3.0, cache=tmp_path / "file")
+    assert (values, hits) == ([4.0, 5.0], 0)
+    assert log.count("XDG_CACHE_HOME") == 1
+
+
+def test_oldest_folders_are_removed(run, tmp_path):
+    base = tmp_path / "cache" / "fem_lie"
+    names = ["other", *(f"numba-{k:02}" for k in range(25))]
+    for age, name in enumerate(reversed(names), start=1):
+        (base / name).mkdir(parents=True)
+        then = time.time() - 3600 * age
+        os.utime(base / name, (then, then))
+    run(3.0)
+    left = {path.name for path in base.iterdir()}
+    assert left & set(names) == {"other", *names[-19:]}
+    assert len(left) == 21

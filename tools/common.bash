@@ -1,0 +1,78 @@
+# shellcheck shell=bash
+# Shared by tools/setup, tools/run and tools/lint: where things lie and which way was chosen.
+
+readonly SUITE=trixie   # Debian release of the private root: the first with DOLFINx 0.9
+readonly LAYOUT=1       # count up when the same package list has to make a new private root
+readonly PLAIN_PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
+
+: "${HOME:=~}"
+export HOME
+
+tools=$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")
+checkout=${tools%/*}
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/fem_lie/environment
+python=$(type -P python3 || true)
+mount_point=$cache/mount
+
+say() { printf 'fem_lie: %s\n' "$*" >&2; }
+
+die() {
+  say "error: $*"
+  exit 1
+}
+
+packages() { sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$tools/packages.txt"; }
+
+# HOSTTYPE: a home folder may be shared by machines of different architectures.
+key=$({ echo "$SUITE $LAYOUT $HOSTTYPE"; packages; } | sha256sum)
+key=${key:0:12}
+root=$cache/root-$key
+
+# The choice holds for one host, one package list, one `python3` and one wish.
+choice_file() {
+  printf '%s' "$cache/chosen/$key/$HOSTNAME/${FEM_LIE_WAY:-any}${python//\//%}"
+}
+
+# Sets `way` and, in words, `found`; fails where nothing was chosen yet or the choice is gone.
+read_choice() {
+  local file
+  way='' found=''
+  if [[ -n ${FEM_LIE_INSIDE:-} ]]; then # a command in the private root that calls tools/run again
+    way=python found="the private root that this command runs in"
+    return 0
+  fi
+  file=$(choice_file)
+  [[ -r $file ]] || return 1
+  { read -r way && read -r found; } <"$file"
+  [[ $way != root || -d $root ]]
+}
+
+# The distribution's Python must not see what belongs to another one.
+forget_other_pythons() {
+  PATH=$PLAIN_PATH
+  unset PYTHONHOME PYTHONPATH VIRTUAL_ENV LD_LIBRARY_PATH LD_PRELOAD PETSC_DIR PETSC_ARCH SLEPC_DIR
+  unset "${!CONDA_@}" "${!PYENV_@}"
+  export PATH PYTHONNOUSERSITE=1
+}
+
+# Root has the right to make a mount namespace; others get it from a user namespace of their own.
+if ((EUID == 0)); then
+  namespace=(unshare --mount)
+else
+  namespace=(unshare --map-root-user --mount)
+fi
+
+# One shell at a time changes the cache folder. All that it starts inherits the lock.
+take_lock() {
+  while :; do
+    mkdir --parents "$mount_point"
+    exec {lock}>"$cache/lock"
+    if ! flock --nonblock "$lock"; then
+      say "another set-up is at work; waiting for it"
+      flock "$lock"
+    fi
+    # --remove may have removed the file meanwhile.
+    [[ ! $cache/lock -ef /proc/self/fd/$lock ]] || return 0
+    exec {lock}>&-
+  done
+}
