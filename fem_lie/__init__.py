@@ -1,0 +1,56 @@
+"""Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
+
+from fem_lie.beam import Beam
+from fem_lie.bodies import Body, Point, ground
+from fem_lie.elements.directors import director_strains
+from fem_lie.frames import NodalFrames, local_frame_forms
+from fem_lie.io import from_dolfinx, read_gmsh
+from fem_lie.joints import Fixed, Joint, Revolute, Spherical
+from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
+from fem_lie.loads import Clamp, LineLoad, PointLoad, PrescribedMotion
+from fem_lie.mesh import LineMesh
+from fem_lie.results import Result
+from fem_lie.rigid import RigidBody
+from fem_lie.scene import Scene
+from fem_lie.section import Material, Section
+from fem_lie.solve.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never
+from fem_lie.solve.statics import StaticResult, statics
+
+__all__ = [
+    "Automatic",
+    "Beam",
+    "Body",
+    "Clamp",
+    "ConvergenceError",
+    "EveryIteration",
+    "Fixed",
+    "FrameMap",
+    "GeneralisedAlpha",
+    "Joint",
+    "Limit",
+    "LineLoad",
+    "LineMesh",
+    "LocalFrameForms",
+    "Material",
+    "Never",
+    "NodalFrames",
+    "Point",
+    "PointLoad",
+    "PrescribedMotion",
+    "Result",
+    "Revolute",
+    "RigidBody",
+    "Scene",
+    "Section",
+    "Spherical",
+    "StaticResult",
+    "StrainEnergy",
+    "director_strains",
+    "from_dolfinx",
+    "ground",
+    "local_frame_forms",
+    "read_gmsh",
+    "statics",
+]

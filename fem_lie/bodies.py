@@ -42,6 +42,7 @@ class Body:
         velocities: Initial local velocities (translation, rotation), shape (n, 6).
         cells: Pairs of nodes, for drawing, shape (m, 2).
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``: for drawing.
+        box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
         assembly: What assembles all bodies of this kind, or ``None`` for rigid ones.
         name: How messages and results call it; the scene gives one if it is empty.
@@ -57,12 +58,14 @@ class Body:
         outline: Array | None,
         size: float,
         points: dict[str, int],
+        box: Array | None = None,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
         self.frames = np.array(frames, dtype=np.float64)
         self.velocities = np.zeros((len(self.frames), 6))
-        self.cells, self.outline, self.size, self.name = cells, outline, size, name
+        self.cells, self.outline, self.box = cells, outline, box
+        self.size, self.name = size, name
         self._points = points
 
     def __getitem__(self, name: str) -> Point:

@@ -10,8 +10,6 @@ gyroscopic and centrifugal terms included, nothing else to derive. (Betsch & Ley
 
 from __future__ import annotations
 
-from numbers import Real
-
 import numpy as np
 import numpy.typing as npt
 
@@ -206,7 +204,7 @@ def gram_from_rigid(
     J = np.asarray(inertia, dtype=np.float64)
     J = np.diag(J) if J.shape == (3,) else J
     c = np.asarray(centre, dtype=np.float64)
-    if not isinstance(mass, Real) or not 0.0 < mass < np.inf:
+    if not 0.0 < mass < np.inf:
         raise ValueError(f"mass must be a positive finite number, got {mass!r}")
     if c.shape != (3,) or not np.isfinite(c).all():
         raise ValueError(f"centre must be 3 finite numbers, got {centre!r}")

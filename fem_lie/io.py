@@ -89,6 +89,7 @@ def from_dolfinx(
             f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
         )
     names = _tagged(vertex_tags, named_points, "vertex_tags")
+    mesh.topology.create_connectivity(0, 1)
     return LineMesh.from_cells(
         mesh.geometry.x,
         cells,

@@ -209,8 +209,7 @@ def _slope(function: Callable[[float], npt.ArrayLike], s: float) -> Array:
     # weights that are exact for polynomials up to degree six
     weights = np.linalg.solve(np.vander(offsets, increasing=True).T, np.eye(7)[1])
     values = np.array([function(float(s + offset * step)) for offset in offsets], dtype=np.float64)
-    slope: Array = weights @ values / step
-    return slope
+    return np.asarray(weights @ values / step, dtype=np.float64)
 
 
 def _count(cells: int) -> int:

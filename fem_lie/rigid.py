@@ -53,6 +53,8 @@ class RigidBody(Body):
             # radius of gyration: the only length that a rigid body has
             size=float(np.sqrt(np.trace(tensor) / mass)),
             points={"centre": 0},
+            # the box of uniform density with the same second moments, m b²/12 each
+            box=np.sqrt(12.0 * np.diag(self.gram)[1:].clip(0.0) / mass),
             name=name,
         )
 

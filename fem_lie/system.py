@@ -17,116 +17,16 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array
 from fem_lie.assembly import Assembly
 from fem_lie.bodies import Body, Point
 from fem_lie.constraints import JointTable
-from fem_lie.frames import pull, pull_derivative
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
+from fem_lie.nodal import add_blocks, combine, rigid_part, rigid_tangent
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
-
-
-@compiled
-def _add_loads(H, dead, following, r):  # type: ignore[no-untyped-def]
-    """``r −= loads``: global forces and moments (n, 6) and local ones (n, 6)."""
-    for i in range(dead.shape[0]):
-        for a in range(3):
-            for j in range(3):
-                r[6 * i + a] -= H[i, 1 + a, j] * dead[i, j]
-                r[6 * i + 3 + a] -= H[i, 1 + a, j] * dead[i, 3 + j]
-            r[6 * i + a] -= following[i, a]
-            r[6 * i + 3 + a] -= following[i, 3 + a]
-
-
-@compiled
-def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
-    """``K −= ∂(local components of global loads)/∂h``: ``(Rᵀf)^`` and ``(Rᵀm)^``."""
-    for i in range(dead.shape[0]):
-        block = K[diagonal[i]]
-        for kind in range(2):
-            at, row = 3 * kind, 3 * kind
-            n0 = n1 = n2 = 0.0
-            for j in range(3):
-                n0 += H[i, 1, j] * dead[i, at + j]
-                n1 += H[i, 2, j] * dead[i, at + j]
-                n2 += H[i, 3, j] * dead[i, at + j]
-            block[row, 4] += n2
-            block[row, 5] -= n1
-            block[row + 1, 3] -= n2
-            block[row + 1, 5] += n0
-            block[row + 2, 3] += n1
-            block[row + 2, 4] -= n0
-
-
-@compiled
-def _rigid_part(H, v, a, indptr, indices, G, gravity, dead, following, work, r):  # type: ignore[no-untyped-def]
-    """Inertia and loads: ``r = Lᵀ (G q̈ − gravity) − loads``; ``work`` (2, n, 4, 3)."""
-    count = dead.shape[0]
-    nodal = r[: 6 * count].reshape(count, 6)
-    r[:] = 0.0
-    inertia.accelerations(H, v[:count], a[:count], work[0])
-    inertia.multiply(indptr, indices, G, work[0], work[1])
-    for i in range(count):
-        for k in range(4):
-            for j in range(3):
-                work[1, i, k, j] -= gravity[i, k, j]
-    pull(H, work[1], 1.0, nodal)
-    _add_loads(H, dead, following, r)
-
-
-@compiled
-def _rigid_tangent(
-    H, v, a, indptr, indices, G, place, f, dead, diagonal, mass, damping, A, K
-):  # type: ignore[no-untyped-def]
-    """Derivatives of :func:`_rigid_part`; ``f = G q̈ − gravity`` of the last residual."""
-    count = dead.shape[0]
-    inertia.tangents(H, v[:count], a[:count], indptr, indices, G, place, mass, damping, A, K)
-    for i in range(count):
-        pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
-    _add_load_stiffness(H, dead, diagonal, K)
-
-
-@compiled
-def _add_blocks(target, place, blocks):  # type: ignore[no-untyped-def]
-    for b in range(place.shape[0]):
-        for k in range(6):
-            for n in range(6):
-                target[place[b], k, n] += blocks[b, k, n]
-
-
-@compiled
-def _combine(A, K, rows, d, nodes, bind):  # type: ignore[no-untyped-def]
-    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
-    count = d.shape[0]
-    T, product = np.empty((count, 6, 6)), np.empty((6, 6))
-    for i in range(count):
-        lie.tangent(d[i], T[i])
-    for b in range(bind.shape[0]):
-        _multiply(K[b], T[bind[b]], product)
-        for k in range(6):
-            for n in range(6):
-                A[b, k, n] += product[k, n]
-    row = np.empty(6)
-    for c in range(rows.shape[0]):
-        for side in range(2):
-            node = nodes[c, side]
-            if node < count:
-                for n in range(6):
-                    row[n] = 0.0
-                    for k in range(6):
-                        row[n] += rows[c, side, k] * T[node, k, n]
-                rows[c, side] = row
-
-
-@compiled
-def _multiply(A, B, out):  # type: ignore[no-untyped-def]
-    for i in range(6):
-        for j in range(6):
-            out[i, j] = 0.0
-            for k in range(6):
-                out[i, j] += A[i, k] * B[k, j]
 
 
 class System:
@@ -350,7 +250,7 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
         """
-        _rigid_part(
+        rigid_part(
             H,
             v,
             a,
@@ -379,14 +279,16 @@ class System:
         d: Array,
         mass: float,
         damping: float,
+        joint_frames: Array | None = None,
     ) -> None:
         """Derivative of :meth:`residual` in the increments ``d`` from ``H exp(−d)``, into the KKT.
 
-        ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d. Call it after a residual at the same state.
+        ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d; the constraints' Jacobian is taken at
+        ``joint_frames`` (default: ``H``). Call it after a residual at the same state.
         """
         self._A[:] = 0.0
         self._K[:] = 0.0
-        _rigid_tangent(
+        rigid_tangent(
             H,
             v,
             a,
@@ -403,10 +305,10 @@ class System:
             self._K,
         )
         for (where, assembly), place in zip(self.assemblies, self._place_elastic, strict=True):
-            _add_blocks(self._K, place, assembly.tangent(H[where]))
+            add_blocks(self._K, place, assembly.tangent(H[where]))
         constraints.geometric(H, self.table, weights, self._place_joints, self._K)
-        constraints.jacobian(H, self.table, self._rows)
-        _combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
+        constraints.jacobian(H if joint_frames is None else joint_frames, self.table, self._rows)
+        combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
         self.kkt.fill(self._A, self._rows, scale)
 
     def fill_mass_matrix(self, H: Array) -> None:
@@ -456,6 +358,31 @@ class System:
         for where, assembly in self.assemblies:
             assembly.reset_stress(H[where])
 
-
-def scene_info(system: System) -> object:
-    return None
+    def info(self) -> SceneInfo:
+        """Bodies and joints in the numbering of the system, for results."""
+        bodies = tuple(
+            BodyInfo(
+                name=body.name,
+                kind=type(body).__name__,
+                nodes=nodes,
+                cells=nodes[body.cells],
+                outline=body.outline,
+                box=body.box,
+                points={key: int(nodes[node]) for key, node in body.point_names.items()},
+            )
+            for body, nodes in self.nodes.items()
+        )
+        joints = []
+        for k, joint in enumerate(self.joints):
+            side = int(self.table.nodes[k, 0] >= self.count)
+            joints.append(
+                JointInfo(
+                    name=joint.label,
+                    kind=type(joint).__name__,
+                    start=int(self.table.first[k]),
+                    components=joint.components,
+                    node=int(self.table.nodes[k, side]),
+                    offset=self.table.frames[k, side, 0],
+                )
+            )
+        return SceneInfo(bodies, tuple(joints))

@@ -56,11 +56,9 @@ forget_other_pythons() {
 }
 
 # Root has the right to make a mount namespace; others get it from a user namespace of their own.
-if ((EUID == 0)); then
-  namespace=(unshare --mount)
-else
-  namespace=(unshare --map-root-user --mount)
-fi
+# tools/enter keeps its mounts private, as unshare itself cannot do that in a chroot.
+namespace=(unshare --mount --propagation unchanged)
+((EUID == 0)) || namespace+=(--map-root-user)
 
 # One shell at a time changes the cache folder. All that it starts inherits the lock.
 take_lock() {

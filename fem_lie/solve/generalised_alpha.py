@@ -12,6 +12,7 @@ conditioning independent of h.
 
 from __future__ import annotations
 
+import logging
 import time as clock
 from dataclasses import dataclass, field
 
@@ -22,28 +23,37 @@ from fem_lie._jit import Array, compiled
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver
-from fem_lie.solve.policies import Automatic, Policy
+from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
 from fem_lie.system import System
 
+_log = logging.getLogger(__name__)
 
-import os
-EXT=0
+ROTATION = 0.1
+"""In the size of an increment a rotation counts as a displacement of this part of the model's size."""
+
+_ROUND_OFF = 1e-15  # increments below are round-off, whatever their ratio
+_STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
+
+
 @compiled
-def _predict(v, vdot, trend, a, h, am, af, gamma, beta, H, d, v1, vdot1, H1):  # type: ignore[no-untyped-def]
-    """Start a step with the old ``v̇``."""
+def _predict(v, vdot, a, h, am, af, gamma, beta, length, H, d, v1, vdot1, H1):  # type: ignore[no-untyped-def]
+    """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
+    largest = 0.0
     for i in range(d.shape[0]):
         for k in range(6):
-            vdot1[i, k] = vdot[i, k] + trend[i, k]
-            a1 = ((1.0 - af) * vdot1[i, k] + af * vdot[i, k] - am * a[i, k]) / (1.0 - am)
+            vdot1[i, k] = vdot[i, k]
+            a1 = (vdot[i, k] - am * a[i, k]) / (1.0 - am)
             d[i, k] = h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1)
             v1[i, k] = v[i, k] + h * ((1.0 - gamma) * a[i, k] + gamma * a1)
+            largest = max(largest, abs(d[i, k]) / length if k < 3 else ROTATION * abs(d[i, k]))
         lie.retract(H[i], d[i], H1[i])
+    return largest
 
 
 @compiled
 def _correct(dx, scale, length, mass, damping, H, d, v1, vdot1, weights, H1):  # type: ignore[no-untyped-def]
-    """Apply a Newton correction; returns its largest rotation, or translation over ``length``."""
+    """Apply a Newton correction; returns its size, see :data:`ROTATION`."""
     largest = 0.0
     for i in range(d.shape[0]):
         for k in range(6):
@@ -51,7 +61,7 @@ def _correct(dx, scale, length, mass, damping, H, d, v1, vdot1, weights, H1):  #
             d[i, k] -= x
             v1[i, k] -= damping * x
             vdot1[i, k] -= mass * x
-            size = abs(x) / length if k < 3 else abs(x)
+            size = abs(x) / length if k < 3 else ROTATION * abs(x)
             if not size <= largest:
                 largest = size
         lie.retract(H[i], d[i], H1[i])
@@ -62,12 +72,11 @@ def _correct(dx, scale, length, mass, damping, H, d, v1, vdot1, weights, H1):  #
 
 
 @compiled
-def _accept(am, af, v, vdot, trend, a, H, v1, vdot1, H1):  # type: ignore[no-untyped-def]
+def _accept(am, af, v, vdot, a, H, v1, vdot1, H1):  # type: ignore[no-untyped-def]
     """Make the end of the step the start of the next."""
     for i in range(vdot1.shape[0]):
         for k in range(6):
             a[i, k] = ((1.0 - af) * vdot1[i, k] + af * vdot[i, k] - am * a[i, k]) / (1.0 - am)
-            trend[i, k] = EXT*(vdot1[i, k] - vdot[i, k])
             v[i, k] = v1[i, k]
             vdot[i, k] = vdot1[i, k]
         lie.reorthonormalise(H1[i])
@@ -80,15 +89,15 @@ class GeneralisedAlpha:
 
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
-        tolerance: Predicted error of the iteration per step, in rotations and in translations
-            over the size of the model.
+        tolerance: Predicted error of the iteration in each step over the largest motion in a step
+            so far: the relative error of velocities, which is what energy and momentum feel.
         policy: When to factorise.
         max_iterations: More in one step are a failure.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
     radius: float = 0.8
-    tolerance: float = 1e-11
+    tolerance: float = 2e-8
     policy: Policy = field(default_factory=Automatic)
     max_iterations: int = 30
     petsc_options_prefix: str = "fem_lie_dynamics_"
@@ -151,12 +160,12 @@ class _Run:
         n = system.count
         self.H, self.v = system.frames.copy(), system.velocities.copy()
         self.H1, self.v1 = self.H.copy(), self.v.copy()
-        self.vdot, self.vdot1, self.a, self.d, self.trend = (np.zeros((n, 6)) for _ in range(5))
+        self.vdot, self.vdot1, self.a, self.d = (np.zeros((n, 6)) for _ in range(4))
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         self.r, self.dx = np.zeros(system.size), np.zeros(system.size)
         self.solver = DirectSolver(system.kkt.matrix, scheme.petsc_options_prefix)
         self.solver.bind(self.r, self.dx)
-        self._last_ratio = 1.0
+        self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
 
     # --- start ---
 
@@ -245,6 +254,7 @@ class _Run:
                 if system.time_dependent:
                     system.set_time(index * self.h)
                     self.H1[system.count + 1 :] = system.prescribed_frames(index * self.h)
+                self._index = index
                 iterations = self._step()
                 if iterations == 0:
                     seconds = clock.perf_counter() - begin
@@ -263,30 +273,51 @@ class _Run:
         return result
 
     def _step(self) -> int:
-        """One step; returns its iterations, 0 if it failed."""
-        system, tolerance = self.system, self.scheme.tolerance
-        _predict(
+        """One step; returns its iterations, 0 if it failed.
+
+        A step that diverges with the kept matrix is done again with a new one in every iteration
+        and with the stress as an iterate.
+        """
+        weights = self.weights.copy()
+        count = self._iterate(self.policy, carried=False)
+        if count == 0 and self.policy.rescue:
+            _log.info("step %d: kept matrix diverges, full iteration", self._index)
+            self.weights[:] = weights
+            # the predicted end of the step may be far off: its stress is no start
+            self.system.reset_stress(self.H)
+            count = self._iterate(EveryIteration(), carried=True)
+        return count
+
+    def _iterate(self, policy: Policy, *, carried: bool) -> int:
+        """Predict, and correct until it converges; returns the iterations, 0 on failure."""
+        system = self.system
+        motion = _predict(
             self.v,
             self.vdot,
-            self.trend,
             self.a,
             self.h,
             self.am,
             self.af,
             self.gamma,
             self.beta,
+            system.length,
             self.H,
             self.d,
             self.v1,
             self.vdot1,
             self.H1,
         )
+        self._motion = max(motion, self._motion)
+        tolerance = max(self.scheme.tolerance * self._motion, _ROUND_OFF)
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.scheme.max_iterations + 1):
             system.residual(self.H1, self.v1, self.vdot1, self.weights, self.scale, self.r)
-            if self.policy.before_iteration(iteration) or self.solver.factorisations == 0:
-                self._factorise()
+            if policy.before_iteration(iteration) or self.solver.factorisations == 0:
+                self._factorise(None if carried else self.H1)
             self.solver.solve()
+            if carried:
+                twists = lie.se3_tangent(self.d) @ -self.dx[: self.d.size].reshape(-1, 6, 1)
+                system.carry_stress(self.H1, twists.ravel())
             self._increment = _correct(
                 self.dx,
                 self.scale,
@@ -301,17 +332,19 @@ class _Run:
                 self.H1,
             )
             if previous < np.inf:
-                ratio = self._increment / previous
+                # one lucky ratio must not end the next steps too early: forget slowly
+                ratio = max(self._increment / previous, 0.7 * ratio)
             # the sum of all further increments of a linearly converging iteration
-            if ratio < 1.0 and self._increment * ratio <= tolerance * (1.0 - ratio):
+            remaining = self._increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+            stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
+            if remaining <= tolerance or self._increment <= _ROUND_OFF or stagnant:
                 self._last_ratio = ratio
-                self.policy.after_step(iteration)
+                policy.after_step(iteration)
                 _accept(
                     self.am,
                     self.af,
                     self.v,
                     self.vdot,
-                    self.trend,
                     self.a,
                     self.H,
                     self.v1,
@@ -319,13 +352,15 @@ class _Run:
                     self.H1,
                 )
                 return iteration
-            if not np.isfinite(self._increment):
+            if not self._increment < 1e3:
                 return 0
             previous = self._increment
         return 0
 
-    def _factorise(self) -> None:
-        self.system.reset_stress(self.H1)
+    def _factorise(self, stressed: Array | None) -> None:
+        """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
+        if stressed is not None:
+            self.system.reset_stress(stressed)
         self.system.fill_matrix(
             self.H1,
             self.v1,
@@ -335,5 +370,18 @@ class _Run:
             self.d,
             self.mass,
             self.damping,
+            self._ahead(),
         )
         self.solver.factorise()
+
+    def _ahead(self) -> Array:
+        """Frames in the middle of the time for which the matrix is likely to be kept.
+
+        Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
+        """
+        steps = (self._index - self._born) // 2
+        self._born = self._index
+        frames = self.H1.copy()
+        n = self.system.count
+        frames[:n] = lie.se3_retract(frames[:n], steps * self.h * self.v1[:n])
+        return frames

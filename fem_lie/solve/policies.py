@@ -7,10 +7,17 @@ never on measured time, so that a run repeats bit for bit.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 
 class Policy(ABC):
-    """Decides on factorisations; one object per run is made by :meth:`fresh`."""
+    """Decides on factorisations; one object per run is made by :meth:`fresh`.
+
+    Attributes:
+        rescue: Whether a step that fails may be done again with full iteration.
+    """
+
+    rescue: ClassVar[bool] = True
 
     @abstractmethod
     def fresh(self) -> Policy:
@@ -59,7 +66,9 @@ class Limit(Policy):
 
 
 class Never(Policy):
-    """One factorisation for the whole run."""
+    """One factorisation for the whole run; a step that fails with it is an error."""
+
+    rescue = False
 
     def fresh(self) -> Policy:
         """The same policy without memory."""
@@ -78,31 +87,31 @@ class Automatic(Policy):
     a factorisation is made when the iteration converges badly.
     """
 
-    def __init__(self, cost: float = 15.0, rescue: int = 8) -> None:
+    def __init__(self, cost: float = 100.0, patience: int = 8) -> None:
         """Set the costs.
 
         Args:
             cost: Time of building and factorising the matrix, in iterations.
-            rescue: Iterations of one step after which the matrix is renewed at once.
+            patience: Iterations of one step after which the matrix is renewed at once.
 
         Raises:
             ValueError: One of them is not positive.
         """
-        if not cost > 0 or rescue < 1:
-            raise ValueError(f"cost must be positive and rescue at least 1, got {cost}, {rescue}")
-        self.cost, self.rescue = cost, rescue
+        if not cost > 0 or patience < 1:
+            raise ValueError(f"cost must be positive and patience at least 1, got {cost}, {patience}")
+        self.cost, self.patience = cost, patience
         self._best, self._excess = 0, 0.0
 
     def fresh(self) -> Policy:
         """The same policy without memory."""
-        return Automatic(self.cost, self.rescue)
+        return Automatic(self.cost, self.patience)
 
     def before_iteration(self, iteration: int) -> bool:
         """At the start of a step if it pays, or in the middle of a bad one."""
         if iteration == 1:
             due = self._excess >= self.cost
         else:
-            due = (iteration - 1) % self.rescue == 0
+            due = (iteration - 1) % self.patience == 0
         if due:
             self._best, self._excess = 0, 0.0
         return due

@@ -11,7 +11,7 @@ from tqdm import tqdm
 from fem_lie import inertia
 from fem_lie._jit import Array
 from fem_lie.results import Result
-from fem_lie.system import System, scene_info
+from fem_lie.system import System
 
 
 class Recorder:
@@ -108,5 +108,5 @@ class Recorder:
             iterations=self.iterations[keep],
             factorisations=factorisations,
             seconds=seconds,
-            info=scene_info(self._system),
+            info=self._system.info(),
         )

@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
+from fem_lie.info import SceneInfo
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver
 from fem_lie.system import System
@@ -43,7 +44,7 @@ class StaticResult:
         multipliers: Joint forces at them, shape (k, m).
         iterations: Linear solves of each accepted step, shape (k,).
         failed_iterations: Linear solves of steps that were given up.
-        system: Numbering of nodes and joints.
+        info: Bodies and joints.
     """
 
     factors: Array
@@ -51,15 +52,15 @@ class StaticResult:
     multipliers: Array
     iterations: np.ndarray
     failed_iterations: int
-    system: System
+    info: SceneInfo
 
-    def position(self, point: Point) -> Array:
+    def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
-        return self.frames[:, self.system.node(point), 0]
+        return self.frames[:, self.info.node(point), 0]
 
-    def rotation(self, point: Point) -> Array:
+    def rotation(self, point: Point | str) -> Array:
         """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
-        return lie.rotation(self.frames[:, self.system.node(point)])
+        return lie.rotation(self.frames[:, self.info.node(point)])
 
 
 def statics(
@@ -121,7 +122,7 @@ def statics(
         reached = target
         step = min(2 * step, 1.0 / load_steps)
         factors.append(reached)
-        frames.append(newton.H.copy())
+        frames.append(newton.H[: newton.system.count].copy())
         multipliers.append(newton.multipliers.copy())
         iterations.append(count)
     newton.destroy()
@@ -131,7 +132,7 @@ def statics(
         np.array(multipliers),
         np.array(iterations),
         failed,
-        newton.system,
+        newton.system.info(),
     )
 
 

@@ -1,0 +1,123 @@
+"""Results in an HDF5 file: one data set for each array, one group for each body and joint."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo
+from fem_lie.results import Result
+
+_FORMAT, _VERSION = "fem_lie results", 1
+_NUMBERS = ("factorisations", "seconds")
+_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info"))
+
+
+def write(result: Result, path: str | os.PathLike[str]) -> None:
+    """Write a file that appears under its name only when it is whole."""
+    import h5py
+
+    target = Path(path)
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(unfinished, "w") as file:
+            file.attrs.update({"format": _FORMAT, "version": _VERSION})
+            for name in _ARRAYS:
+                file[name] = getattr(result, name)
+            for name in _NUMBERS:
+                file.attrs[name] = getattr(result, name)
+            for i, body in enumerate(result.info.bodies):
+                _write_body(file.create_group(f"bodies/{i}"), body)
+            for i, joint in enumerate(result.info.joints):
+                _write_joint(file.create_group(f"joints/{i}"), joint)
+        os.replace(unfinished, target)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def read(path: str | os.PathLike[str]) -> Result:
+    """Read what :func:`write` wrote; see :meth:`fem_lie.results.Result.load` for errors."""
+    import h5py
+
+    source = Path(path)
+    if not source.is_file():
+        raise FileNotFoundError(f"no file of results {str(source)!r}")
+    if not h5py.is_hdf5(source):
+        raise ValueError(f"{str(source)!r} is not a file of results (not HDF5)")
+    try:
+        with h5py.File(source, "r") as file:
+            _check_format(file, source)
+            return _read(file)
+    except (OSError, KeyError) as error:
+        raise ValueError(f"{str(source)!r} is damaged: {error}") from error
+
+
+def _check_format(file: Any, source: Path) -> None:
+    given = file.attrs.get("format"), file.attrs.get("version")
+    if given != (_FORMAT, _VERSION):
+        raise ValueError(
+            f"{str(source)!r} is not a file of results of version {_VERSION}: "
+            f"format {given[0]!r}, version {given[1]!r}"
+        )
+
+
+def _read(file: Any) -> Result:
+    return Result(
+        **{name: file[name][()] for name in _ARRAYS},
+        factorisations=int(file.attrs["factorisations"]),
+        seconds=float(file.attrs["seconds"]),
+        info=SceneInfo(
+            tuple(_read_body(group) for group in _groups(file, "bodies")),
+            tuple(_read_joint(group) for group in _groups(file, "joints")),
+        ),
+    )
+
+
+def _groups(file: Any, name: str) -> list[Any]:
+    if name not in file:
+        return []
+    return [file[name][str(i)] for i in range(len(file[name]))]
+
+
+def _write_body(group: Any, body: BodyInfo) -> None:
+    group.attrs.update({"name": body.name, "kind": body.kind})
+    group["nodes"], group["cells"] = body.nodes, body.cells
+    group["point_names"] = list(body.points) or np.empty(0, dtype="S1")
+    group["point_nodes"] = np.array(list(body.points.values()), dtype=np.int64)
+    for name in ("outline", "box"):
+        if getattr(body, name) is not None:
+            group[name] = getattr(body, name)
+
+
+def _read_body(group: Any) -> BodyInfo:
+    names = [name.decode() for name in group["point_names"][()]]
+    return BodyInfo(
+        name=group.attrs["name"],
+        kind=group.attrs["kind"],
+        nodes=group["nodes"][()],
+        cells=group["cells"][()],
+        outline=group["outline"][()] if "outline" in group else None,
+        box=group["box"][()] if "box" in group else None,
+        points={n: int(i) for n, i in zip(names, group["point_nodes"][()], strict=True)},
+    )
+
+
+def _write_joint(group: Any, joint: JointInfo) -> None:
+    group.attrs.update({"name": joint.name, "kind": joint.kind})
+    group.attrs.update({"start": joint.start, "node": joint.node})
+    group["components"], group["offset"] = list(joint.components), joint.offset
+
+
+def _read_joint(group: Any) -> JointInfo:
+    return JointInfo(
+        name=group.attrs["name"],
+        kind=group.attrs["kind"],
+        start=int(group.attrs["start"]),
+        components=tuple(name.decode() for name in group["components"][()]),
+        node=int(group.attrs["node"]),
+        offset=group["offset"][()],
+    )

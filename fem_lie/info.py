@@ -1,0 +1,132 @@
+"""What a solution must know of its scene: for looking things up, drawing and files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from fem_lie.bodies import Point
+    from fem_lie.joints import Joint
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyInfo:
+    """One body; all node numbers are those of the whole system.
+
+    Attributes:
+        name: Its name in the scene.
+        kind: Its class.
+        nodes: Its nodes, shape (n,).
+        cells: Pairs of nodes, shape (m, 2); none for a rigid body.
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``.
+        box: Edges of a box about the body's frame, shape (3,): how a rigid body is drawn.
+        points: Node of each named point.
+    """
+
+    name: str
+    kind: str
+    nodes: Indices
+    cells: Indices = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    outline: Array | None = None
+    box: Array | None = None
+    points: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class JointInfo:
+    """One joint.
+
+    Attributes:
+        name: Its name, or what it joins.
+        kind: Its class.
+        start: First of its multipliers.
+        components: Name of each of its multipliers, such as "F1" and "M3".
+        node: A node that it is fixed to, for drawing; −1 if there is none.
+        offset: Its place in that node's frame, shape (3,).
+    """
+
+    name: str
+    kind: str
+    start: int
+    components: tuple[str, ...]
+    node: int = -1
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def rows(self) -> slice:
+        """Its multipliers."""
+        return slice(self.start, self.start + len(self.components))
+
+
+@dataclass(frozen=True, eq=False)
+class SceneInfo:
+    """Bodies and joints in the order of the scene."""
+
+    bodies: tuple[BodyInfo, ...]
+    joints: tuple[JointInfo, ...] = ()
+
+    def body(self, name: str) -> BodyInfo:
+        """The body with this name.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        return _named(self.bodies, name, "body")
+
+    def joint(self, joint: Joint | str) -> JointInfo:
+        """The joint with this name, or this joint of the scene.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        return _named(self.joints, joint if isinstance(joint, str) else joint.label, "joint")
+
+    def node(self, point: Point | str | int) -> int:
+        """Node of a point: the point itself, "body.name", "body.node 3", or a node's number.
+
+        Raises:
+            ValueError: There is no such point; the message lists those that exist.
+        """
+        if isinstance(point, str):
+            return self._node_of_name(point)
+        if isinstance(point, (int, np.integer)):
+            count = 1 + max(int(body.nodes.max()) for body in self.bodies)
+            if not 0 <= point < count:
+                raise ValueError(f"nodes are 0 … {count - 1}, got {point}")
+            return int(point)
+        if point.body is None:
+            raise ValueError("ground does not move; give a point of a body")
+        return int(self.body(point.body.name).nodes[point.node])
+
+    def _node_of_name(self, label: str) -> int:
+        known = {}
+        for body in self.bodies:
+            known.update({f"{body.name}.{key}": node for key, node in body.points.items()})
+            nodes = {f"{body.name}.node {i}": int(node) for i, node in enumerate(body.nodes)}
+            if label in nodes:
+                return nodes[label]
+        if label not in known:
+            raise ValueError(
+                f"there is no point {label!r}; there are: {', '.join(sorted(known)) or 'none'}, "
+                "and 'body.node 0', 'body.node 1', …"
+            )
+        return int(known[label])
+
+
+Item = TypeVar("Item", BodyInfo, JointInfo)
+
+
+def _named(items: tuple[Item, ...], name: str, what: str) -> Item:
+    for item in items:
+        if item.name == name:
+            return item
+    known = ", ".join(repr(item.name) for item in items) or "none"
+    raise ValueError(f"there is no {what} {name!r}; there are: {known}")

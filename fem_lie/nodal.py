@@ -1,0 +1,110 @@
+"""Compiled sums over the nodes of a scene: inertia, loads, and the blocks of the matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import inertia, lie
+from fem_lie._jit import compiled
+from fem_lie.frames import pull, pull_derivative
+
+
+@compiled
+def _add_loads(H, dead, following, r):  # type: ignore[no-untyped-def]
+    """``r −= loads``: global forces and moments (n, 6) and local ones (n, 6)."""
+    for i in range(dead.shape[0]):
+        for a in range(3):
+            for j in range(3):
+                r[6 * i + a] -= H[i, 1 + a, j] * dead[i, j]
+                r[6 * i + 3 + a] -= H[i, 1 + a, j] * dead[i, 3 + j]
+            r[6 * i + a] -= following[i, a]
+            r[6 * i + 3 + a] -= following[i, 3 + a]
+
+
+@compiled
+def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
+    """``K −= ∂(local components of global loads)/∂h``: ``(Rᵀf)^`` and ``(Rᵀm)^``."""
+    for i in range(dead.shape[0]):
+        block = K[diagonal[i]]
+        for kind in range(2):
+            at, row = 3 * kind, 3 * kind
+            n0 = n1 = n2 = 0.0
+            for j in range(3):
+                n0 += H[i, 1, j] * dead[i, at + j]
+                n1 += H[i, 2, j] * dead[i, at + j]
+                n2 += H[i, 3, j] * dead[i, at + j]
+            block[row, 4] += n2
+            block[row, 5] -= n1
+            block[row + 1, 3] -= n2
+            block[row + 1, 5] += n0
+            block[row + 2, 3] += n1
+            block[row + 2, 4] -= n0
+
+
+@compiled
+def rigid_part(H, v, a, indptr, indices, G, gravity, dead, following, work, r):  # type: ignore[no-untyped-def]
+    """Inertia and loads: ``r = Lᵀ (G q̈ − gravity) − loads``; ``work`` (2, n, 4, 3)."""
+    count = dead.shape[0]
+    nodal = r[: 6 * count].reshape(count, 6)
+    r[:] = 0.0
+    inertia.accelerations(H, v[:count], a[:count], work[0])
+    inertia.multiply(indptr, indices, G, work[0], work[1])
+    for i in range(count):
+        for k in range(4):
+            for j in range(3):
+                work[1, i, k, j] -= gravity[i, k, j]
+    pull(H, work[1], 1.0, nodal)
+    _add_loads(H, dead, following, r)
+
+
+@compiled
+def rigid_tangent(
+    H, v, a, indptr, indices, G, place, f, dead, diagonal, mass, damping, A, K
+):  # type: ignore[no-untyped-def]
+    """Derivatives of :func:`rigid_part`; ``f = G q̈ − gravity`` of the last residual."""
+    count = dead.shape[0]
+    inertia.tangents(H, v[:count], a[:count], indptr, indices, G, place, mass, damping, A, K)
+    for i in range(count):
+        pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
+    _add_load_stiffness(H, dead, diagonal, K)
+
+
+@compiled
+def add_blocks(target, place, blocks):  # type: ignore[no-untyped-def]
+    for b in range(place.shape[0]):
+        for k in range(6):
+            for n in range(6):
+                target[place[b], k, n] += blocks[b, k, n]
+
+
+@compiled
+def combine(A, K, rows, d, nodes, bind):  # type: ignore[no-untyped-def]
+    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+    count = d.shape[0]
+    T, product = np.empty((count, 6, 6)), np.empty((6, 6))
+    for i in range(count):
+        lie.tangent(d[i], T[i])
+    for b in range(bind.shape[0]):
+        _multiply(K[b], T[bind[b]], product)
+        for k in range(6):
+            for n in range(6):
+                A[b, k, n] += product[k, n]
+    row = np.empty(6)
+    for c in range(rows.shape[0]):
+        for side in range(2):
+            node = nodes[c, side]
+            if node < count:
+                for n in range(6):
+                    row[n] = 0.0
+                    for k in range(6):
+                        row[n] += rows[c, side, k] * T[node, k, n]
+                rows[c, side] = row
+
+
+@compiled
+def _multiply(A, B, out):  # type: ignore[no-untyped-def]
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
+            for k in range(6):
+                out[i, j] += A[i, k] * B[k, j]

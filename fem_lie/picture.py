@@ -1,0 +1,240 @@
+"""Pictures of bodies in space: superposed instants, and animations. Works without a display."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_lie.info import SceneInfo
+from fem_lie.plot import COLOURS, SI, Units
+from fem_lie.shapes import Array, Shape, joint_places, scene_size, shapes
+
+_INK = "#333333"
+_PALEST = 0.25
+_AMBIENT = 0.45
+_BALL = 0.008  # radius of a joint, part of the scene
+_EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
+
+
+def draw(
+    info: SceneInfo,
+    frames: Array,
+    path: str | os.PathLike[str],
+    *,
+    paths: Sequence[Array] = (),
+    title: str = "",
+    units: Units = SI,
+    size: tuple[int, int] = (1600, 1200),
+) -> None:
+    """Draw the bodies in several configurations, the last in full colour, earlier ones paler.
+
+    Beams are swept along geodesics between their nodes; what is too thin to be seen is enlarged.
+
+    Args:
+        info: The scene.
+        frames: One or several configurations of all nodes, shape (N, 4, 3) or (K, N, 4, 3).
+        path: Name of the ``.png`` file.
+        paths: Lines to draw with them, each of shape (T, 3).
+        title: Above the picture.
+        units: For the axes.
+        size: Width and height, pixels.
+
+    Raises:
+        ValueError: The name does not end in ``.png``.
+        RuntimeError: There is no display, and no Xvfb to stand in.
+    """
+    target = _target(path, ".png")
+    steps = frames.reshape(-1, *frames.shape[-3:])
+    with _plotter(paths, title, size) as plotter:
+        bodies = shapes(info, steps)
+        # backwards: a single configuration is the last one
+        strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
+        for strength, step in zip(strengths, steps, strict=True):
+            _add(plotter, info, bodies, np.asarray(step), float(strength))
+        _frame(plotter, steps, paths, units, size)
+        plotter.screenshot(target)
+
+
+def animate(
+    info: SceneInfo,
+    frames: Array,
+    path: str | os.PathLike[str],
+    *,
+    seconds: float = 5.0,
+    paths: Sequence[Array] = (),
+    title: str = "",
+    units: Units = SI,
+    size: tuple[int, int] = (800, 600),
+) -> None:
+    """Draw the bodies in one configuration after the other.
+
+    Args:
+        info: The scene.
+        frames: Configurations, shape (K, N, 4, 3).
+        path: Name of the ``.gif`` file.
+        seconds: How long it plays.
+        paths: Lines to draw with them, each of shape (T, 3).
+        title: Above the picture.
+        units: For the axes.
+        size: Width and height, pixels.
+
+    Raises:
+        ValueError: The name does not end in ``.gif``, or it plays for no time.
+        RuntimeError: There is no display, and no Xvfb to stand in.
+    """
+    from PIL import Image
+
+    target = _target(path, ".gif")
+    if not seconds > 0.0:
+        raise ValueError(f"seconds must be positive, got {seconds!r}")
+    images = []
+    with _plotter(paths, title, size) as plotter:
+        bodies = shapes(info, frames)
+        actors = _add(plotter, info, bodies, frames[0], 1.0)
+        _frame(plotter, frames, paths, units, size)
+        for step in frames:
+            for actor, surface in zip(actors, _surfaces(info, bodies, step), strict=True):
+                actor.mapper.dataset = surface
+            plotter.render()
+            image = Image.fromarray(plotter.screenshot(return_img=True))
+            images.append(
+                image.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+            )
+    duration = max(20, round(1000.0 * seconds / len(images)))  # browsers play nothing faster
+    images[0].save(
+        target, save_all=True, append_images=images[1:], duration=duration, loop=0, optimize=False
+    )
+
+
+def _target(path: str | os.PathLike[str], suffix: str) -> str:
+    if Path(path).suffix.lower() != suffix:
+        raise ValueError(f"the name of the picture must end in {suffix!r}, got {str(path)!r}")
+    return str(path)
+
+
+@contextmanager
+def _plotter(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Iterator[Any]:
+    """White scene with lines and a title."""
+    from fem_lie._display import display
+
+    with display():
+        import pyvista
+
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="light kit")
+        try:
+            plotter.set_background("white")
+            plotter.enable_anti_aliasing("ssaa")
+            for line in paths:
+                plotter.add_mesh(
+                    pyvista.lines_from_points(line), color=_INK, line_width=size[0] / 800
+                )
+            if title:
+                plotter.add_text(
+                    title,
+                    position=(0.02, 0.94),
+                    viewport=True,
+                    font_size=size[0] // 110,
+                    color=_INK,
+                )
+            yield plotter
+        finally:
+            plotter.close()
+
+
+def _frame(
+    plotter: Any, frames: Array, paths: Sequence[Array], units: Units, size: tuple[int, int]
+) -> None:
+    """Axes with round numbers around all configurations, and the camera."""
+    from vtkmodules.vtkCommonCore import vtkStringArray
+
+    x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
+    low, high = x.min(axis=0), x.max(axis=0)
+    step = _round_step(float((high - low).max()))
+    flat = np.flatnonzero(high - low < 1e-3 * step)
+    low, high = np.floor(low / step + 0.1), np.ceil(high / step - 0.1)
+    low, high = step * (low - (low >= high)), step * (high + (low >= high))
+    counts = np.rint((high - low) / step).astype(int) + 1
+    bounds = np.column_stack([low, high]).ravel().tolist()
+    axes = plotter.show_bounds(
+        bounds=bounds,
+        grid="back",
+        location="outer",
+        ticks="outside",
+        font_size=size[0] // 100,
+        color="#777777",
+        xtitle=f"x [{units.length}]",
+        ytitle=f"y [{units.length}]",
+        ztitle=f"z [{units.length}]",
+        n_xlabels=counts[0],
+        n_ylabels=counts[1],
+        n_zlabels=counts[2],
+        use_3d_text=False,
+    )
+    for axis in range(3):
+        labels = vtkStringArray()
+        for value in np.rint(low[axis] / step) + np.arange(counts[axis]):
+            # the lowest of z and the first of y would write over each other
+            lowest = axis == 2 and labels.GetNumberOfValues() == 0
+            labels.InsertNextValue("" if lowest else f"{value * step:.6g}")
+        axes.SetAxisLabels(axis, labels)
+    if len(flat) == 1:
+        {0: plotter.view_yz, 1: plotter.view_xz, 2: plotter.view_xy}[int(flat[0])]()
+    else:
+        plotter.view_isometric()
+    plotter.enable_parallel_projection()
+    plotter.reset_camera(bounds=bounds)
+
+
+def _round_step(extent: float) -> float:
+    """Distance of grid lines, 1, 2 or 5 times a power of ten, for four to ten of them."""
+    power = 10.0 ** np.floor(np.log10(extent or 1.0))
+    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))
+
+
+def _add(
+    plotter: Any, info: SceneInfo, bodies: list[Shape], frames: Array, strength: float
+) -> list[Any]:
+    """Add bodies and joints in one configuration; returns their actors."""
+    colours = [COLOURS[number % len(COLOURS)] for number in range(len(bodies))] + [_INK]
+    surfaces = _surfaces(info, bodies, frames)
+    return [
+        plotter.add_mesh(
+            surface,
+            color=_paler(colour, strength),
+            smooth_shading=True,
+            ambient=_AMBIENT,
+            diffuse=1.1 - _AMBIENT,
+            render=False,
+            reset_camera=False,
+        )
+        for surface, colour in zip(surfaces, colours, strict=False)
+    ]
+
+
+def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:
+    """Surfaces of all bodies, and one of all joints if there are any, with normals."""
+    import pyvista
+
+    surfaces = [
+        pyvista.PolyData(shape.points(frames), shape.faces)
+        .clean()
+        .compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
+        for shape in bodies
+    ]
+    places = joint_places(info, frames)
+    if len(places):
+        ball = pyvista.Sphere(radius=_BALL * scene_size(frames))
+        surfaces.append(pyvista.PolyData(places).glyph(geom=ball, scale=False, orient=False))
+    return surfaces
+
+
+def _paler(colour: str, strength: float) -> tuple[float, float, float]:
+    """Mix with white; no transparency, so it does not matter what lies before what."""
+    rgb = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    r, g, b = (1.0 - strength * (1.0 - c) for c in rgb)
+    return r, g, b

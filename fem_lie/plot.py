@@ -1,0 +1,122 @@
+"""Diagrams of results over time. Works without a display and leaves pyplot's state alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fem_lie.bodies import Point
+    from fem_lie.results import Array, Result
+
+
+# Okabe & Ito's colours, told apart by everyone
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+
+@dataclass(frozen=True)
+class Units:
+    """What the user's numbers are measured in, for labels."""
+
+    length: str = "m"
+    time: str = "s"
+    energy: str = "J"
+    momentum: str = "kg m/s"
+    angular_momentum: str = "kg m²/s"
+
+
+SI = Units()
+
+
+def energies(
+    result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+) -> Figure:
+    """Energies, and below them the change of their sum, over time."""
+    figure, (above, below) = _figure(2, "Energy", units)
+    for colour, name in zip(COLOURS, ("kinetic", "elastic", "potential"), strict=False):
+        if np.any(getattr(result, name)):
+            above.plot(result.times, getattr(result, name), color=colour, label=name)
+    above.plot(result.times, result.total_energy, color="black", label="total")
+    above.set_ylabel(f"energy [{units.energy}]")
+    _legend(above)
+    below.plot(result.times, result.total_energy - result.total_energy[0], color="black")
+    below.set_ylabel(f"total − start [{units.energy}]")
+    return _saved(figure, path)
+
+
+def momenta(
+    result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+) -> Figure:
+    """Components of momentum and angular momentum over time."""
+    figure, (above, below) = _figure(2, "Momentum", units)
+    _components(above, result.times, result.momentum, "p")
+    above.set_ylabel(f"momentum [{units.momentum}]")
+    _components(below, result.times, result.angular_momentum, "L")
+    below.set_ylabel(f"angular momentum\nabout the origin [{units.angular_momentum}]")
+    return _saved(figure, path)
+
+
+def positions(
+    result: Result,
+    points: Sequence[Point | str | int],
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
+) -> Figure:
+    """Components of the positions of points over time, one diagram for each point.
+
+    Raises:
+        ValueError: No point is given, or there is no such point.
+    """
+    if not points:
+        raise ValueError("give at least one point whose position is to be plotted")
+    figure, axes = _figure(len(points), "Position", units)
+    for ax, point in zip(axes, points, strict=True):
+        _components(ax, result.times, result.position(point), "")
+        label = point if isinstance(point, str) else getattr(point, "label", f"node {point}")
+        ax.set_ylabel(f"{label} [{units.length}]")
+    return _saved(figure, path)
+
+
+def _figure(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 1.2 + 2.4 * rows), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = list(figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0])
+    figure.suptitle(title)
+    figure.align_ylabels(axes)
+    for ax in axes:
+        ax.grid(color="#DDDDDD", linewidth=0.6)
+        ax.set_axisbelow(True)
+        ax.spines[["top", "right"]].set_visible(False)
+        ax.margins(x=0.01)
+        ax.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
+    axes[-1].set_xlabel(f"time [{units.time}]")
+    return figure, axes
+
+
+def _components(ax: Axes, times: Array, vectors: Array, symbol: str) -> None:
+    for colour, index, values in zip(COLOURS, "xyz", vectors.T, strict=False):
+        ax.plot(
+            times, values, color=colour, label=f"${symbol}_{index}$" if symbol else f"${index}$"
+        )
+    _legend(ax)
+
+
+def _legend(ax: Axes) -> None:
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+
+
+def _saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    if path is not None:
+        figure.savefig(path)
+    return figure

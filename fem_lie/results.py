@@ -1,0 +1,270 @@
+"""What an integrator found: histories, how to look them up, and how well invariants were kept."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo
+from fem_lie.plot import SI, Units
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fem_lie.bodies import Point
+    from fem_lie.joints import Joint
+
+__all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Histories at the T times that were kept.
+
+    Attributes:
+        times: Shape (T,).
+        frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors e₁, e₂, e₃
+            in global components (:mod:`fem_lie.lie`).
+        velocities: Local velocities (translation, rotation), shape (T, N, 6).
+        multipliers: Forces and moments of joints, each in the joint's frame, shape (T, m).
+        kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of loads.
+        momentum: Linear momentum, global components, shape (T, 3).
+        angular_momentum: About the origin, global components, shape (T, 3).
+        iterations: Newton iterations so far, shape (T,).
+        factorisations: Matrices that were factored in the whole run.
+        seconds: Wall time of the time loop.
+        info: Bodies and joints.
+    """
+
+    times: Array
+    frames: Array
+    velocities: Array
+    multipliers: Array
+    kinetic: Array
+    elastic: Array
+    potential: Array
+    momentum: Array
+    angular_momentum: Array
+    iterations: npt.NDArray[np.int64]
+    factorisations: int
+    seconds: float
+    info: SceneInfo
+
+    def __post_init__(self) -> None:
+        n = self.frames.shape[1] if self.frames.ndim == 4 else 0
+        m = self.multipliers.shape[-1]
+        count = len(self.times)
+        for name, shape in (
+            ("frames", (n, 4, 3)),
+            ("velocities", (n, 6)),
+            ("multipliers", (m,)),
+            ("kinetic", ()),
+            ("elastic", ()),
+            ("potential", ()),
+            ("momentum", (3,)),
+            ("angular_momentum", (3,)),
+            ("iterations", ()),
+        ):
+            value = getattr(self, name)
+            if value.shape != (count, *shape):
+                raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")
+
+    def position(self, point: Point | str | int) -> Array:
+        """Position of a point, global components, shape (T, 3).
+
+        Args:
+            point: A point of a body, its name such as "beam 1.end", or a node's number.
+
+        Raises:
+            ValueError: There is no such point; likewise below.
+        """
+        return self.frames[:, self.info.node(point), 0]
+
+    def rotation(self, point: Point | str | int) -> Array:
+        """Rotation of a point's frame, local to global, shape (T, 3, 3)."""
+        return self.frames[:, self.info.node(point), 1:].transpose(0, 2, 1)
+
+    def velocity(self, point: Point | str | int) -> Array:
+        """Velocity of a point (translation, rotation) in its local frame, shape (T, 6)."""
+        return self.velocities[:, self.info.node(point)]
+
+    def joint_force(self, joint: Joint | str) -> Array:
+        """Multipliers of a joint in the order of its components, in its frame, shape (T, k).
+
+        Raises:
+            ValueError: There is no such joint.
+        """
+        return self.multipliers[:, self.info.joint(joint).rows]
+
+    def index(self, time: float) -> int:
+        """The kept time nearest to ``time``."""
+        return int(np.abs(self.times - time).argmin())
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic, elastic and potential energy, shape (T,)."""
+        return self.kinetic + self.elastic + self.potential
+
+    @property
+    def energy_error(self) -> float:
+        """Largest change of the total energy, over the energy in play.
+
+        That is the kinetic and elastic energy at the start, or the largest work of the loads,
+        whichever is greater: without loads the initial energy, and never a matter of where the
+        potential is zero.
+        """
+        drift = np.abs(self.total_energy - self.total_energy[0]).max()
+        work = np.abs(self.potential - self.potential[0]).max()
+        return _relative(drift, max(abs(self.kinetic[0] + self.elastic[0]), work))
+
+    @property
+    def momentum_error(self) -> float:
+        """Largest change of the momentum vector over its initial length; absolute if that is 0."""
+        return _drift(self.momentum)
+
+    @property
+    def angular_momentum_error(self) -> float:
+        """Likewise for the angular momentum about the origin."""
+        return _drift(self.angular_momentum)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to an HDF5 file; an old file is replaced only when the new is whole."""
+        from fem_lie._results_file import write
+
+        write(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """Read what :meth:`save` wrote, to the last bit.
+
+        Raises:
+            FileNotFoundError: There is no such file.
+            ValueError: It is not a file of results, or one of another version.
+        """
+        from fem_lie._results_file import read
+
+        return read(path)
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write a time series for ParaView.
+
+        Args:
+            path: Name of the ``.pvd`` file; the data of each time go to a folder beside it.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``.
+        """
+        from fem_lie.vtk import write_series
+
+        write_series(path, self.info, self.times, self.frames, self.velocities)
+
+    def plot_energies(
+        self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    ) -> Figure:
+        """Energies and the change of their sum over time; saved if there is a path."""
+        from fem_lie.plot import energies
+
+        return energies(self, path, units=units)
+
+    def plot_momentum(
+        self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    ) -> Figure:
+        """Momentum and angular momentum over time; saved if there is a path."""
+        from fem_lie.plot import momenta
+
+        return momenta(self, path, units=units)
+
+    def plot(
+        self,
+        *points: Point | str | int,
+        path: str | os.PathLike[str] | None = None,
+        units: Units = SI,
+    ) -> Figure:
+        """Positions of points over time; saved if there is a path."""
+        from fem_lie.plot import positions
+
+        return positions(self, points, path, units=units)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        times: Sequence[float] | None = None,
+        *,
+        trace: Sequence[Point | str | int] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the bodies at several times, the later the darker.
+
+        Args:
+            path: Name of the ``.png`` file.
+            times: Default: six from the first to the last.
+            trace: Points whose paths are drawn, too.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.picture import draw
+
+        kept = np.linspace(self.times[0], self.times[-1], 6) if times is None else times
+        rows = [self.index(time) for time in kept]
+        draw(
+            self.info,
+            self.frames[rows],
+            path,
+            paths=self._paths(trace),
+            title=title,
+            units=units,
+        )
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        images: int = 100,
+        seconds: float = 5.0,
+        trace: Sequence[Point | str | int] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the motion as an animated picture.
+
+        Args:
+            path: Name of the ``.gif`` file.
+            images: Number of images, evenly spaced in time.
+            seconds: How long it plays.
+            trace: Points whose paths are drawn, too.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.picture import animate
+
+        rows = [self.index(t) for t in np.linspace(self.times[0], self.times[-1], images)]
+        animate(
+            self.info,
+            self.frames[rows],
+            path,
+            seconds=seconds,
+            paths=self._paths(trace),
+            title=title,
+            units=units,
+        )
+
+    def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
+        return [self.position(point) for point in points]
+
+
+def _relative(value: float, scale: float) -> float:
+    return 0.0 if value == 0.0 else float(value / scale) if scale > 0.0 else float("inf")
+
+
+def _drift(vectors: Array) -> float:
+    change = np.linalg.norm(vectors - vectors[0], axis=1).max()
+    scale = np.linalg.norm(vectors[0])
+    return float(change / scale) if scale > 0.0 else float(change)

@@ -1,0 +1,117 @@
+"""Surfaces of bodies in given frames: sections swept along beams, boxes for rigid bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie.info import BodyInfo, SceneInfo
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+# Slender members would vanish: nothing is drawn thinner than this part of the scene.
+_THINNEST = 0.004
+_STEP_ANGLE = np.radians(4.0)
+_MOST_STEPS = 16
+_CIRCLE = np.column_stack([f(2.0 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
+_CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
+_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A surface that moves with its body.
+
+    Attributes:
+        faces: Polygons as VTK has them: number of corners, then the corners, again and again.
+        body: What it belongs to.
+        outline: Outline of the section, enlarged if it is too thin to be seen, shape (k, 2).
+        box: Edges of a rigid body's box, shape (3,).
+        steps: Pieces in which a cell is drawn.
+    """
+
+    faces: Indices
+    body: BodyInfo
+    outline: Array
+    box: Array
+    steps: int
+
+    def points(self, frames: Array) -> Array:
+        """Corners of the polygons for the frames of all nodes, shape (N, 4, 3)."""
+        if not len(self.body.cells):
+            centres = frames[self.body.nodes]
+            corners = np.einsum("ck,nkj->ncj", _CORNERS * self.box, centres[:, 1:])
+            return np.asarray(centres[:, :1] + corners).reshape(-1, 3)
+        rings = _refined(frames, self.body.cells, self.steps)
+        section = np.einsum("pk,mskj->mspj", self.outline, rings[:, :, 2:])
+        return np.asarray(rings[:, :, :1] + section).reshape(-1, 3)
+
+
+def scene_size(frames: Array) -> float:
+    """Diagonal of the box that holds all nodes at all times, (..., N, 4, 3); 1 if it is a point."""
+    x = frames[..., 0, :].reshape(-1, 3)
+    return float(np.linalg.norm(x.max(axis=0) - x.min(axis=0))) or 1.0
+
+
+def shapes(info: SceneInfo, frames: Array) -> list[Shape]:
+    """Surfaces of all bodies, fine enough for all the frames, shape (K, N, 4, 3)."""
+    size = scene_size(frames)
+    return [_shape(body, frames, size) for body in info.bodies]
+
+
+def joint_places(info: SceneInfo, frames: Array) -> Array:
+    """Places of the joints that move, for frames (N, 4, 3); shape (j, 3)."""
+    places = [
+        frames[joint.node, 0] + joint.offset @ frames[joint.node, 1:]
+        for joint in info.joints
+        if joint.node >= 0
+    ]
+    return np.array(places).reshape(-1, 3)
+
+
+def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
+    outline: Array = _CIRCLE * _THINNEST * size
+    box: Array = np.full(3, 4.0 * _THINNEST * size)
+    if body.outline is not None:
+        radius = np.linalg.norm(body.outline, axis=1).max()
+        outline = body.outline * max(1.0, _THINNEST * size / radius)
+    if body.box is not None:
+        box = np.maximum(body.box, 2.0 * _THINNEST * size)
+    if not len(body.cells):
+        boxes = [8 * i + np.array(face) for i in range(len(body.nodes)) for face in _FACES]
+        return Shape(_polygons(np.array(boxes)), body, outline, box, 1)
+    ends = frames[:, body.cells]
+    turn = np.linalg.norm(lie.se3_relative(ends[:, :, 0], ends[:, :, 1])[..., 3:], axis=-1).max()
+    steps = int(np.clip(np.ceil(turn / _STEP_ANGLE), 1, _MOST_STEPS))
+    return Shape(_tube_faces(body.cells, steps, len(outline)), body, outline, box, steps)
+
+
+def _refined(frames: Array, cells: Indices, steps: int) -> Array:
+    """Frames along each cell on the geodesic between its ends, shape (m, steps + 1, 4, 3)."""
+    a, b = frames[cells[:, 0]], frames[cells[:, 1]]
+    s = np.linspace(0.0, 1.0, steps + 1)
+    d = lie.se3_relative(a, b)
+    return lie.se3_retract(a[:, np.newaxis], s[:, np.newaxis] * d[:, np.newaxis])
+
+
+def _tube_faces(cells: Indices, steps: int, corners: int) -> Indices:
+    """Sides of all cells, and caps where a line ends."""
+    ring = np.arange(corners)
+    following = np.roll(ring, -1)
+    side = np.column_stack([ring, following, following + corners, ring + corners])
+    start = corners * np.arange(steps)[:, np.newaxis, np.newaxis]
+    cell = corners * (steps + 1) * np.arange(len(cells))[:, np.newaxis, np.newaxis, np.newaxis]
+    sides = (side + start + cell).reshape(-1, 4)
+    free = np.bincount(cells.ravel())[cells] == 1
+    first = cell.ravel()[free[:, 0], np.newaxis] + ring[::-1]
+    last = cell.ravel()[free[:, 1], np.newaxis] + corners * steps + ring
+    return np.concatenate([_polygons(sides), _polygons(np.concatenate([first, last]))])
+
+
+def _polygons(corners: Indices) -> Indices:
+    """VTK's list of polygons with equally many corners, from shape (f, c)."""
+    return np.insert(corners, 0, corners.shape[1], axis=1).ravel()

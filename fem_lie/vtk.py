@@ -1,0 +1,82 @@
+"""Time series for ParaView: nodes and cells with frames and velocities, one file for each time."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from fem_lie.info import Array, Indices, SceneInfo
+
+
+def write_series(
+    path: str | os.PathLike[str],
+    info: SceneInfo,
+    times: Array,
+    frames: Array,
+    velocities: Array | None = None,
+) -> None:
+    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
+
+    Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` from the first time, and
+    ``velocity`` and ``angular velocity``, all in global components; cell data: ``body``, the number
+    of the body.
+
+    Args:
+        path: Name of the ``.pvd`` file.
+        info: The scene.
+        times: Times or load factors, shape (T,).
+        frames: Shape (T, N, 4, 3).
+        velocities: Local velocities (translation, rotation), shape (T, N, 6).
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``.
+    """
+    import pyvista
+
+    target = Path(path)
+    if target.suffix != ".pvd":
+        raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
+    folder = target.with_suffix("")
+    folder.mkdir(parents=True, exist_ok=True)
+    lines, vertices, bodies = _cells(info)
+    digits = len(str(len(times) - 1))
+    rows = []
+    for k, time in enumerate(times):
+        data = pyvista.PolyData(frames[k, :, 0], lines=lines, verts=vertices)
+        for i in (1, 2, 3):
+            data.point_data[f"e{i}"] = frames[k, :, i]
+        data.point_data["displacement"] = frames[k, :, 0] - frames[0, :, 0]
+        if velocities is not None:
+            for name, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
+                spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
+                data.point_data[name] = spatial
+        data.cell_data["body"] = bodies
+        name = f"{folder.name}/{k:0{digits}}.vtp"
+        data.save(target.parent / name)
+        rows.append(f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>')
+    # written last: the series appears when it is whole
+    target.write_text(
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
+        + "\n".join(rows)
+        + "\n</Collection>\n</VTKFile>\n"
+    )
+
+
+def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices]:
+    """Lines and single nodes in VTK's notation, and the body of each; VTK has vertices first."""
+    lines = [np.insert(body.cells, 0, 2, axis=1) for body in info.bodies if len(body.cells)]
+    single = [
+        np.column_stack([np.ones_like(body.nodes), body.nodes])
+        for body in info.bodies
+        if not len(body.cells)
+    ]
+    owners = [np.full(len(b.nodes), i) for i, b in enumerate(info.bodies) if not len(b.cells)]
+    owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies) if len(b.cells)]
+    return _joined(lines), _joined(single), np.concatenate(owners)
+
+
+def _joined(parts: list[Indices]) -> Indices | None:
+    return np.concatenate(parts).ravel() if parts else None
