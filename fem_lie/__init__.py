@@ -15,7 +15,7 @@ from fem_lie.scene import Scene
 from fem_lie.section import Material, Section
 from fem_lie.solve.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
-from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never
+from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
 
 __all__ = [
@@ -38,6 +38,7 @@ __all__ = [
     "NodalFrames",
     "Point",
     "PointLoad",
+    "Policy",
     "PrescribedMotion",
     "Result",
     "Revolute",

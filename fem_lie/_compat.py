@@ -44,6 +44,12 @@ def custom_form(
     return fem.Form(form_cpp_class(np.float64)(*arguments))
 
 
+def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:
+    """Cells of the only integral of ``form``; a view that lives as long as the form."""
+    (number,) = form._cpp_object.integral_ids(IntegralType.cell)
+    return form._cpp_object.domains(IntegralType.cell, number)
+
+
 def coefficient_key(form: fem.Form) -> Any:
     """The key under which DOLFINx keeps the packed coefficients of a :func:`custom_form`."""
     return (IntegralType.cell, 0 if VERSION >= (0, 10) else -1)

@@ -61,7 +61,7 @@ def _check_format(file: Any, source: Path) -> None:
     if given != (_FORMAT, _VERSION):
         raise ValueError(
             f"{str(source)!r} is not a file of results of version {_VERSION}: "
-            f"format {given[0]!r}, version {given[1]!r}"
+            f"format {given[0]!r}, version {given[1]}"
         )
 
 

@@ -185,8 +185,8 @@ def gram_from_rigid(
 ) -> Array:
     """Gram matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
 
-    ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``: the second moments of
-    the mass distribution, without the products that an inertia tensor mixes.
+    ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``, the second moments
+    of the mass distribution about the frame's origin.
 
     Args:
         mass: Mass.

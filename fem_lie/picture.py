@@ -17,6 +17,7 @@ from fem_lie.shapes import Array, Shape, joint_places, scene_size, shapes
 _INK = "#333333"
 _PALEST = 0.25
 _AMBIENT = 0.45
+_SAME_POINT = 1e-7  # part of the body
 _BALL = 0.008  # radius of a joint, part of the scene
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 
@@ -125,7 +126,9 @@ def _plotter(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Itera
     with display():
         import pyvista
 
-        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="light kit")
+        plotter: Any = pyvista.Plotter(
+            off_screen=True, window_size=list(size), lighting="light kit"
+        )
         try:
             plotter.set_background("white")
             plotter.enable_anti_aliasing("ssaa")
@@ -183,17 +186,19 @@ def _frame(
             labels.InsertNextValue("" if lowest else f"{value * step:.6g}")
         axes.SetAxisLabels(axis, labels)
     if len(flat) == 1:
-        {0: plotter.view_yz, 1: plotter.view_xz, 2: plotter.view_xy}[int(flat[0])]()
+        (plotter.view_yz, plotter.view_xz, plotter.view_xy)[flat[0]]()
     else:
         plotter.view_isometric()
     plotter.enable_parallel_projection()
     plotter.reset_camera(bounds=bounds)
+    # the camera makes room for the box's diagonal, which lies in the picture only in space
+    plotter.camera.zoom(1.2 if len(flat) == 1 else 1.0)
 
 
 def _round_step(extent: float) -> float:
-    """Distance of grid lines, 1, 2 or 5 times a power of ten, for four to ten of them."""
+    """Distance of grid lines, 1, 2 or 5 times a power of ten, for four to eight of them."""
     power = 10.0 ** np.floor(np.log10(extent or 1.0))
-    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))
+    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 8.0))
 
 
 def _add(
@@ -222,7 +227,7 @@ def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:
 
     surfaces = [
         pyvista.PolyData(shape.points(frames), shape.faces)
-        .clean()
+        .clean(tolerance=_SAME_POINT)
         .compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
         for shape in bodies
     ]

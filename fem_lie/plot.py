@@ -38,16 +38,24 @@ SI = Units()
 def energies(
     result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
 ) -> Figure:
-    """Energies, and below them the change of their sum, over time."""
-    figure, (above, below) = _figure(2, "Energy", units)
+    """Energies, and below them the change of their sum, over time.
+
+    An elastic energy that is too small to be seen beside the others has a diagram of its own.
+    """
+    total = result.total_energy
+    small = 0.0 < np.ptp(result.elastic) < 0.05 * np.abs(total).max()
+    figure, axes = _figure(3 if small else 2, "Energy", units)
     for colour, name in zip(COLOURS, ("kinetic", "elastic", "potential"), strict=False):
         if np.any(getattr(result, name)):
-            above.plot(result.times, getattr(result, name), color=colour, label=name)
-    above.plot(result.times, result.total_energy, color="black", label="total")
-    above.set_ylabel(f"energy [{units.energy}]")
-    _legend(above)
-    below.plot(result.times, result.total_energy - result.total_energy[0], color="black")
-    below.set_ylabel(f"total − start [{units.energy}]")
+            axes[0].plot(result.times, getattr(result, name), color=colour, label=name)
+    axes[0].plot(result.times, total, color="black", linestyle="--", label="total")
+    axes[0].set_ylabel(f"energy [{units.energy}]")
+    _legend(axes[0])
+    if small:
+        axes[1].plot(result.times, result.elastic, color=COLOURS[1])
+        axes[1].set_ylabel(f"elastic [{units.energy}]")
+    axes[-1].plot(result.times, total - total[0], color="black")
+    axes[-1].set_ylabel(f"total − start [{units.energy}]")
     return _saved(figure, path)
 
 
@@ -85,6 +93,31 @@ def positions(
     return _saved(figure, path)
 
 
+def displacements(
+    result: StaticResult,
+    points: Sequence[Point | str],
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
+) -> Figure:
+    """Components of the displacements of points over the load factor, one diagram for each point.
+
+    Raises:
+        ValueError: No point is given, or there is no such point.
+    """
+    if not points:
+        raise ValueError("give at least one point whose displacement is to be plotted")
+    figure, axes = _figure(len(points), "Displacement", units)
+    factors = np.concatenate([[0.0], result.factors])
+    for ax, point in zip(axes, points, strict=True):
+        moved = result.position(point) - result.initial[result.info.node(point), 0]
+        _components(ax, factors, np.vstack([np.zeros(3), moved]), "u", marker="o")
+        label = point if isinstance(point, str) else point.label
+        ax.set_ylabel(f"{label} [{units.length}]")
+    axes[-1].set_xlabel("load factor")
+    return _saved(figure, path)
+
+
 def _figure(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -104,7 +137,9 @@ def _figure(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
     return figure, axes
 
 
-def _components(ax: Axes, times: Array, vectors: Array, symbol: str) -> None:
+def _components(
+    ax: Axes, times: Array, vectors: Array, symbol: str, marker: str = ""
+) -> None:
     for colour, index, values in zip(COLOURS, "xyz", vectors.T, strict=False):
         ax.plot(
             times, values, color=colour, label=f"${symbol}_{index}$" if symbol else f"${index}$"

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse as sp
+from mpi4py import MPI
 
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array
@@ -49,9 +50,14 @@ class System:
             dynamics: Whether inertia is needed.
 
         Raises:
-            ValueError: No body; no inertia in dynamics; redundant joints; velocities that break
+            ValueError: More than one rank; no body; no inertia in dynamics; redundant joints; velocities that break
                 a joint.
         """
+        if MPI.COMM_WORLD.size > 1:
+            raise ValueError(
+                f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
+                "local_frame_forms run on any number"
+            )
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
@@ -332,12 +338,16 @@ class System:
         constraints.jacobian(H, self.table, self._rows)
         self.kkt.fill(self._A, self._rows, np.ones(self.m))
 
-    def effective_mass(self, H: Array) -> Array:
-        """``1/(B M⁻¹ Bᵀ)`` of each constraint with the diagonal of the mass matrix, shape (m,)."""
-        self.fill_mass_matrix(H)
-        diagonal = self._A[self._diagonal].diagonal(axis1=1, axis2=2).ravel()
+    def constraint_scale(self, H: Array) -> Array:
+        """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` filled last, shape (m,).
+
+        Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
+        ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
+        """
+        diagonal = np.abs(self._A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
         B = self.jacobian(H)
-        return 1.0 / np.asarray(B.multiply(B).multiply(1.0 / diagonal).sum(axis=1)).ravel()
+        weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
+        return 1.0 / np.asarray(weighted.sum(axis=1)).ravel()
 
     def elastic_energy(self, H: Array) -> float:
         """Stored energy of all bodies."""

@@ -249,7 +249,7 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
 
 
 def test_a_dolfinx_mesh_keeps_its_numbers_and_tags():
-    point, tangent = _circle(2.0)
+    point, _ = _circle(2.0)
     s = np.linspace(0, 1, 7)
     cells = np.column_stack([np.arange(6), np.arange(1, 7)]).astype(np.int64)
     mesh = _compat.create_line_mesh(MPI.COMM_SELF, np.array([point(si) for si in s]), cells)

@@ -22,6 +22,10 @@ class ConvergenceError(RuntimeError):
         self.result = result
 
 
+class SingularMatrixError(ArithmeticError):
+    """The matrix has no factorisation."""
+
+
 class DirectSolver:
     """Factorise now, solve many times.
 
@@ -50,9 +54,16 @@ class DirectSolver:
         self.factorisations = 0
 
     def factorise(self) -> None:
-        """Factorise the matrix as it is now."""
+        """Factorise the matrix as it is now.
+
+        Raises:
+            SingularMatrixError: It cannot be factorised.
+        """
         self._ksp.setOperators(self._matrix)
-        self._ksp.setUp()
+        try:
+            self._ksp.setUp()
+        except PETSc.Error as error:
+            raise SingularMatrixError("the matrix is singular or not finite") from error
         self.factorisations += 1
 
     def bind(self, b: Array, x: Array) -> None:
@@ -61,7 +72,7 @@ class DirectSolver:
         self._x = PETSc.Vec().createWithArray(x, comm=self._matrix.comm)
 
     def solve(self) -> None:
-        """Solve with the last factorisation; a singular matrix leaves values that are not finite."""
+        """Solve with the last factorisation."""
         self._ksp.solve(self._b, self._x)
 
     def destroy(self) -> None:

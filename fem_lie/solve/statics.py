@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import logging
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +14,13 @@ from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
 from fem_lie.info import SceneInfo
+from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
-from fem_lie.solve.linear import ConvergenceError, DirectSolver
+from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.system import System
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _log = logging.getLogger(__name__)
 
@@ -45,6 +52,7 @@ class StaticResult:
         iterations: Linear solves of each accepted step, shape (k,).
         failed_iterations: Linear solves of steps that were given up.
         info: Bodies and joints.
+        initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
     """
 
     factors: Array
@@ -53,6 +61,7 @@ class StaticResult:
     iterations: np.ndarray
     failed_iterations: int
     info: SceneInfo
+    initial: Array
 
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
@@ -61,6 +70,39 @@ class StaticResult:
     def rotation(self, point: Point | str) -> Array:
         """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
         return lie.rotation(self.frames[:, self.info.node(point)])
+
+    def plot(
+        self,
+        *points: Point | str,
+        path: str | os.PathLike[str] | None = None,
+        units: Units = SI,
+    ) -> Figure:
+        """Displacements of points over the load factor; saved if there is a path."""
+        from fem_lie.plot import displacements
+
+        return displacements(self, points, path, units=units)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        trace: Sequence[Point | str] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the unloaded bodies and all equilibrium states, the later the darker.
+
+        Args:
+            path: Name of the ``.png`` file.
+            trace: Points whose paths are drawn, too.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.picture import draw
+
+        frames = np.concatenate([self.initial[np.newaxis], self.frames])
+        paths = [frames[:, self.info.node(point), 0] for point in trace]
+        draw(self.info, frames, path, paths=paths, title=title, units=units)
 
 
 def statics(
@@ -133,6 +175,7 @@ def statics(
         np.array(iterations),
         failed,
         newton.system.info(),
+        newton.system.frames[: newton.system.count].copy(),
     )
 
 
@@ -148,11 +191,13 @@ class _Newton:
         self.multipliers = np.zeros(system.m)
         self._zero = np.zeros((system.count, 6))
         self._r, self._dx = np.zeros(system.size), np.zeros(system.size)
-        self._unit = np.ones(system.m)
+        self._scale = np.ones(system.m)
         self._solver = DirectSolver(system.kkt.matrix, prefix)
         self._solver.bind(self._r, self._dx)
         self.iterations, self.residual_size, self.last = 0, 0.0, 0.0
         system.reset_stress(self.H)
+        self._fill()
+        self._scale[:] = system.constraint_scale(self.H)
 
     def destroy(self) -> None:
         self._solver.destroy()
@@ -179,7 +224,10 @@ class _Newton:
         self.H[system.count + 1 :] = system.prescribed_frames(factor)
         previous = np.inf
         for self.iterations in range(1, self._max + 1):
-            self._iterate()
+            try:
+                self._iterate()
+            except SingularMatrixError:
+                self.last = np.inf
             if not np.isfinite(self.last) or self.last > 1e3:
                 break
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
@@ -195,12 +243,18 @@ class _Newton:
         system, H, zero = self.system, self.H, self._zero
         if not self._carried:
             system.reset_stress(H)
-        system.residual(H, zero, zero, self.multipliers, self._unit, self._r)
+        system.residual(H, zero, zero, self.multipliers, self._scale, self._r)
         self.residual_size = float(np.abs(self._r).max(initial=0.0))
-        system.fill_matrix(H, zero, zero, self.multipliers, self._unit, zero, 0.0, 0.0)
+        self._fill()
         self._solver.factorise()
         self._solver.solve()
         if self._carried:
             system.carry_stress(H, -self._dx[: 6 * system.count])
         self.last = _advance(H, self._dx, system.held, system.length)
-        self.multipliers -= self._dx[6 * system.count :]
+        self.multipliers -= self._scale * self._dx[6 * system.count :]
+
+    def _fill(self) -> None:
+        zero = self._zero
+        self.system.fill_matrix(
+            self.H, zero, zero, self.multipliers, self._scale, zero, 0.0, 0.0
+        )

@@ -1,0 +1,286 @@
+"""Compiled kernels with DOLFINx's signature (UFCx) that call FFCx's and move to local frames.
+
+There is one kernel for each thing assembled (energy, residual, tangent, carried stress, local
+fields), the same for all energies and all :class:`FrameMap`. It calls what FFCx made, applies the
+map and condenses element-local fields ``s``. The addresses of FFCx's functions and of the map stand
+in a header of 64-bit integers in front of the form's constants: nothing is compiled again when the
+energy changes, and numba can cache everything, which it could not if a kernel closed over an
+address. :mod:`fem_lie._wrapping` writes that header.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from fem_lie._jit import callback, compiled
+
+_double_pointer = types.CPointer(types.float64)
+UFCX_SIGNATURE = types.void(
+    _double_pointer,
+    _double_pointer,
+    _double_pointer,
+    _double_pointer,
+    types.CPointer(types.int32),
+    types.CPointer(types.uint8),
+)
+MAP_SIGNATURE = types.void(
+    _double_pointer, _double_pointer, _double_pointer, _double_pointer, types.intp
+)
+
+frame_function = callback(MAP_SIGNATURE)
+
+
+@dataclass(frozen=True)
+class FrameMap:
+    """How flat element coordinates ``y`` move with the local-frame twists ``h`` of the nodes.
+
+    Four compiled functions of signature :data:`MAP_SIGNATURE`, ``(state, y, given, out, nodes)``,
+    made with :func:`frame_function`. ``state`` is what the nodes store (``values`` doubles each).
+    They must live as long as the forms, as functions of a module do.
+
+    Attributes:
+        coordinates: ``y`` from the state; ``None`` if the state of the cell's nodes is ``y``.
+        pull: ``out += Lᵀ given``, a force on ``y`` as forces and moments in the nodal frames.
+        push: ``out = L given``, twists of the nodes as a variation of ``y``.
+        geometric: ``out += ∂(Lᵀ given)/∂h``, a row-major square matrix; ``None`` if zero.
+        values: Doubles stored per node.
+        unknowns: Local-frame unknowns per node.
+    """
+
+    coordinates: Any
+    pull: Any
+    push: Any
+    geometric: Any
+    values: int
+    unknowns: int
+
+
+# --- calling by address, memory on the stack -----------------------------------------------------
+
+
+@intrinsic
+def stack(typing_context, size):  # type: ignore[no-untyped-def]
+    """Uninitialised doubles in the caller's stack frame: no allocation per cell."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.alloca(ir.DoubleType(), size=arguments[0])
+
+    return _double_pointer(size), generate
+
+
+@intrinsic
+def _shift(typing_context, pointer, offset):  # type: ignore[no-untyped-def]
+    """``pointer + offset``, counted in doubles."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return _double_pointer(_double_pointer, types.intp), generate
+
+
+def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        function_type = ir.FunctionType(ir.VoidType(), argument_types)
+        function = builder.inttoptr(arguments[0], function_type.as_pointer())
+        # The C calling conventions let a callee ignore trailing arguments: null stands for the
+        # `custom_data` that kernels take from DOLFINx 0.11 on, and does no harm before.
+        given = list(arguments[1:])
+        given += [ir.Constant(t, None) for t in argument_types[len(given) :]]
+        builder.call(function, given)
+        return context.get_dummy_value()
+
+    return generate
+
+
+_double_p = ir.DoubleType().as_pointer()
+_byte_p = ir.IntType(8).as_pointer()
+_int_p = ir.IntType(32).as_pointer()
+_tabulate_code = _call_by_address([_double_p] * 4 + [_int_p, _byte_p, _byte_p])
+_map_code = _call_by_address([_double_p] * 4 + [ir.IntType(64)])
+
+
+@intrinsic
+def _tabulate(typing_context, address, A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Call the UFCx function at ``address``."""
+    return types.void(types.int64, *UFCX_SIGNATURE.args), _tabulate_code
+
+
+@intrinsic
+def _apply(typing_context, address, state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    """Call the function of a :class:`FrameMap` at ``address``."""
+    return types.void(types.int64, *MAP_SIGNATURE.args), _map_code
+
+
+# --- the header: 64-bit integers in the form's constants ------------------------------------------
+
+COORDINATES, PULL, PUSH, GEOMETRIC = 0, 1, 2, 3  # addresses of the map's functions
+N_Y, N_S, N_H, NODES = 4, 5, 6, 7  # sizes: coordinates, local fields, unknowns, nodes
+AT_STATE, AT_Y, AT_H, AT_DY = 8, 9, 10, 11  # offsets into the packed coefficients w
+FIRST, SECOND = 12, 13  # where the descriptions of the two FFCx functions begin
+HEADER_SIZE = 14
+# a description: address (0: the form is zero), offset of its constants, doubles of its w, number of
+# segments, then (offset in our w, length) of each segment
+
+
+@compiled
+def _inner(head, at, A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Call the FFCx function described at ``head[at]`` with its own layout of coefficients."""
+    if head[at] == 0:
+        return
+    constants = _shift(c, head[at + 1])
+    segments = head[at + 3]
+    if segments == 1:
+        _tabulate(head[at], A, _shift(w, head[at + 4]), constants, x, entity, permutation)
+        return
+    own_pointer = stack(head[at + 2])
+    own = numba.carray(own_pointer, (head[at + 2],))
+    k = 0
+    for segment in range(segments):
+        start, length = head[at + 4 + 2 * segment], head[at + 5 + 2 * segment]
+        source = numba.carray(_shift(w, start), (length,))
+        for i in range(length):
+            own[k] = source[i]
+            k += 1
+    _tabulate(head[at], A, own_pointer, constants, x, entity, permutation)
+
+
+@compiled
+def _clear(pointer, size):  # type: ignore[no-untyped-def]
+    values = numba.carray(pointer, (size,))
+    for i in range(size):
+        values[i] = 0.0
+
+
+@compiled
+def _eliminate(K, f, n_y, n):  # type: ignore[no-untyped-def]
+    """Gauss elimination of unknowns ``n_y … n-1`` from the rows of all, pivoting among them."""
+    for k in range(n_y, n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(K[i, k]) > abs(K[pivot, k]):
+                pivot = i
+        if pivot != k:
+            for j in range(n):
+                K[k, j], K[pivot, j] = K[pivot, j], K[k, j]
+            f[k], f[pivot] = f[pivot], f[k]
+        for i in range(n):
+            if i < n_y or i > k:
+                factor = K[i, k] / K[k, k]
+                for j in range(n):
+                    K[i, j] -= factor * K[k, j]
+                f[i] -= factor * f[k]
+
+
+@compiled
+def _back_substitute(K, f, dy, n_y, n):  # type: ignore[no-untyped-def]
+    """After :func:`_eliminate`: ``f[n_y:] ← −K_ss⁻¹ (f_s + K_sy dy)``."""
+    for k in range(n - 1, n_y - 1, -1):
+        total = f[k]
+        for j in range(n_y):
+            total += K[k, j] * dy[j]
+        for j in range(k + 1, n):
+            total += K[k, j] * f[j]
+        f[k] = -total / K[k, k]
+
+
+# --- the kernels ------------------------------------------------------------------------------------
+
+
+@compiled
+def _prepare(w, c):  # type: ignore[no-untyped-def]
+    """Header, pointers to state and coordinates; the coordinates are written into their slot."""
+    head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
+    state, y = _shift(w, head[AT_STATE]), _shift(w, head[AT_Y])
+    if head[COORDINATES] != 0:
+        _apply(head[COORDINATES], state, y, y, y, head[NODES])
+    return head, state, y
+
+
+@callback(UFCX_SIGNATURE)
+def energy_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 0: the energy of a cell."""
+    head, _, _ = _prepare(w, c)
+    _inner(head, head[FIRST], A, w, c, x, entity, permutation)
+
+
+@callback(UFCX_SIGNATURE)
+def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 1: ``Lᵀ (f_y − K_ys K_ss⁻¹ f_s)``. First FFCx function: f, second: K."""
+    head, state, y = _prepare(w, c)
+    n_y, n = head[N_Y], head[N_Y] + head[N_S]
+    f = stack(n)
+    _clear(f, n)
+    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
+    if n > n_y:
+        K = stack(n * n)
+        _clear(K, n * n)
+        _inner(head, head[SECOND], K, w, c, x, entity, permutation)
+        _eliminate(numba.carray(K, (n, n)), numba.carray(f, (n,)), n_y, n)
+    _apply(head[PULL], state, y, f, A, head[NODES])
+
+
+@callback(UFCX_SIGNATURE)
+def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 2: ``Lᵀ (K_yy − K_ys K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``. First: K, second: carried f."""
+    head, state, y = _prepare(w, c)
+    n_y, n, n_h, nodes = head[N_Y], head[N_Y] + head[N_S], head[N_H], head[NODES]
+    K, f = stack(n * n), stack(n)
+    _clear(K, n * n)
+    _clear(f, n)
+    _inner(head, head[FIRST], K, w, c, x, entity, permutation)
+    _inner(head, head[SECOND], f, w, c, x, entity, permutation)
+    if head[GEOMETRIC] != 0:
+        _apply(head[GEOMETRIC], state, y, f, A, nodes)
+    if n > n_y:
+        _eliminate(numba.carray(K, (n, n)), numba.carray(f, (n,)), n_y, n)
+    KL = stack(n_y * n_h)
+    _clear(KL, n_y * n_h)
+    for i in range(n_y):
+        _apply(head[PULL], state, y, _shift(K, i * n), _shift(KL, i * n_h), nodes)
+    columns = numba.carray(KL, (n_y, n_h))
+    column, pulled = stack(n_y), stack(n_h)
+    column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
+    out = numba.carray(A, (n_h, n_h))
+    for j in range(n_h):
+        for i in range(n_y):
+            column_values[i] = columns[i, j]
+        _clear(pulled, n_h)
+        _apply(head[PULL], state, y, column, pulled, nodes)
+        for i in range(n_h):
+            out[i, j] += pulled_values[i]
+
+
+@callback(UFCX_SIGNATURE)
+def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 1: the new carried stress, ``σ(ε) + C ε'(y) L h``, times the quadrature weights."""
+    head, state, y = _prepare(w, c)
+    dy = _shift(w, head[AT_DY])
+    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
+    _inner(head, head[FIRST], A, w, c, x, entity, permutation)
+
+
+@callback(UFCX_SIGNATURE)
+def local_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 1: increment of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K."""
+    head, state, y = _prepare(w, c)
+    n_y, n = head[N_Y], head[N_Y] + head[N_S]
+    K, f, dy = stack(n * n), stack(n), stack(n_y)
+    _clear(K, n * n)
+    _clear(f, n)
+    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
+    _inner(head, head[SECOND], K, w, c, x, entity, permutation)
+    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
+    matrix, vector = numba.carray(K, (n, n)), numba.carray(f, (n,))
+    _eliminate(matrix, vector, n_y, n)
+    _back_substitute(matrix, vector, numba.carray(dy, (n_y,)), n_y, n)
+    out = numba.carray(A, (n - n_y,))
+    for i in range(n - n_y):
+        out[i] += vector[n_y + i]

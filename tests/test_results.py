@@ -1,0 +1,357 @@
+"""Results: look-up, invariants, files and pictures, on a rod whose motion is known."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+
+import h5py
+import numpy as np
+import pytest
+import pyvista
+from PIL import Image
+
+from fem_lie import lie
+from fem_lie.bodies import ground
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo
+from fem_lie.picture import draw
+from fem_lie.plot import COLOURS, Units
+from fem_lie.results import Result
+from fem_lie.rigid import RigidBody
+from fem_lie.shapes import joint_places, shapes
+
+SPIN = np.array([0.3, -0.8, 1.5])
+NODES = 5
+SQUARE = 0.02 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+def _rod():
+    """A rod of length 1 that turns about its end with a rigid body at its tip."""
+    times, s = np.linspace(0.0, 1.0, 21), np.linspace(0.0, 1.0, NODES)
+    along = np.pad(s[:, np.newaxis], [(0, 0), (0, 5)])
+    along = np.vstack([along, [1.25, 0, 0, 0, 0, 0]])
+    frames = np.array(
+        [lie.se3_retract(lie.frame(np.zeros(3), lie.so3_exp(SPIN * t)), along) for t in times]
+    )
+    velocity = np.hstack([np.cross(SPIN, along[:, :3]), np.tile(SPIN, (NODES + 1, 1))])
+    count, node = len(times), np.arange(NODES)
+    rod = BodyInfo(
+        "rod",
+        "Beam",
+        node,
+        np.column_stack([node[:-1], node[1:]]),
+        outline=SQUARE,
+        points={"start": 0, "end": NODES - 1},
+    )
+    tip = BodyInfo(
+        "tip", "RigidBody", np.array([NODES]), box=np.array([0.5, 0.2, 0.1]), points={"centre": 5}
+    )
+    joints = (
+        JointInfo("hinge", "Revolute", 0, ("F1", "F2", "F3", "M1", "M2"), node=0),
+        JointInfo(
+            "weld", "Fixed", 5, ("F1", "F2", "F3", "M1", "M2", "M3"), 5, np.array([-0.25, 0, 0])
+        ),
+    )
+    return Result(
+        times=times,
+        frames=frames,
+        velocities=np.tile(velocity, (count, 1, 1)),
+        multipliers=np.random.default_rng(0).normal(size=(count, 11)),
+        kinetic=2.0 + 0.5 * np.sin(times),
+        elastic=1.0 - 0.5 * np.sin(times) + 3e-9 * times,
+        potential=np.zeros(count),
+        momentum=np.outer(1 + times, [0, 3.0, 4.0]),
+        angular_momentum=np.array([3.0, 0, 4.0]) + np.outer(times, [0, 5e-9, 0]),
+        iterations=3 * np.arange(count),
+        factorisations=7,
+        seconds=0.25,
+        info=SceneInfo((rod, tip), joints),
+    )
+
+
+@pytest.fixture(scope="module")
+def rod():
+    return _rod()
+
+
+# --- looking things up ---------------------------------------------------------------------------
+
+
+def test_points_are_found_by_name_number_and_object(rod):
+    exact = np.array([lie.so3_exp(SPIN * t)[:, 0] for t in rod.times])
+    for point in ("rod.end", "rod.node 4", 4, np.int64(4)):
+        np.testing.assert_allclose(rod.position(point), exact, atol=1e-15)
+    body = RigidBody(1.0, [1, 1, 1], name="tip")
+    np.testing.assert_allclose(rod.position(body.centre), 1.25 * exact, atol=1e-15)
+
+
+def test_rotation_and_velocity_belong_together(rod):
+    """``Rᵀẋ`` from positions by central differences is the translation of the local velocity."""
+    h = rod.times[1] - rod.times[0]
+    slope = (rod.position("rod.end")[2:] - rod.position("rod.end")[:-2]) / (2 * h)
+    local = np.einsum("tji,tj->ti", rod.rotation("rod.end")[1:-1], slope)
+    error = h**2 / 6 * np.linalg.norm(SPIN) ** 3
+    np.testing.assert_allclose(local, rod.velocity("rod.end")[1:-1, :3], atol=1.01 * error)
+    np.testing.assert_array_equal(rod.velocity("rod.end")[:, 3:], np.tile(SPIN, (21, 1)))
+
+
+def test_joint_forces_are_the_joints_own(rod):
+    np.testing.assert_array_equal(rod.joint_force("weld"), rod.multipliers[:, 5:])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda r: r.position("rod.tip"), "no point 'rod.tip'; there are: rod.end, rod.start, tip"),
+        (lambda r: r.position(6), r"nodes are 0 … 5, got 6"),
+        (lambda r: r.position(ground()), "ground does not move"),
+        (lambda r: r.position(RigidBody(1, [1, 1, 1], name="top").centre), "no body 'top'.*'rod'"),
+        (lambda r: r.joint_force("motor"), "no joint 'motor'; there are: 'hinge', 'weld'"),
+        (lambda r: replace(r, elastic=r.elastic[1:]), r"elastic must have shape \(21,\), got"),
+        (lambda r: replace(r, velocities=r.velocities[:, 1:]), r"velocities must .*\(21, 6, 6\)"),
+        (lambda r: r.plot(), "at least one point"),
+        (lambda r: r.picture("rod.jpg"), r"must end in '\.png', got 'rod\.jpg'"),
+        (lambda r: r.animate("rod.mp4"), r"must end in '\.gif'"),
+        (lambda r: r.animate("rod.gif", seconds=0), "seconds must be positive, got 0"),
+        (lambda r: r.write_vtk("rod.vtk"), r"must end in '\.pvd'"),
+    ],
+)
+def test_bad_requests_are_named(rod, call, message):
+    with pytest.raises(ValueError, match=message):
+        call(rod)
+
+
+# --- invariants ----------------------------------------------------------------------------------
+
+
+def test_energy_error_without_loads_is_relative_to_the_initial_energy(rod):
+    # 3e-9 of 3; energies are sums of numbers of order 1
+    assert rod.energy_error == pytest.approx(1e-9, abs=1e-15)
+
+
+def test_energy_error_does_not_depend_on_the_zero_of_the_potential(rod):
+    loaded = replace(
+        rod, kinetic=rod.times**2, elastic=0 * rod.times, potential=-1.01 * rod.times**2
+    )
+    assert loaded.energy_error == pytest.approx(0.01 / 1.01)
+    shifted = replace(loaded, potential=loaded.potential + 1e6)
+    assert shifted.energy_error == pytest.approx(loaded.energy_error, rel=1e-7)
+
+
+def test_momentum_errors_are_of_the_vector(rod):
+    assert rod.momentum_error == pytest.approx(1.0)
+    assert rod.angular_momentum_error == pytest.approx(1e-9)
+    still = replace(rod, momentum=np.outer(rod.times, [0, 0, 2.0]))
+    assert still.momentum_error == 2.0, "absolute, as there is nothing to compare with"
+    at_rest = replace(rod, kinetic=0 * rod.times, elastic=0 * rod.times)
+    assert at_rest.energy_error == 0.0
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+
+def _same(a, b):
+    for name, value in vars(a).items():
+        other = getattr(b, name)
+        if isinstance(value, np.ndarray):
+            np.testing.assert_array_equal(value, other)
+            assert value.dtype == other.dtype
+        elif name not in ("info", "bodies", "joints"):
+            assert value == other and type(value) is type(other), name
+
+
+def test_a_saved_result_comes_back_bit_by_bit(rod, tmp_path):
+    rod.save(tmp_path / "rod.h5")
+    back = Result.load(tmp_path / "rod.h5")
+    _same(rod, back)
+    for mine, theirs in zip(
+        (*rod.info.bodies, *rod.info.joints), (*back.info.bodies, *back.info.joints), strict=True
+    ):
+        _same(mine, theirs)
+    np.testing.assert_array_equal(back.position("rod.end"), rod.position("rod.end"))
+    assert [p.name for p in tmp_path.iterdir()] == ["rod.h5"]
+
+
+def test_a_result_without_joints_and_points_comes_back(rod, tmp_path):
+    bare = SceneInfo(tuple(replace(body, points={}) for body in rod.info.bodies))
+    replace(rod, multipliers=np.empty((21, 0)), info=bare).save(tmp_path / "rod.h5")
+    back = Result.load(tmp_path / "rod.h5")
+    assert back.info.joints == () and back.info.bodies[0].points == {}
+    assert back.multipliers.shape == (21, 0)
+
+
+def test_a_failed_save_leaves_the_old_file(rod, tmp_path):
+    rod.save(tmp_path / "rod.h5")
+    broken = SceneInfo((replace(rod.info.bodies[0], outline=object()),))
+    with pytest.raises(TypeError):
+        replace(rod, info=broken, seconds=9.0).save(tmp_path / "rod.h5")
+    assert Result.load(tmp_path / "rod.h5").seconds == 0.25
+    assert [p.name for p in tmp_path.iterdir()] == ["rod.h5"]
+
+
+def test_other_files_are_refused(rod, tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no file of results .*none\.h5"):
+        Result.load(tmp_path / "none.h5")
+    (tmp_path / "text.h5").write_text("energy 1.0")
+    with pytest.raises(ValueError, match=r"text\.h5' is not a file of results \(not HDF5\)"):
+        Result.load(tmp_path / "text.h5")
+    rod.save(tmp_path / "old.h5")
+    with h5py.File(tmp_path / "old.h5", "a") as file:
+        file.attrs["version"] = 0
+    with pytest.raises(ValueError, match=r"of version 1: format 'fem_lie results', version 0"):
+        Result.load(tmp_path / "old.h5")
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["x"] = 1.0
+    with pytest.raises(ValueError, match="format None"):
+        Result.load(tmp_path / "foreign.h5")
+    rod.save(tmp_path / "cut.h5")
+    with open(tmp_path / "cut.h5", "r+b") as file:
+        file.truncate(3000)
+    with pytest.raises(ValueError, match=r"cut\.h5' is damaged"):
+        Result.load(tmp_path / "cut.h5")
+
+
+def test_the_series_for_paraview_has_times_cells_and_global_vectors(rod, tmp_path):
+    rod.write_vtk(tmp_path / "out" / "rod.pvd")
+    series = pyvista.get_reader(str(tmp_path / "out" / "rod.pvd"))
+    np.testing.assert_allclose(series.time_values, rod.times)
+    series.set_active_time_value(rod.times[7])
+    data = series.read()[0]
+    np.testing.assert_allclose(data.points, rod.frames[7, :, 0], atol=1e-7)  # VTK keeps floats
+    assert data.n_lines == NODES - 1 and data.n_verts == 1
+    np.testing.assert_array_equal(data.cell_data["body"], [1, 0, 0, 0, 0])
+    np.testing.assert_allclose(data.point_data["e1"], rod.frames[7, :, 1])
+    np.testing.assert_allclose(
+        data.point_data["velocity"],
+        np.cross(data.point_data["angular velocity"], rod.frames[7, :, 0]),
+        atol=1e-14,
+    )
+
+
+# --- shapes --------------------------------------------------------------------------------------
+
+
+def _arc(angle, cells, outline):
+    """A beam along an arc of length 1, and its frames, shape (N, 4, 3)."""
+    s = np.linspace(0, 1, cells + 1)[:, np.newaxis]
+    frames = lie.se3_retract(lie.frame(np.zeros(3), np.eye(3)), s * [1.0, 0, 0, 0, 0, angle])
+    node = np.arange(cells + 1)
+    pairs = np.column_stack([node[:-1], node[1:]])
+    return SceneInfo((BodyInfo("arc", "Beam", node, pairs, outline),)), frames
+
+
+@pytest.mark.parametrize(("angle", "cells"), [(0.0, 3), (1.5, 1), (6.0, 4)])
+def test_a_swept_section_is_closed_and_has_the_volume_of_pappus(angle, cells):
+    info, frames = _arc(angle, cells, SQUARE)
+    (shape,) = shapes(info, frames[np.newaxis])
+    surface = pyvista.PolyData(shape.points(frames), shape.faces).clean(tolerance=1e-7)
+    assert surface.triangulate().is_manifold
+    # each piece spans an angle and is cut square at its ends: sin δ / δ of the arc's volume
+    shortening = np.sinc(angle / (cells * shape.steps) / np.pi)
+    assert shape.steps == 1 if angle == 0 else shortening > 0.998
+    assert surface.triangulate().volume == pytest.approx(0.04**2 * shortening, rel=1e-4)
+
+
+def test_shapes_move_with_their_frames(rod):
+    motion = lie.frame([1.0, -2, 3], lie.so3_exp([1.0, 2, -0.5]))
+    frames = rod.frames[3]
+    moved = lie.se3_compose(motion, frames)
+    for shape in shapes(rod.info, rod.frames):
+        expected = lie.position(motion) + shape.points(frames) @ lie.rotation(motion).T
+        np.testing.assert_allclose(shape.points(moved), expected, atol=1e-14)
+    np.testing.assert_allclose(joint_places(rod.info, frames)[1], frames[NODES - 1, 0], atol=1e-15)
+
+
+def test_thin_members_stay_visible_and_thick_ones_true():
+    for thickness, drawn in ((1e-5, 0.004), (1.0, 0.02 * np.sqrt(2))):
+        info, frames = _arc(0.0, 2, SQUARE * thickness)
+        (shape,) = shapes(info, frames[np.newaxis])
+        assert np.linalg.norm(shape.outline, axis=1).max() == pytest.approx(drawn)
+
+
+# --- diagrams ------------------------------------------------------------------------------------
+
+
+def test_diagrams_show_the_data_with_units(rod, tmp_path):
+    figure = rod.plot_energies(tmp_path / "energies.png")
+    above, below = figure.axes
+    lines = {line.get_label(): line.get_ydata() for line in above.lines}
+    assert set(lines) == {"kinetic", "elastic", "total"}, "no potential: no line"
+    np.testing.assert_array_equal(lines["total"], rod.total_energy)
+    assert below.get_xlabel() == "time [s]" and above.get_ylabel() == "energy [J]"
+    assert (tmp_path / "energies.png").stat().st_size > 10_000
+
+    figure = rod.plot("rod.end", 0, units=Units(length="mm", time="ms"))
+    assert [ax.get_ylabel() for ax in figure.axes] == ["rod.end [mm]", "node 0 [mm]"]
+    np.testing.assert_array_equal(
+        np.array([line.get_ydata() for line in figure.axes[0].lines]).T, rod.position("rod.end")
+    )
+    assert len(rod.plot_momentum().axes) == 2
+
+
+# --- pictures ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def no_display(monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+
+
+def _share(image, colour):
+    """Part of an image that is darker or lighter ``colour``, by the ratios of its channels."""
+    pixels = np.asarray(image.convert("RGB"), dtype=float).reshape(-1, 3)
+    rgb = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=float)
+    strong = np.ptp(pixels, axis=1) > 60
+    cosine = pixels[strong] @ rgb / np.linalg.norm(rgb) / np.linalg.norm(pixels[strong], axis=1)
+    return (cosine > 0.99).sum() / len(pixels)
+
+
+def test_a_picture_without_a_display_shows_all_bodies(rod, tmp_path, no_display):
+    rod.picture(tmp_path / "rod.png", times=[0.0, 1.0], trace=["rod.end"], title="Rod")
+    image = Image.open(tmp_path / "rod.png")
+    assert image.size == (1600, 1200)
+    assert image.getpixel((5, 5))[:3] == (255, 255, 255)
+    # a rod of 4 % of its length, and a box: between a thousandth and a tenth of the picture each
+    assert all(1e-3 < _share(image, colour) < 0.1 for colour in COLOURS[:2])
+    assert _share(image, COLOURS[2]) < 1e-4, "there is no third body"
+    assert "DISPLAY" not in os.environ
+
+
+def test_an_animation_moves(rod, tmp_path, no_display):
+    rod.animate(tmp_path / "rod.gif", images=4, seconds=2.0)
+    images = []
+    with Image.open(tmp_path / "rod.gif") as movie:
+        assert (movie.n_frames, movie.info["duration"], movie.info["loop"]) == (4, 500, 0)
+        for k in range(4):
+            movie.seek(k)
+            images.append(np.asarray(movie.convert("RGB")))
+    for before, after in pairwise(images):
+        assert (before != after).any(axis=-1).mean() > 1e-3
+
+
+def test_a_single_configuration_in_a_plane_is_seen_from_its_front(tmp_path, no_display):
+    info, frames = _arc(3.0, 4, SQUARE)
+    draw(info, frames, tmp_path / "arc.png", size=(400, 300))
+    image = np.asarray(Image.open(tmp_path / "arc.png").convert("RGB"), dtype=int)
+    blue = np.ptp(image, axis=-1) > 60
+    rows, columns = np.nonzero(blue)
+    # the arc is 0.33 wide (from x = 0 on) and 0.66 high; both grow by the section
+    assert np.ptp(rows) / np.ptp(columns) == pytest.approx(0.7 / 0.36, rel=0.05)
+
+
+def test_a_missing_x_server_is_named(rod, tmp_path, no_display, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(RuntimeError, match=r"DISPLAY is not set, and Xvfb.* not installed"):
+        rod.picture(tmp_path / "rod.png")
+    (tmp_path / "Xvfb").write_text("#!/bin/sh\nexit 1\n")
+    (tmp_path / "Xvfb").chmod(0o755)
+    with pytest.raises(RuntimeError, match="Xvfb does not start"):
+        rod.picture(tmp_path / "rod.png")
+
+
+def test_looking_at_results_imports_no_drawing_library():
+    heavy = "matplotlib", "pyvista", "vtkmodules", "gmsh", "h5py", "PIL", "imageio"
+    code = f"import fem_lie, sys; print([m for m in {heavy} if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,170 @@
+"""Statics against closed forms."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+
+MATERIAL = fl.Material(2.1e11, 0.3, 7850.0)
+SECTION = fl.Section.rectangle(0.02, 0.01, MATERIAL)
+
+
+def stiffness(EA=1e4, GA=1e4, EI=100.0) -> fl.Section:
+    return fl.Section.from_stiffness(np.diag([EA, GA, GA, EI, EI, EI]))
+
+
+def cantilever(section: fl.Section, length: float, cells: int, **options):
+    scene = fl.Scene(**options)
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells))
+    scene.add(fl.Clamp(beam.start))
+    return scene, beam
+
+
+@pytest.mark.parametrize("slenderness", [1e1, 1e2, 1e3, 1e4, 1e5])
+def test_one_element_is_timoshenko(slenderness):
+    """Tip load on a straight beam: PL³/3EI + PL/GA with one element, at any slenderness."""
+    L, EA, GA, EI = slenderness, 1.0, 5 / 12, 1 / 12  # section of height 1
+    scene, beam = cantilever(stiffness(EA, GA, EI), L, 1)
+    P = 1e-6 * EI / L**2
+    scene.add(fl.PointLoad(beam.end, force=(0, P, 0)))
+    tip = fl.statics(scene).position(beam.end)[-1]
+    exact = P * L**3 / (3 * EI) + P * L / GA
+    # the load bends by 1e-6 of a radian: nonlinear terms are its square
+    assert abs(tip[1] / exact - 1) < 1e-6
+
+
+@pytest.mark.parametrize("slender", [1e4, 1e8])
+@pytest.mark.parametrize("case", ["load", "following load", "prescribed rotation", "by a joint"])
+def test_roll_up_to_a_circle(case, slender):
+    """Pure bending is exact in every element: a circle to round-off, by any way of driving it."""
+    L, EI = 10.0, 100.0
+    section = stiffness(slender * EI / L**2, slender * EI / L**2 / 2, EI)
+    if case == "by a joint":
+        scene = fl.Scene()
+        beam = scene.add(fl.Beam.straight((0, 0, 0), (L, 0, 0), section, cells=8))
+        scene.add(fl.Fixed(fl.ground(), beam.start))
+    else:
+        scene, beam = cantilever(section, L, 8)
+    moment = (0, 0, 2 * np.pi * EI / L)
+    if case == "prescribed rotation":
+        start = beam.end.frame
+
+        def motion(factor: float) -> np.ndarray:
+            angle = 2 * np.pi * factor
+            curvature = angle / L
+            x = np.array([np.sin(angle), 1 - np.cos(angle), 0]) / curvature if factor else start[0]
+            return lie.frame(x, lie.so3_exp([0, 0, angle]))
+
+        scene.add(fl.PrescribedMotion(beam.end, motion))
+    else:
+        following = case == "following load"
+        scene.add(fl.PointLoad(beam.end, moment=moment, following=following))
+    result = fl.statics(scene, load_steps=6)
+    assert np.linalg.norm(result.position(beam.end)[-1]) < 1e-9 * L
+    # a prescribed end also moves against the axial stiffness in each step: more iterations
+    assert result.iterations.mean() <= (9 if case == "prescribed rotation" else 4.5)
+    if case == "prescribed rotation":
+        assert abs(abs(result.multipliers[-1, 5]) - moment[2]) < 1e-6 * moment[2]
+    if case == "by a joint":
+        assert abs(abs(result.multipliers[-1, 5]) - moment[2]) < 1e-6 * moment[2]
+
+
+def test_observed_order_of_geodesic_element():
+    """45° bend: error falls with the square of the element size (reference by shooting)."""
+    reference = np.array([47.15043857, 15.68480053, 53.47485879])
+    section = stiffness(1e7, 5e6, 1e7 / 12)
+    errors = []
+    for cells in (4, 8, 16, 32):
+        scene = fl.Scene()
+        arc = fl.Beam.curve(
+            lambda s: (100 * np.sin(s * np.pi / 4), 100 * (1 - np.cos(s * np.pi / 4)), 0.0),
+            section,
+            cells=cells,
+        )
+        scene.add(arc)
+        scene.add(fl.Clamp(arc.start))
+        scene.add(fl.PointLoad(arc.end, force=(0, 0, 600)))
+        tip = fl.statics(scene, load_steps=3).position(arc.end)[-1]
+        errors.append(np.linalg.norm(tip - reference))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders.min() > 1.9, orders
+
+
+def test_own_weight_and_line_load():
+    """wL⁴/8EI + wL²/2GA from gravity and from a line load; both together cancel."""
+    L, cells = 1.0, 16
+    EI, GA = SECTION.stiffness[4, 4], SECTION.stiffness[2, 2]
+    w = 1e-3 * EI
+    g = w / SECTION.inertia[0, 0]
+    exact = w * L**4 / (8 * EI) + w * L**2 / (2 * GA)
+    tips = []
+    for gravity, line in ((g, 0.0), (0.0, -w), (g, w)):
+        scene, beam = cantilever(SECTION, L, cells, gravity=(0, 0, -gravity))
+        if line:
+            scene.add(fl.LineLoad(beam, force=(0, 0, line)))
+        tips.append(fl.statics(scene).position(beam.end)[-1, 2])
+    # consistent nodal forces without end moments: error (1/cells)²/3 of the uniform part
+    assert abs(-tips[0] / exact - 1) < 5e-3
+    assert abs(tips[1] / tips[0] - 1) < 1e-12
+    assert abs(tips[2]) < 1e-12 * exact + 1e-15
+
+
+def test_following_force_against_dead_force():
+    """A force that turns with the tip keeps its full lever: it bends further than a dead one."""
+    tips = {}
+    for following in (False, True):
+        scene, beam = cantilever(stiffness(), 10.0, 16)
+        scene.add(fl.PointLoad(beam.end, force=(0, 8.0, 0), following=following))
+        result = fl.statics(scene, load_steps=4)
+        tips[following] = result.position(beam.end)[-1]
+    assert tips[True][0] < tips[False][0]
+
+
+def test_rigid_body_hangs_on_a_beam():
+    """A weight fixed to the tip: P L³/3EI, and the joint carries the weight."""
+    L, mass = 1.0, 0.5
+    scene, beam = cantilever(stiffness(1e8, 1e8, 1e4), L, 2)
+    weight = scene.add(fl.RigidBody(mass, (1e-3, 1e-3, 1e-3), (L, 0, 0)))
+    joint = scene.add(fl.Fixed(beam.end, weight.centre))
+    scene.add(fl.PointLoad(weight.centre, force=(0, 0, -mass * 10)))
+    result = fl.statics(scene)
+    exact = mass * 10 * (L**3 / (3 * 1e4) + L / 1e8)
+    assert abs(-result.position(beam.end)[-1, 2] / exact - 1) < 1e-6
+    force = result.multipliers[-1, result.info.joint(joint).rows]
+    assert abs(np.linalg.norm(force[:3]) - mass * 10) < 1e-9
+
+
+def test_plain_newton_and_carried_stress_agree():
+    ends = []
+    for carried in (True, False):
+        scene, beam = cantilever(stiffness(), 10.0, 8)
+        scene.add(fl.PointLoad(beam.end, force=(0, 5.0, 2.0)))
+        ends.append(fl.statics(scene, load_steps=4, carried_stress=carried).position(beam.end)[-1])
+    assert np.abs(ends[0] - ends[1]).max() < 1e-8
+
+
+def test_cut_back_recovers_and_says_so():
+    """One step of plain Newton is too much for the roll-up; halved steps arrive all the same."""
+    scene, beam = cantilever(stiffness(), 10.0, 8)
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 20 * np.pi)))
+    result = fl.statics(scene, load_steps=2, carried_stress=False)
+    assert result.failed_iterations > 0
+    assert result.factors[-1] == 1.0
+    assert np.linalg.norm(result.position(beam.end)[-1]) < 1e-8
+
+
+def test_failure_names_step_residual_and_remedy():
+    scene, beam = cantilever(stiffness(1e6, 1e6), 10.0, 8)
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 20 * np.pi)))
+    with pytest.raises(fl.ConvergenceError, match=r"load factor 0 to .*residual.*carried_stress"):
+        fl.statics(scene, carried_stress=False, smallest_step=0.5)
+
+
+def test_singular_structure_is_reported():
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiffness(), cells=2))
+    scene.add(fl.Spherical(fl.ground(), beam.start))
+    scene.add(fl.PointLoad(beam.end, force=(0, 1, 0)))
+    with pytest.raises(fl.ConvergenceError, match="held by clamps or joints|singular"):
+        fl.statics(scene)
