@@ -50,7 +50,7 @@ class CompiledForm:
             self.address = int(self._form.module.ffi.cast("uintptr_t", kernel))
 
     def description(self, offsets: dict[fem.Function, int], constants_at: int) -> list[int]:
-        """Header entries: address, constants, size of ``w``, and its segments in the union layout."""
+        """Header entries: address, constants, size of ``w``, and where its segments stand in ours."""
         segments: list[list[int]] = []
         for f in self.coefficients:
             start, length = offsets[f], packed_size(f.function_space)

@@ -160,8 +160,17 @@ class NodalFrames:
 
         Args:
             h: Increments of all local nodes, ghosts included, ``6 n`` values.
+
+        Raises:
+            ValueError: There are more or fewer values.
         """
-        _retract_all(self.frames, np.asarray(h, dtype=np.float64).reshape(-1, UNKNOWNS))
+        frames, values = self.frames, np.asarray(h, dtype=np.float64)
+        if values.size != UNKNOWNS * len(frames):
+            raise ValueError(
+                f"h must have {UNKNOWNS} values for each of {len(frames)} nodes, "
+                f"got {values.size} values"
+            )
+        _retract_all(frames, values.reshape(-1, UNKNOWNS))
 
 
 def local_frame_forms(

@@ -11,8 +11,8 @@ apply the map. DOLFINx gets them as custom-kernel forms.
 
 **Element-local fields.** ``W(y, s)`` with stress or strain parameters ``s``: the kernels eliminate
 ``s`` cell by cell, ``r = Lᵀ (W_y − W_ys W_ss⁻¹ W_s)``, ``K`` likewise, and
-:meth:`LocalFrameForms.carry` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)`` (Hellinger-Reissner, Hu-Washizu;
-Pian, AIAA J. 2 (1964) 1333).
+:meth:`LocalFrameForms.carry` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)``: mixed energies such as those
+of Hellinger-Reissner and Hu-Washizu.
 
 **Carried stress.** An energy given as strain and law, :class:`StrainEnergy`, has a stress field
 ``N`` at its quadrature points beside ``σ(ε)``: the residual uses ``σ(ε(y))``, the tangent
@@ -101,7 +101,7 @@ class LocalFrameForms:
         energy: Functional, rank 0.
         residual: Forces and moments in the nodal frames, rank 1, on the space of ``increment``.
         tangent: Its derivative with respect to local-frame increments, rank 2.
-        increment: Function ``h`` read by :meth:`carry` (translation, rotation in each node's frame).
+        increment: Function ``h`` read by :meth:`carry`: translation, rotation in nodal frames.
         local: The element-local fields ``s``, or ``None``.
         stress: The carried stress at the quadrature points, or ``None`` for a plain energy.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie import inertia, lie
+from fem_lie import constraints, inertia, lie
 from fem_lie._jit import compiled
 from fem_lie.frames import pull, pull_derivative
 
@@ -42,10 +42,11 @@ def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def rigid_part(H, v, a, indptr, indices, G, gravity, dead, following, work, r):  # type: ignore[no-untyped-def]
-    """Inertia and loads: ``r = Lᵀ (G q̈ − gravity) − loads``; ``work`` (2, n, 4, 3)."""
+def rigid_residual(
+    H, v, a, indptr, indices, G, gravity, dead, following, table, weights, scale, work, r
+):  # type: ignore[no-untyped-def]
+    """``r = Lᵀ (G q̈ − gravity) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3)."""
     count = dead.shape[0]
-    nodal = r[: 6 * count].reshape(count, 6)
     r[:] = 0.0
     inertia.accelerations(H, v[:count], a[:count], work[0])
     inertia.multiply(indptr, indices, G, work[0], work[1])
@@ -53,15 +54,28 @@ def rigid_part(H, v, a, indptr, indices, G, gravity, dead, following, work, r): 
         for k in range(4):
             for j in range(3):
                 work[1, i, k, j] -= gravity[i, k, j]
-    pull(H, work[1], 1.0, nodal)
+    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
     _add_loads(H, dead, following, r)
+    constraints.evaluate(H, table, weights, scale, count, r)
+
+
+@compiled
+def load_potential(H, gravity, dead):  # type: ignore[no-untyped-def]
+    """Potential of gravity and of global forces, ``−Σ gravity · q − Σ force · x``."""
+    energy = 0.0
+    for i in range(dead.shape[0]):
+        for j in range(3):
+            energy -= dead[i, j] * H[i, 0, j]
+            for k in range(4):
+                energy -= gravity[i, k, j] * H[i, k, j]
+    return energy
 
 
 @compiled
 def rigid_tangent(
     H, v, a, indptr, indices, G, place, f, dead, diagonal, mass, damping, A, K
 ):  # type: ignore[no-untyped-def]
-    """Derivatives of :func:`rigid_part`; ``f = G q̈ − gravity`` of the last residual."""
+    """Derivatives of :func:`rigid_residual`; ``f = G q̈ − gravity`` of the last residual."""
     count = dead.shape[0]
     inertia.tangents(H, v[:count], a[:count], indptr, indices, G, place, mass, damping, A, K)
     for i in range(count):

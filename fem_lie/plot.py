@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from fem_lie.bodies import Point
     from fem_lie.results import Array, Result
+    from fem_lie.solve.statics import StaticResult
 
 
 # Okabe & Ito's colours, told apart by everyone
@@ -141,9 +142,8 @@ def _components(
     ax: Axes, times: Array, vectors: Array, symbol: str, marker: str = ""
 ) -> None:
     for colour, index, values in zip(COLOURS, "xyz", vectors.T, strict=False):
-        ax.plot(
-            times, values, color=colour, label=f"${symbol}_{index}$" if symbol else f"${index}$"
-        )
+        label = f"${symbol}_{index}$" if symbol else f"${index}$"
+        ax.plot(times, values, color=colour, label=label, marker=marker)
     _legend(ax)
 
 

@@ -25,7 +25,7 @@ from fem_lie.constraints import JointTable
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
-from fem_lie.nodal import add_blocks, combine, rigid_part, rigid_tangent
+from fem_lie.nodal import add_blocks, combine, load_potential, rigid_residual, rigid_tangent
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 
@@ -256,7 +256,7 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
         """
-        rigid_part(
+        rigid_residual(
             H,
             v,
             a,
@@ -266,10 +266,12 @@ class System:
             self._gravity,
             self.dead,
             self.following,
+            self.table,
+            weights,
+            scale,
             self._work,
             r,
         )
-        constraints.evaluate(H, self.table, weights, scale, self.count, r)
         for where, assembly in self.assemblies:
             assembly.add_forces(H[where], r[6 * where.start : 6 * where.stop])
         if self.scene.clamps:
@@ -355,8 +357,7 @@ class System:
 
     def potential_energy(self, H: Array) -> float:
         """Potential of gravity and of loads fixed in space that have no history and no moment."""
-        energy = -float(np.vdot(self._gravity, H[: self.count]))
-        return energy - float(np.vdot(self.dead[:, :3], H[: self.count, 0]))
+        return float(load_potential(H, self._gravity, self.dead))
 
     def carry_stress(self, H: Array, h: Array) -> None:
         """Carry all stresses on along the increment ``h`` (6 n,) made from frames ``H``."""

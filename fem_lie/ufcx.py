@@ -63,7 +63,7 @@ class FrameMap:
     unknowns: int
 
 
-# --- calling by address, memory on the stack -----------------------------------------------------
+# --- calling by address, memory on the stack ------------------------------------------------------
 
 
 @intrinsic
@@ -191,7 +191,7 @@ def _back_substitute(K, f, dy, n_y, n):  # type: ignore[no-untyped-def]
         f[k] = -total / K[k, k]
 
 
-# --- the kernels ------------------------------------------------------------------------------------
+# --- the kernels ----------------------------------------------------------------------------------
 
 
 @compiled

@@ -1,0 +1,210 @@
+"""Laws that every element obeys, and what single elements are known for.
+
+A new element is put into the lists of models.py.
+"""
+
+from mpi4py import MPI
+
+import models
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from models import BEAMS, ELEMENTS, D, built, hellinger_reissner_linear, straight, superpose
+
+from fem_lie import lie
+from fem_lie.elements.directors import director_strains
+from fem_lie.elements.geodesic import GEODESIC, geodesic_energy, with_bending_flexibility
+from fem_lie.frames import NodalFrames, local_frame_forms
+from fem_lie.kernel import LocalFrameForms
+
+seeds = st.integers(0, 2**32 - 1)
+every_element = pytest.mark.parametrize("make", ELEMENTS, ids=lambda make: make.__name__)
+few = settings(max_examples=8, deadline=None)
+
+STEP = 1e-5
+# central differences: STEP² of third derivatives, some 100 of the values, and 1e-16 / STEP
+DIFFERENCE = 1e-7
+
+
+def differences(function, model, H):
+    """Derivative of ``function()`` in the local increments of all nodes, by central differences."""
+    columns = []
+    for j in range(6 * len(H)):
+        values = []
+        for step in (STEP, -STEP):
+            model.at(H).frames.update(step * np.eye(1, 6 * len(H), j))
+            values.append(function())
+        columns.append((values[0] - values[1]) / (2 * STEP))
+    model.at(H)
+    return np.array(columns).T
+
+
+@every_element
+@given(seed=seeds)
+@few
+def test_residual_is_derivative_of_energy(make, seed):
+    model = built(make)
+    H = model.random(seed)
+    model.at(H).settle()
+    residual = model.residual()
+    numeric = differences(model.energy_value, model, H)
+    assert np.abs(residual - numeric).max() < DIFFERENCE * np.abs(residual).max()
+
+
+@every_element
+@given(seed=seeds)
+@few
+def test_tangent_is_derivative_of_residual(make, seed):
+    model = built(make)
+    H = model.random(seed)
+    model.at(H).settle()
+    tangent = model.tangent()
+    numeric = differences(model.residual, model, H)
+    assert np.abs(tangent - numeric).max() < DIFFERENCE * np.abs(tangent).max()
+
+
+@every_element
+@given(seed=seeds)
+@few
+def test_rigid_motion_changes_nothing(make, seed):
+    """1000 rad about a random axis, 1000 lengths away."""
+    model, rng = built(make), np.random.default_rng(seed)
+    H = model.random(seed)
+    model.at(H).settle()
+    energy, residual, tangent = model.energy_value(), model.residual(), model.tangent()
+    axis, way = rng.normal(size=(2, 3))
+    model.at(
+        superpose(H, 1000 * axis / np.linalg.norm(axis), 1000 * way / np.linalg.norm(way))
+    )
+    # round-off: positions of 1000 lose 1e-13 of a length in the strain
+    assert model.energy_value() == pytest.approx(energy, rel=1e-10)
+    assert np.abs(model.residual() - residual).max() < 1e-10 * np.abs(residual).max()
+    assert np.abs(model.tangent() - tangent).max() < 1e-10 * np.abs(tangent).max()
+
+
+@every_element
+def test_forces_of_an_element_are_in_equilibrium(make):
+    """The nodal forces and moments, as global vectors about the origin, have no resultant."""
+    model = built(make)
+    H = model.random(3)
+    model.at(H).settle()
+    local = model.residual().reshape(-1, 6)
+    R = lie.rotation(H)
+    force, moment = (np.einsum("nij,nj->ni", R, local[:, k : k + 3]) for k in (0, 3))
+    moment = moment + np.cross(H[:, 0], force)
+    scale = np.abs(local).max()
+    # sums of a few terms of the size of the forces
+    assert np.abs(force.sum(axis=0)).max() < 1e-12 * scale
+    assert np.abs(moment.sum(axis=0)).max() < 1e-11 * scale
+
+
+@pytest.mark.parametrize("make", BEAMS, ids=lambda make: make.__name__)
+def test_tangent_is_symmetric_without_nodal_forces(make):
+    """``K − Kᵀ`` is made of the nodal forces alone: one block per node, P of the force there."""
+    model = built(make)
+    model.at(model.random(5)).settle()
+    K, r = model.tangent(), model.residual().reshape(-1, 6)
+    expected = np.zeros_like(K)
+    for i, g in enumerate(r):
+        expected[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = lie.se3_coadjoint(g)
+    assert np.abs(K - K.T - expected).max() < 1e-12 * np.abs(K).max()
+
+
+# --- strain measures ------------------------------------------------------------------------------
+
+
+def circle(count: int, angle: float, radius: float) -> np.ndarray:
+    """Frames along an arc in the plane of e₁, e₂, with e₁ along the tangent."""
+    motion = np.array([radius * angle / count, 0, 0, 0, 0, angle / count])
+    H = [lie.se3_exp(np.zeros(6))]
+    for _ in range(count):
+        H.append(lie.se3_retract(H[-1], motion))
+    return np.array(H)
+
+
+def test_director_strains_of_an_arc():
+    """A line of unit length bent to an arc: stretch 1 and curvature 1/r up to the chords."""
+    count, angle = 50, 1.3
+    q = NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
+    q.frames[np.argsort(q.frames[:, 0, 0])] = circle(count, angle, 1.0 / angle)
+    stretch, curvature = director_strains(q)
+    strain = fem.Expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    values = strain.eval(q.function.function_space.mesh, np.arange(count, dtype=np.int32))
+    # θ²/12 of the angle θ of one element
+    np.testing.assert_allclose(values, [[1, 0, 0, 0, 0, angle]] * count, atol=2e-4)
+
+
+def single_element(section, length, flexible):
+    """One straight geodesic element."""
+    mesh = straight(MPI.COMM_SELF, length, 1)
+    q = NodalFrames(mesh)
+    relative, ell = np.array([[length, 0, 0, 0, 0, 0]]), np.array([length])
+    stiffness = section[np.newaxis]
+    if flexible:
+        stiffness = with_bending_flexibility(stiffness, ell)
+    d, d0, L, C = (models.cellwise(mesh, a) for a in (relative, relative, ell, stiffness))
+    energy = geodesic_energy(d, d0, L, C, mesh)
+    return q, LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+
+
+def slender_section(slenderness: float) -> np.ndarray:
+    """EA, GA, GA, GJ, EI, EI of a bar of length 1 and side 1/slenderness."""
+    a = 1.0 / slenderness
+    return np.diag([a**2, a**2 / 3, a**2 / 4, a**4 / 20, a**4 / 12, a**4 / 15])
+
+
+@pytest.mark.parametrize("slenderness", [1e1, 1e2, 1e3, 1e4, 1e5])
+@pytest.mark.parametrize("kind", ["geodesic", "Hellinger-Reissner"])
+def test_one_element_is_timoshenkos_cantilever(kind, slenderness):
+    """Tip force and tip moment, deflection and rotation, in both planes."""
+    section = slender_section(slenderness)
+    GA, EI = np.diag(section)[1:3], np.diag(section)[[5, 4]]
+    if kind == "geodesic":
+        _, forms = single_element(section, 1.0, True)
+    else:
+        rest = np.array([1.0, 0, 0, 0, 0, 0])
+        forms = hellinger_reissner_linear(straight(MPI.COMM_SELF, 1.0, 1), section, rest).forms
+    K = fem.assemble_matrix(forms.tangent).to_dense()[6:, 6:]
+    scale = np.sqrt(np.diag(K))
+    flexibility = np.linalg.inv(K / np.outer(scale, scale)) / np.outer(scale, scale)
+    y, z = flexibility[np.ix_([1, 5], [1, 5])], flexibility[np.ix_([2, 4], [2, 4])]
+    # round-off grows with the ratio of shear to bending stiffness, slenderness²
+    tolerance = max(1e-10, 1e-16 * slenderness**2)
+    assert tolerance <= 1e-6
+    for got, ga, ei, sign in ((y, GA[0], EI[0], 1), (z, GA[1], EI[1], -1)):
+        exact = np.array([[1 / (3 * ei) + 1 / ga, sign / (2 * ei)], [sign / (2 * ei), 1 / ei]])
+        np.testing.assert_allclose(got, exact, rtol=tolerance)
+
+
+def test_without_bending_flexibility_one_element_is_too_stiff():
+    section = slender_section(100.0)
+    K = fem.assemble_matrix(single_element(section, 1.0, False)[1].tangent).to_dense()[6:, 6:]
+    tip = np.linalg.inv(K)[1, 1]
+    # one-point integration of a linear rotation: 1/4 instead of 1/3 of L³/EI
+    assert tip == pytest.approx(1 / (4 * section[5, 5]) + 1 / section[1, 1], rel=1e-9)
+
+
+def test_linear_moments_are_the_bending_flexibility():
+    """Condensed, they are the one-point element with the compliance added: at any deformation."""
+    count, length = 3, 2.0
+    mesh = straight(MPI.COMM_SELF, length, count)
+    rest = np.array([1.0, 0, 0, 0, 0, 0])
+    mixed = hellinger_reissner_linear(mesh, D, rest)
+    q = NodalFrames(mesh)
+    C = with_bending_flexibility(D[np.newaxis], np.array([length / count]))[0]
+    stretch, curvature = director_strains(q)
+    strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(rest.tolist())
+    energy = 0.5 * ufl.inner(strain, ufl.as_matrix(C.tolist()) * strain) * models.measure(mesh, 1)
+    forms = local_frame_forms(energy, q)
+    H = mixed.random(11)
+    mixed.at(H).settle()
+    q.frames[:] = H
+    residual = fem.assemble_vector(forms.residual).array
+    tangent = fem.assemble_matrix(forms.tangent).to_dense()
+    # round-off of inverting a 6×6 matrix of condition 30 twice
+    assert np.abs(mixed.residual() - residual).max() < 1e-12 * np.abs(residual).max()
+    assert np.abs(mixed.tangent() - tangent).max() < 1e-12 * np.abs(tangent).max()
+    assert np.abs(C - D).max() > 1.0  # the flexibility is there at all
