@@ -12,8 +12,8 @@ coarse meshes, some with other shear stiffnesses.)
 
 The element lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
 second order. Within an element the moment is linear, though; the energy of that part is added as a
-flexibility in shear, 1/GA* = 1/GA + length^2 / (12 EI) (R. H. MacNeal, Comput. Struct. 8 (1978) 175),
-and leaves a twentieth of the error. Both are in the table.
+flexibility in shear, 1/GA* = 1/GA + length^2 / (12 EI) (R. H. MacNeal, Comput. Struct. 8 (1978)
+175), and leaves a twentieth of the error. Both are in the table.
 """
 
 from __future__ import annotations

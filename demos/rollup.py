@@ -1,10 +1,10 @@
 """A straight cantilever is rolled up to a full circle by a moment at its tip.
 
-Length L = 10, EI = GJ = 100, tip moment M = 2 pi EI / L about e_3, fixed in space. The moment is the
-same everywhere, so the curvature is kappa = M / EI, a circle of circumference L: the tip comes back to
-the clamp. Two-node elements along geodesics of SE(3) hold any helix exactly, hence any circle:
+Length L = 10, EI = GJ = 100, tip moment M = 2 pi EI / L about e_3, fixed in space. The moment is
+the same everywhere, so the curvature is kappa = M / EI, a circle of circumference L: the tip comes
+back to the clamp. Two-node elements along geodesics of SE(3) hold any helix, hence any circle:
 
-    d = log(inv(H_A) H_B),     strain (d - d_0) / length,     N = D strain
+    d = log(inv(H_A) H_B),     strain (d - d_0) / length,     N = D strain,
 
 so the only error is that of the iteration. The difficulty is another one. The stiffness ratio
 
@@ -12,13 +12,14 @@ so the only error is that of the iteration. The difficulty is another one. The s
 
 is 12 (L / thickness)^2 for a rectangle. An iteration of Newton's method leaves false stretches of
 second order in the turn it makes; they are answered by EA, so their forces are R times as large as
-those of bending, and the geometric stiffness of these false forces spoils the next matrix. The remedy is to make the stress an iterate of its own (D. Magisano, L. Leonetti & G. Garcea,
-CMAME 313 (2017) 986): the matrix takes
+those of bending, and the geometric stiffness of these false forces spoils the next matrix. The
+remedy is to make the stress an iterate of its own (D. Magisano, L. Leonetti & G. Garcea, CMAME 313
+(2017) 986): the matrix takes
 
-    N <- D (strain(q) + B dq)
+    N <- D (strain(q) + B dq),
 
-carried on from the last iteration, in which the linearised stretch is zero, while the residual takes
-the true stress. It has the same solutions and costs six numbers per element. --plain-newton runs
+carried on from the last iteration, in which the false stretch is not, while the residual takes the
+true stress. It has the same solutions and costs six numbers per element. --plain-newton runs
 Newton's method beside it.
 """
 

@@ -1,9 +1,11 @@
-"""Every difference between DOLFINx versions (0.9 is the target, 0.10 and 0.11 are kept possible)."""
+"""Every difference between DOLFINx versions: 0.9 is the target, 0.10 and 0.11 stay possible."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+
+from mpi4py import MPI
 
 import basix.ufl
 import dolfinx
@@ -12,7 +14,6 @@ import numpy.typing as npt
 from dolfinx import fem
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
-from mpi4py import MPI
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel

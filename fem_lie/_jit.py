@@ -24,7 +24,10 @@ import numpy as np
 import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[np.float64]
-"""The only kind of array that the compiled code sees."""
+"""Numbers in compiled code."""
+
+Indices: TypeAlias = npt.NDArray[np.int64]
+"""Indices in compiled code."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -72,7 +75,7 @@ def callback(signature: Any) -> Callable[[F], Any]:
 def _njit(function: F, **options: Any) -> F:
     with _cache_folder() as cache:
         dispatcher = numba.njit(error_model="numpy", cache=cache, **options)(function)
-    return dispatcher  # type: ignore[no-any-return]
+    return dispatcher
 
 
 @contextmanager

@@ -22,7 +22,7 @@ class CompiledForm:
     """A UFL form compiled by FFCx, with what a header must say of it.
 
     Attributes:
-        cells: The cells it is integrated over.
+        cells: The cells it is integrated over; none if the form is zero.
         coefficients: Functions in the order in which FFCx's function wants them packed.
         constants: Constants in that order.
         address: Of FFCx's function; 0 if the form is zero, as second derivatives may be.
@@ -43,7 +43,7 @@ class CompiledForm:
         positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
         self.coefficients = [given[i] for i in positions]
         self.constants = list(form.constants())
-        self.address = 0
+        self.address, self.cells = 0, np.empty(0, dtype=np.int32)
         if count == 1:
             self.cells = _compat.integration_cells(self._form)
             kernel = data.form_integrals[0].tabulate_tensor_float64
@@ -108,8 +108,9 @@ class Wrapping:
         # as doubles, which is what constants are; the bits are never looked at as numbers
         bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
         constants.insert(0, fem.Constant(mesh, bits))
+        cells = max((part.cells for part in inner), key=len)  # a zero form has none
         return _compat.custom_form(
-            spaces, kernel.address, inner[0].cells, list(functions), constants, mesh
+            spaces, kernel.address, cells, list(functions), constants, mesh
         )
 
     def _header(

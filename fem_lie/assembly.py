@@ -10,16 +10,16 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
 
 from fem_lie import _compat
-from fem_lie._jit import Array, compiled
-from fem_lie.frames import VALUES, NodalFrames
+from fem_lie._jit import Array, Indices, compiled
+from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
 
 
 @compiled
-def _gather(H, cells, packed):  # type: ignore[no-untyped-def]
+def _gather(H: Array, cells: npt.NDArray[np.int32], packed: Array) -> None:
     """Write the frames of each cell's nodes at the head of its packed coefficients."""
     for e in range(cells.shape[0]):
         k = 0
@@ -66,7 +66,7 @@ class Assembly:
         self,
         frames: NodalFrames,
         forms: LocalFrameForms,
-        order: npt.NDArray[np.int64],
+        order: Indices,
         inertia: Array | None,
     ) -> None:
         """Pack the forms and make the matrix.
@@ -97,9 +97,9 @@ class Assembly:
     def tangent(self, H: Array) -> Array:
         """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
         self._frames.frames[:] = H
-        self._matrix.set_value(0.0)
+        self._matrix.set_value(np.float64(0.0))
         fem.assemble_matrix(self._matrix, self._forms.tangent)
-        return self._matrix.data.reshape(-1, 6, 6)
+        return np.asarray(self._matrix.data, dtype=np.float64).reshape(-1, 6, 6)
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (6 count,) from frames ``H``."""
@@ -112,7 +112,7 @@ class Assembly:
         self.carry(H, np.zeros(6 * self.count))
 
 
-def consistent_inertia(density: fem.Function, weight: ufl.core.expr.Expr) -> fem.MatrixCSR:
+def consistent_inertia(density: fem.Function, weight: ufl.core.expr.Expr) -> la.MatrixCSR:
     """Consistent matrix ``∫ weight density N_i N_j dx`` of (x, d₁, d₂, d₃), blocks of 4.
 
     Args:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+from mpi4py import MPI
+
 import basix.ufl
 import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
-from mpi4py import MPI
 
 from fem_lie import _compat, lie
 from fem_lie._jit import Array
@@ -53,9 +54,7 @@ class GeodesicBeams(Assembly):
 
         d, d0, ell, D = (cellwise(a) for a in (relative, relative, length, stiffness))
         energy = geodesic_energy(d, d0, ell, D, mesh)
-        forms = LocalFrameForms(
-            energy, nodal.function, nodal.increment, GEODESIC, coordinates=d
-        )
+        forms = LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
         super().__init__(nodal, forms, order, None)
         if all(body.has_mass for body in bodies):
             density = cellwise(np.concatenate([body.density for body in bodies])[permutation])
@@ -106,7 +105,9 @@ class Beam(Body):
         self.lengths = np.linalg.norm(lie.se3_relative(ends[:, 0], ends[:, 1])[:, :3], axis=1)
         self.stiffness = np.array([s.stiffness for s in sections])
         self.has_mass = all(s.inertia is not None for s in sections)
-        self.density = np.array([np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections])
+        self.density = np.array(
+            [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
+        )
         self._bending_flexibility = bending_flexibility
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         super().__init__(
@@ -219,7 +220,7 @@ def _nodal_frames(mesh: LineMesh, up: npt.ArrayLike | None) -> Array:
         direction = vector(up, 3, "up")
     e2 = np.cross(direction, e1)
     sine = np.linalg.norm(e2, axis=1)
-    if sine.min() <= 1e-6 * max(np.linalg.norm(direction), 1e-300):
+    if sine.min() <= 1e-6 * np.linalg.norm(direction):
         raise ValueError(
             f"up = {direction} is along the line at {mesh.points[sine.argmin()]}: give another"
         )

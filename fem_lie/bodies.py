@@ -7,7 +7,7 @@ kind. It knows nothing of unknowns, solvers or other bodies.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -123,14 +123,14 @@ class Body:
         """
         raise ValueError(f"{self.label} has no cells to put a line load on")
 
-    def _add_velocity(self, translation: Array, spin: Array) -> None:
+    def _add_velocity(self, translation: npt.NDArray[Any], spin: Array) -> None:
         self.velocities[:, :3] += np.einsum("nij,nj->ni", self.frames[:, 1:], translation)
         self.velocities[:, 3:] += self.frames[:, 1:] @ spin
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A node of a body, or ground (``body`` is ``None``), to which joints and loads are attached."""
+    """A node of a body, or ground (``body`` is ``None``): where joints and loads are attached."""
 
     body: Body | None
     node: int = 0
@@ -149,7 +149,9 @@ class Point:
     @property
     def frame(self) -> Array:
         """Initial frame of the node, shape (4, 3)."""
-        return lie.frame(np.zeros(3), np.eye(3)) if self.body is None else self.body.frames[self.node]
+        return (
+            lie.frame(np.zeros(3), np.eye(3)) if self.body is None else self.body.frames[self.node]
+        )
 
     @property
     def size(self) -> float:

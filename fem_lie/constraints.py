@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array, Indices, compiled
 
 RELATIVE = 12
 
@@ -32,14 +32,14 @@ class JointTable(NamedTuple):
         selection: Rows ``S``, shape (m, 12): three columns for Δ, nine for Q (row-major).
     """
 
-    nodes: np.ndarray
+    nodes: Indices
     frames: Array
-    first: np.ndarray
+    first: Indices
     selection: Array
 
 
 @compiled
-def _relative_motion(H, table, j, A, B, z):  # type: ignore[no-untyped-def]
+def _relative_motion(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array) -> None:
     """``z = (Δ, Q)`` of joint j, and its two frames."""
     lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
     lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
@@ -55,7 +55,7 @@ def _relative_motion(H, table, j, A, B, z):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _variation(z, twist_a, twist_b, out):  # type: ignore[no-untyped-def]
+def _variation(z: Array, twist_a: Array, twist_b: Array, out: Array) -> None:
     """``out = (δΔ, δQ)`` for twists (6,) of the two frames."""
     ua, wa, ub, wb = twist_a[:3], twist_a[3:], twist_b[:3], twist_b[3:]
     D, Q = z[:3], z[3:].reshape(3, 3)
@@ -75,7 +75,7 @@ def _variation(z, twist_a, twist_b, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _force(z, p, fa, fb):  # type: ignore[no-untyped-def]
+def _force(z: Array, p: Array, fa: Array, fb: Array) -> None:
     """Forces on the two frames that do the work ``p · δz``."""
     D, Q, n, P = z[:3], z[3:].reshape(3, 3), p[:3], p[3:].reshape(3, 3)
     fa[0], fa[1], fa[2] = -n[0], -n[1], -n[2]
@@ -96,7 +96,7 @@ def _force(z, p, fa, fb):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _multiplier_weights(table, j, weights, p):  # type: ignore[no-untyped-def]
+def _multiplier_weights(table: JointTable, j: int, weights: Array, p: Array) -> None:
     """``p = Sᵀ weights`` of joint j: what its constraints do on ``δz``."""
     p[:] = 0.0
     for c in range(table.first[j], table.first[j + 1]):
@@ -105,7 +105,9 @@ def _multiplier_weights(table, j, weights, p):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def evaluate(H, table, weights, scale, count, r):  # type: ignore[no-untyped-def]
+def evaluate(
+    H: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
+) -> None:
     """Add joint forces ``Bᵀ weights`` to the nodes' rows of ``r``; set its last rows ``scale · Φ``.
 
     Args:
@@ -136,7 +138,7 @@ def evaluate(H, table, weights, scale, count, r):  # type: ignore[no-untyped-def
 
 
 @compiled
-def jacobian(H, table, rows):  # type: ignore[no-untyped-def]
+def jacobian(H: Array, table: JointTable, rows: Array) -> None:
     """``rows[c, side] = ∂Φ_c/∂h`` in the twists of the nodes A and B, shape (m, 2, 6)."""
     A, B, z = np.empty((4, 3)), np.empty((4, 3)), np.empty(12)
     force = np.empty((2, 6))
@@ -151,8 +153,8 @@ def jacobian(H, table, rows):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def geometric(H, table, weights, place, K):  # type: ignore[no-untyped-def]
-    """Add ``∂(Bᵀ weights)/∂h`` to the blocks ``K``; ``place`` (j, 2, 2) says where, -1 for fixed."""
+def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Array) -> None:
+    """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere."""
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     twist, still, unit = np.empty(6), np.zeros(6), np.empty(6)
     dz, force, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
@@ -181,8 +183,8 @@ def geometric(H, table, weights, place, K):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def rates(H, v, table, first, second):  # type: ignore[no-untyped-def]
-    """``first = dΦ/dt`` and ``second = d²Φ/dt²`` at constant twists ``v`` (nodes, 6); shape (m,)."""
+def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
+    """``first = dΦ/dt``, ``second = d²Φ/dt²`` (m,) at constant twists ``v`` (nodes, 6)."""
     A, B, z = np.empty((4, 3)), np.empty((4, 3)), np.empty(12)
     ta, tb, dz, ddz = np.empty(6), np.empty(6), np.empty(12), np.empty(12)
     for j in range(table.nodes.shape[0]):

@@ -1,7 +1,7 @@
 """Joints between two frames of beams, rigid bodies and ground.
 
-A joint is its selection of the relative motion ``(Δ, Q)`` that it forbids (:mod:`fem_lie.constraints`);
-a new joint of this kind is a new class with that selection.
+A joint is its selection of the relative motion ``(Δ, Q)`` that it forbids, see
+:mod:`fem_lie.constraints`; a new joint of this kind is a new class with that selection.
 """
 
 from __future__ import annotations

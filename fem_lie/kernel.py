@@ -134,8 +134,8 @@ class LocalFrameForms:
 
         Raises:
             ValueError: The measure has no quadrature degree, the energy has no or several cell
-                integrals, both strain-and-law and local fields are given, or the functions do not
-                fit the map.
+                integrals or does not depend on ``y``, both strain-and-law and local fields are
+                given, or the functions do not fit the map.
         """
         _check_spaces(state, increment, frame_map, coordinates)
         self.increment, self.local = increment, local
@@ -159,6 +159,8 @@ class LocalFrameForms:
             space = fem.functionspace(y.function_space.mesh, basix.ufl.mixed_element(parts))
         gradient = ufl.derivative(energy, unknowns, ufl.TestFunction(space))
         force = CompiledForm(gradient)
+        if force.address == 0:
+            raise ValueError(f"the energy does not depend on the coordinates {y}: {energy}")
         stiffness = CompiledForm(ufl.derivative(gradient, unknowns, ufl.TrialFunction(space)))
         self._wrap(CompiledForm(energy), force, stiffness, force)
         if self.local is not None:

@@ -11,17 +11,31 @@ that shares its memory; nodes that are held have unit rows.
 
 from __future__ import annotations
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from petsc4py import PETSc
 
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array, Indices, compiled
 from fem_lie.constraints import JointTable
+
+Flags = npt.NDArray[np.bool_]
 
 
 @compiled
-def _fill(bptr, bind, blocks, held, iptr, ipairs, sides, rows, scale, data):  # type: ignore[no-untyped-def]
+def _fill(
+    bptr: Indices,
+    bind: Indices,
+    blocks: Array,
+    held: Flags,
+    iptr: Indices,
+    ipairs: Indices,
+    sides: Indices,
+    rows: Array,
+    scale: Array,
+    data: Array,
+) -> None:
     at = 0
     for i in range(bptr.shape[0] - 1):
         for k in range(6):
@@ -48,7 +62,7 @@ def _fill(bptr, bind, blocks, held, iptr, ipairs, sides, rows, scale, data):  # 
 
 
 @compiled
-def _clear_held(rows, nodes, held):  # type: ignore[no-untyped-def]
+def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
     for c in range(rows.shape[0]):
         for side in range(2):
             if nodes[c, side] >= held.shape[0] or held[nodes[c, side]]:
@@ -65,14 +79,14 @@ class KKT:
 
     def __init__(
         self,
-        pairs: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]],
+        pairs: list[tuple[Indices, Indices]],
         table: JointTable,
-        held: npt.NDArray[np.bool_],
+        held: Flags,
     ) -> None:
         """Build the pattern.
 
         Args:
-            pairs: Rows and columns of node pairs that are coupled; joints and the diagonal are added.
+            pairs: Rows and columns of coupled node pairs; joints and the diagonal are added.
             table: The joints.
             held: Which nodes do not move, shape (n,).
         """
@@ -122,9 +136,7 @@ class KKT:
         self._columns = np.concatenate(columns).astype(PETSc.IntType)
         self._size = len(self._columns)
 
-    def place(
-        self, rows: npt.NDArray[np.int64], columns: npt.NDArray[np.int64]
-    ) -> npt.NDArray[np.int64]:
+    def place(self, rows: Indices, columns: Indices) -> Indices:
         """Positions of node pairs among the blocks; -1 where a node does not move."""
         count = len(self._held)
         key = np.repeat(np.arange(count), np.diff(self.indptr)) * count + self.indices

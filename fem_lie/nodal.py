@@ -2,15 +2,40 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import compiled
+from fem_lie._jit import Array, Indices, compiled
+from fem_lie.constraints import JointTable
 from fem_lie.frames import pull, pull_derivative
 
 
+class Inertia(NamedTuple):
+    """Constant matrix of (x, d₁, d₂, d₃) of all nodes: rows, columns and blocks (nnz, 4, 4)."""
+
+    indptr: Indices
+    indices: Indices
+    blocks: Array
+
+
+class Loads(NamedTuple):
+    """Nodal loads at one time.
+
+    Attributes:
+        gravity: Force on (x, d₁, d₂, d₃), shape (n, 4, 3).
+        dead: Force and moment fixed in space, shape (n, 6).
+        following: Force and moment in the nodes' frames, shape (n, 6).
+    """
+
+    gravity: Array
+    dead: Array
+    following: Array
+
+
 @compiled
-def _add_loads(H, dead, following, r):  # type: ignore[no-untyped-def]
+def _add_loads(H: Array, dead: Array, following: Array, r: Array) -> None:
     """``r −= loads``: global forces and moments (n, 6) and local ones (n, 6)."""
     for i in range(dead.shape[0]):
         for a in range(3):
@@ -22,7 +47,7 @@ def _add_loads(H, dead, following, r):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
+def _add_load_stiffness(H: Array, dead: Array, diagonal: Indices, K: Array) -> None:
     """``K −= ∂(local components of global loads)/∂h``: ``(Rᵀf)^`` and ``(Rᵀm)^``."""
     for i in range(dead.shape[0]):
         block = K[diagonal[i]]
@@ -43,24 +68,39 @@ def _add_load_stiffness(H, dead, diagonal, K):  # type: ignore[no-untyped-def]
 
 @compiled
 def rigid_residual(
-    H, v, a, indptr, indices, G, gravity, dead, following, table, weights, scale, work, r
-):  # type: ignore[no-untyped-def]
-    """``r = Lᵀ (G q̈ − gravity) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3)."""
+    H: Array,
+    v: Array,
+    a: Array,
+    mass: tuple[Any, ...],
+    loads: tuple[Any, ...],
+    joints: tuple[Any, ...],
+    weights: Array,
+    scale: Array,
+    work: Array,
+    r: Array,
+) -> None:
+    """``r = Lᵀ (G q̈ − gravity) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
+
+    The records come as plain tuples, which makes the call from Python cheaper.
+    """
+    indptr, indices, blocks = mass
+    gravity, dead, following = loads
     count = dead.shape[0]
     r[:] = 0.0
     inertia.accelerations(H, v[:count], a[:count], work[0])
-    inertia.multiply(indptr, indices, G, work[0], work[1])
+    inertia.multiply(indptr, indices, blocks, work[0], work[1])
     for i in range(count):
         for k in range(4):
             for j in range(3):
                 work[1, i, k, j] -= gravity[i, k, j]
     pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
     _add_loads(H, dead, following, r)
+    table = JointTable(joints[0], joints[1], joints[2], joints[3])
     constraints.evaluate(H, table, weights, scale, count, r)
 
 
 @compiled
-def load_potential(H, gravity, dead):  # type: ignore[no-untyped-def]
+def load_potential(H: Array, gravity: Array, dead: Array) -> float:
     """Potential of gravity and of global forces, ``−Σ gravity · q − Σ force · x``."""
     energy = 0.0
     for i in range(dead.shape[0]):
@@ -73,18 +113,44 @@ def load_potential(H, gravity, dead):  # type: ignore[no-untyped-def]
 
 @compiled
 def rigid_tangent(
-    H, v, a, indptr, indices, G, place, f, dead, diagonal, mass, damping, A, K
-):  # type: ignore[no-untyped-def]
-    """Derivatives of :func:`rigid_residual`; ``f = G q̈ − gravity`` of the last residual."""
+    H: Array,
+    v: Array,
+    a: Array,
+    mass: Inertia,
+    place: Indices,
+    f: Array,
+    dead: Array,
+    diagonal: Indices,
+    factors: tuple[float, float],
+    A: Array,
+    K: Array,
+) -> None:
+    """Derivatives of :func:`rigid_residual`.
+
+    ``f = G q̈ − gravity`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
+    """
     count = dead.shape[0]
-    inertia.tangents(H, v[:count], a[:count], indptr, indices, G, place, mass, damping, A, K)
+    inertia.tangents(
+        H,
+        v[:count],
+        a[:count],
+        mass.indptr,
+        mass.indices,
+        mass.blocks,
+        place,
+        factors[0],
+        factors[1],
+        A,
+        K,
+    )
     for i in range(count):
         pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
     _add_load_stiffness(H, dead, diagonal, K)
 
 
 @compiled
-def add_blocks(target, place, blocks):  # type: ignore[no-untyped-def]
+def add_blocks(target: Array, place: Indices, blocks: Array) -> None:
+    """``target[place] += blocks``."""
     for b in range(place.shape[0]):
         for k in range(6):
             for n in range(6):
@@ -92,7 +158,7 @@ def add_blocks(target, place, blocks):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def combine(A, K, rows, d, nodes, bind):  # type: ignore[no-untyped-def]
+def combine(A: Array, K: Array, rows: Array, d: Array, nodes: Indices, bind: Indices) -> None:
     """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
     count = d.shape[0]
     T, product = np.empty((count, 6, 6)), np.empty((6, 6))
@@ -116,7 +182,7 @@ def combine(A, K, rows, d, nodes, bind):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _multiply(A, B, out):  # type: ignore[no-untyped-def]
+def _multiply(A: Array, B: Array, out: Array) -> None:
     for i in range(6):
         for j in range(6):
             out[i, j] = 0.0

@@ -57,7 +57,7 @@ class Scene:
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
-            supports: list = self.clamps if isinstance(item, Clamp) else self.motions  # type: ignore[type-arg]
+            supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
             raise TypeError(f"a scene takes bodies, joints, loads and supports, got {item!r}")

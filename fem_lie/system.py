@@ -9,23 +9,28 @@ prescribed motions. Index 3 equations at a time level::
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-import numpy.typing as npt
-import scipy.linalg
-import scipy.sparse as sp
 from mpi4py import MPI
 
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array
-from fem_lie.assembly import Assembly
-from fem_lie.bodies import Body, Point
+from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
-from fem_lie.info import BodyInfo, JointInfo, SceneInfo
+from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
-from fem_lie.nodal import add_blocks, combine, load_potential, rigid_residual, rigid_tangent
+from fem_lie.nodal import (
+    Inertia,
+    Loads,
+    add_blocks,
+    combine,
+    load_potential,
+    rigid_residual,
+    rigid_tangent,
+)
+from fem_lie.numbering import Numbering
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 
@@ -50,8 +55,7 @@ class System:
             dynamics: Whether inertia is needed.
 
         Raises:
-            ValueError: More than one rank; no body; no inertia in dynamics; redundant joints; velocities that break
-                a joint.
+            ValueError: More than one rank; no body; no inertia though needed; redundant joints.
         """
         if MPI.COMM_WORLD.size > 1:
             raise ValueError(
@@ -61,63 +65,36 @@ class System:
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
-        self._number_nodes(scene.bodies)
+        self.numbering = Numbering(scene.bodies)
+        self.count, self.assemblies = self.numbering.count, self.numbering.assemblies
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
-        self.frames = np.concatenate([self.frames, fixed])
-        self.velocities = np.concatenate([self.velocities, np.zeros((len(fixed), 6))])
+        self.frames = np.concatenate([self.numbering.frames, fixed])
+        still = np.zeros((len(fixed), 6))
+        self.velocities = np.concatenate([self.numbering.velocities, still])
         self.held = np.zeros(self.count, dtype=bool)
         for clamp in scene.clamps:
-            self.held[self.node(clamp.point)] = True
+            self.held[self.numbering.node(clamp.point)] = True
         self.joints, self.table = self._tabulate(scene)
         self.m = len(self.table.selection)
         self.size = 6 * self.count + self.m
         box = np.ptp(self.frames[: self.count, 0], axis=0)
-        self.length = float(max(np.linalg.norm(box), max(b.size for b in scene.bodies)))
+        self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
         self._build_inertia(scene, dynamics)
         self._build_loads(scene)
         self._build_matrix()
         self._check_redundancy()
         self._work = np.zeros((2, self.count, 4, 3))
+        self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
-
-    # --- numbering ---
-
-    def _number_nodes(self, bodies: Sequence[Body]) -> None:
-        """Nodes kind by kind: ``self.nodes[body]`` in system numbering, assemblies on slices."""
-        self.nodes: dict[Body, npt.NDArray[np.int64]] = {}
-        self.assemblies: list[tuple[slice, Assembly]] = []
-        start = 0
-        kinds = dict.fromkeys(body.assembly for body in bodies)
-        for kind in kinds:
-            members = [body for body in bodies if body.assembly is kind]
-            total = sum(len(body.frames) for body in members)
-            order = np.arange(total)
-            if kind is not None:
-                assembly = kind(members)  # type: ignore[call-arg, arg-type]
-                order = assembly.order
-                self.assemblies.append((slice(start, start + total), assembly))
-            first = 0
-            for body in members:
-                self.nodes[body] = start + order[first : first + len(body.frames)]
-                first += len(body.frames)
-            start += total
-        self.count = start
-        self.frames, self.velocities = np.empty((start, 4, 3)), np.empty((start, 6))
-        for body, nodes in self.nodes.items():
-            self.frames[nodes], self.velocities[nodes] = body.frames, body.velocities
-
-    def node(self, point: Point) -> int:
-        """Number of a point's node; of ground it is ``count``."""
-        return self.count if point.body is None else int(self.nodes[point.body][point.node])
 
     def _tabulate(self, scene: Scene) -> tuple[list[Joint], JointTable]:
         """All joints, a prescribed motion being a fixed joint to its moving frame."""
         joints = list(scene.joints)
-        sides = [(self.node(joint.a), self.node(joint.b)) for joint in joints]
+        sides = [(self.numbering.node(joint.a), self.numbering.node(joint.b)) for joint in joints]
         for k, motion in enumerate(scene.motions):
             joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
-            sides.append((self.count + 1 + k, self.node(motion.point)))
+            sides.append((self.count + 1 + k, self.numbering.node(motion.point)))
         nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
         frames = np.empty((len(joints), 2, 4, 3))
         for k, joint in enumerate(joints):
@@ -132,7 +109,9 @@ class System:
     # --- what stays constant ---
 
     def _build_inertia(self, scene: Scene, dynamics: bool) -> None:
-        rows, columns, blocks = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)], []
+        rows: list[Indices] = [np.empty(0, dtype=np.int64)]
+        columns: list[Indices] = [np.empty(0, dtype=np.int64)]
+        blocks: list[Array] = []
         for where, assembly in self.assemblies:
             if assembly.inertia is None and (dynamics or scene.gravity.any()):
                 raise ValueError(
@@ -146,26 +125,27 @@ class System:
                 blocks.append(assembly.inertia)
         for body in scene.bodies:
             if isinstance(body, RigidBody):
-                rows.append(self.nodes[body])
-                columns.append(self.nodes[body])
+                rows.append(self.numbering.nodes[body])
+                columns.append(self.numbering.nodes[body])
                 blocks.append(body.gram[np.newaxis])
         r, c = np.concatenate(rows), np.concatenate(columns)
         order = np.lexsort((c, r))
-        self._inertia_rows, self.inertia_indices = r[order], c[order]
-        self.inertia_indptr = np.searchsorted(r[order], np.arange(self.count + 1))
-        self.inertia = np.concatenate([np.empty((0, 4, 4)), *blocks])[order]
+        self._inertia_rows = r[order]
+        indptr = np.searchsorted(r[order], np.arange(self.count + 1))
+        G = np.concatenate([np.empty((0, 4, 4)), *blocks])[order]
+        self.inertia = Inertia(indptr, c[order], G)
 
     def _build_loads(self, scene: Scene) -> None:
         q = np.zeros((self.count, 4, 3))
         q[:, 0] = scene.gravity
         self._weight = np.zeros_like(q)
-        inertia.multiply(self.inertia_indptr, self.inertia_indices, self.inertia, q, self._weight)
+        inertia.multiply(*self.inertia, q, self._weight)
         self._histories = [load.history for load in scene.loads]
         shape = (len(scene.loads), self.count, 6)
         self._dead_cases, self._following_cases = np.zeros(shape), np.zeros(shape)
         for k, load in enumerate(scene.loads):
             target = self._following_cases if load.following else self._dead_cases
-            np.add.at(target[k], self.nodes[load.body], load.nodal())
+            np.add.at(target[k], self.numbering.nodes[load.body], load.nodal())
         self.time_dependent = any(h is not None for h in self._histories) or bool(self._motions)
 
     def set_time(self, time: float, factor: float = 1.0) -> None:
@@ -174,13 +154,18 @@ class System:
         Raises:
             ValueError: A history or motion is not finite.
         """
-        amplitude = np.array([factor if h is None else h(time) for h in self._histories], dtype=float)
+        amplitude = np.array(
+            [factor if h is None else h(time) for h in self._histories], dtype=float
+        )
         if not np.isfinite(amplitude).all():
             k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
             raise ValueError(f"the history of load {k + 1} is {amplitude[k]} at time {time:g}")
-        self._gravity = factor * self._weight
-        self.dead = np.tensordot(amplitude, self._dead_cases, 1)
-        self.following = np.tensordot(amplitude, self._following_cases, 1)
+        self.loads = Loads(
+            factor * self._weight,
+            np.tensordot(amplitude, self._dead_cases, 1),
+            np.tensordot(amplitude, self._following_cases, 1),
+        )
+        self._plain_loads = tuple(self.loads)
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
@@ -192,7 +177,7 @@ class System:
     # --- matrix ---
 
     def _build_matrix(self) -> None:
-        pairs = [(self._inertia_rows, self.inertia_indices)]
+        pairs = [(self._inertia_rows, self.inertia.indices)]
         for where, assembly in self.assemblies:
             r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
             pairs.append((where.start + r, where.start + assembly.indices.astype(np.int64)))
@@ -205,9 +190,7 @@ class System:
         self._place_joints = np.stack(
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
-        self._per_constraint = np.repeat(
-            self.table.nodes, np.diff(self.table.first), axis=0
-        )
+        self._per_constraint = np.repeat(self.table.nodes, np.diff(self.table.first), axis=0)
         self._A = np.zeros((len(self.kkt.indices), 6, 6))
         self._K = np.zeros_like(self._A)
         self._rows = np.zeros((self.m, 2, 6))
@@ -247,11 +230,15 @@ class System:
 
     # --- equations ---
 
-    def residual(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
+    def residual(
+        self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array
+    ) -> None:
         """Equations of motion and constraints times ``scale``, into ``r`` (size,).
 
         Args:
-            H: Frames of all rows; ``v``, ``a`` local velocities and their rates, at least (n, 6).
+            H: Frames of all rows.
+            v: Local velocities, shape (≥ n, 6).
+            a: Their rates, shape (≥ n, 6).
             weights: Multipliers (forces and moments), shape (m,).
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
@@ -260,13 +247,9 @@ class System:
             H,
             v,
             a,
-            self.inertia_indptr,
-            self.inertia_indices,
-            self.inertia,
-            self._gravity,
-            self.dead,
-            self.following,
-            self.table,
+            self._plain_inertia,
+            self._plain_loads,
+            self._plain_table,
             weights,
             scale,
             self._work,
@@ -300,15 +283,12 @@ class System:
             H,
             v,
             a,
-            self.inertia_indptr,
-            self.inertia_indices,
             self.inertia,
             self._place_inertia,
             self._work[1],
-            self.dead,
+            self.loads.dead,
             self._diagonal,
-            mass,
-            damping,
+            (mass, damping),
             self._A,
             self._K,
         )
@@ -328,9 +308,7 @@ class System:
             H,
             still,
             still,
-            self.inertia_indptr,
-            self.inertia_indices,
-            self.inertia,
+            *self.inertia,
             self._place_inertia,
             1.0,
             0.0,
@@ -357,7 +335,7 @@ class System:
 
     def potential_energy(self, H: Array) -> float:
         """Potential of gravity and of loads fixed in space that have no history and no moment."""
-        return float(load_potential(H, self._gravity, self.dead))
+        return float(load_potential(H, self.loads.gravity, self.loads.dead))
 
     def carry_stress(self, H: Array, h: Array) -> None:
         """Carry all stresses on along the increment ``h`` (6 n,) made from frames ``H``."""
@@ -371,18 +349,6 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of the system, for results."""
-        bodies = tuple(
-            BodyInfo(
-                name=body.name,
-                kind=type(body).__name__,
-                nodes=nodes,
-                cells=nodes[body.cells],
-                outline=body.outline,
-                box=body.box,
-                points={key: int(nodes[node]) for key, node in body.point_names.items()},
-            )
-            for body, nodes in self.nodes.items()
-        )
         joints = []
         for k, joint in enumerate(self.joints):
             side = int(self.table.nodes[k, 0] >= self.count)
@@ -396,4 +362,4 @@ class System:
                     offset=self.table.frames[k, side, 0],
                 )
             )
-        return SceneInfo(bodies, tuple(joints))
+        return SceneInfo(self.numbering.bodies(), tuple(joints))

@@ -99,7 +99,7 @@ def straight(comm, length: float, count: int) -> dolfinx.mesh.Mesh:
     return make_mesh(comm, "interval", 1, points, [[i, i + 1] for i in range(count)])
 
 
-def surface(comm, cell: str, count: int = 2) -> dolfinx.mesh.Mesh:
+def surface(comm, cell: str, count: int = 4) -> dolfinx.mesh.Mesh:
     """``count`` × 1 distorted squares out of plane, or twice as many triangles."""
     n = count + 1
     x, y = np.meshgrid(np.arange(n), [0.0, 1.0])

@@ -32,6 +32,12 @@ def attached(load_of_point):
     return scene_with(body, fl.Clamp(body.start), load_of_point(body))
 
 
+def with_bar(item_of_bar):
+    """A scene with a bar and what the function makes of it."""
+    body = bar()
+    return scene_with(body, item_of_bar(body))
+
+
 def branch() -> fl.LineMesh:
     points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)]
     return fl.LineMesh.from_cells(points, [(0, 1), (1, 2), (1, 3)])
@@ -62,7 +68,9 @@ CASES = {
     ),
     "no cells": (lambda: fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=0), "0"),
     "unknown group of cells": (
-        lambda: fl.Beam(kink().__class__.from_cells([(0, 0, 0), (1, 0, 0)], [(0, 1)]), {"arc": SECTION}),
+        lambda: fl.Beam(
+            kink().__class__.from_cells([(0, 0, 0), (1, 0, 0)], [(0, 1)]), {"arc": SECTION}
+        ),
         "'arc'",
     ),
     "unknown group of a line load": (
@@ -83,11 +91,13 @@ CASES = {
         "stray is not in the scene",
     ),
     "joint between points apart": (
-        lambda: scene_with(*(lambda b: (b, fl.Fixed(b.start, b.end)))(bar())),
+        lambda: with_bar(lambda b: fl.Fixed(b.start, b.end)),
         "apart.*at=",
     ),
     "joint without direction": (
-        lambda: scene_with(*(lambda b: (b, fl.Revolute(fl.ground(), b.end, axis=(0, 0, 0))))(bar())),
+        lambda: scene_with(
+            *(lambda b: (b, fl.Revolute(fl.ground(), b.end, axis=(0, 0, 0))))(bar())
+        ),
         "axis",
     ),
     "joint of ground to ground": (
@@ -137,7 +147,9 @@ CASES = {
         "velocities break Spherical",
     ),
     "load history of nan": (
-        lambda: run(attached(lambda b: fl.PointLoad(b.end, force=(1, 0, 0), history=lambda t: NAN))),
+        lambda: run(
+            attached(lambda b: fl.PointLoad(b.end, force=(1, 0, 0), history=lambda t: NAN))
+        ),
         "history of load 1 is nan",
     ),
 }

@@ -173,7 +173,7 @@ def test_clamped_beam_vibrates_at_its_frequency():
     beam.velocities[0] = 0.0
     frequency = k**2 * np.sqrt(EI / mass) / L**2 / (2 * np.pi)
     step = 1 / frequency / 200
-    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=round(4 * 200) * step, step=step)
+    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=(4 * 200) * step, step=step)
     z = result.position(beam.end)[:, 2]
     up = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
     crossing = result.times[up] - z[up] * step / (z[up + 1] - z[up])
@@ -196,6 +196,6 @@ def test_failure_keeps_what_was_computed():
         fl.PointLoad(scene.bodies[0]["centre"], force=(0, 0, 1e9), history=lambda t: t > 0.05)
     )
     scheme = fl.GeneralisedAlpha(max_iterations=2, tolerance=1e-14)
-    with pytest.raises(fl.ConvergenceError, match="step .*did not converge.*residual") as info:
+    with pytest.raises(fl.ConvergenceError, match=r"step .*did not converge.*residual") as info:
         scheme.run(scene, duration=1.0, step=1e-2)
     assert 0 < len(info.value.result.times) < 101

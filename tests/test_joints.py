@@ -1,5 +1,7 @@
 """Laws of joints: derivatives, invariance, and what is refused."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -129,7 +131,7 @@ def closed_chain(last: type[fl.Joint]) -> fl.Scene:
     scene = fl.Scene()
     corners = [(0.0, 0, 0), (0.0, 1, 0), (1.0, 1, 0), (1.0, 0, 0)]
     bars = []
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         centre = 0.5 * (np.array(a) + np.array(b))
         bars.append(scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), centre)))
     points = [fl.ground()] + [bar.centre for bar in bars] + [fl.ground()]
@@ -178,8 +180,9 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
             scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0)))
         run = _Run(fl.GeneralisedAlpha(), System(scene, dynamics=True), step)
         run.start()
-        run.system.residual(run.H, run.v, run.vdot, run.weights, run.scale, run.r)
-        run._factorise(run.H)
+        s = run.s
+        run.system.residual(s.H, s.v, s.vdot, run.weights, run.scale, run.r)
+        run._factorise(s.H)
         matrix = run.system.kkt.matrix.convert("dense").getDenseArray()
         conditions.append(np.linalg.cond(matrix))
     # between stiffness and mass that make up a flexible body's matrix lies a factor of its own

@@ -14,30 +14,63 @@ from __future__ import annotations
 import logging
 import time as clock
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import constraints, lie
+from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.start import accelerations, check_velocities
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 
 ROTATION = 0.1
-"""In the size of an increment a rotation counts as a displacement of this part of the model's size."""
+"""A rotation counts in the size of an increment as a displacement of this part of the model."""
 
 _ROUND_OFF = 1e-15  # increments below are round-off, whatever their ratio
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
 
 
+class _Scheme(NamedTuple):
+    """Parameters of a run; ``mass`` and ``damping`` are ∂v̇₁/∂d and ∂v₁/∂d."""
+
+    h: float
+    am: float
+    af: float
+    gamma: float
+    beta: float
+    mass: float
+    damping: float
+    length: float
+
+
+class _State(NamedTuple):
+    """Start of a step, and its end with index 1; ``d`` is the increment between them."""
+
+    H: Array
+    v: Array
+    vdot: Array
+    a: Array
+    d: Array
+    H1: Array
+    v1: Array
+    vdot1: Array
+
+
+# Compiled functions take these records as plain tuples: numba is three times as fast to call so.
+
+
 @compiled
-def _predict(v, vdot, a, h, am, af, gamma, beta, length, H, d, v1, vdot1, H1):  # type: ignore[no-untyped-def]
+def _predict(scheme: tuple[float, ...], state: tuple[Array, ...]) -> float:
     """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
+    h, am, _, gamma, beta, _, _, length = scheme
+    H, v, vdot, a, d, H1, v1, vdot1 = state
     largest = 0.0
     for i in range(d.shape[0]):
         for k in range(6):
@@ -45,14 +78,24 @@ def _predict(v, vdot, a, h, am, af, gamma, beta, length, H, d, v1, vdot1, H1):  
             a1 = (vdot[i, k] - am * a[i, k]) / (1.0 - am)
             d[i, k] = h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1)
             v1[i, k] = v[i, k] + h * ((1.0 - gamma) * a[i, k] + gamma * a1)
-            largest = max(largest, abs(d[i, k]) / length if k < 3 else ROTATION * abs(d[i, k]))
+            size = abs(d[i, k])
+            largest = max(largest, size / length if k < 3 else ROTATION * size)
         lie.retract(H[i], d[i], H1[i])
     return largest
 
 
 @compiled
-def _correct(dx, scale, measure, length, mass, damping, H, d, v1, vdot1, weights, H1):  # type: ignore[no-untyped-def]
+def _correct(
+    scheme: tuple[float, ...],
+    state: tuple[Array, ...],
+    dx: Array,
+    scale: Array,
+    measure: Array,
+    weights: Array,
+) -> float:
     """Apply a Newton correction; returns its size, see :data:`ROTATION`."""
+    _, _, _, _, _, mass, damping, length = scheme
+    H, _, _, _, d, H1, v1, vdot1 = state
     largest = 0.0
     for i in range(d.shape[0]):
         for k in range(6):
@@ -75,11 +118,14 @@ def _correct(dx, scale, measure, length, mass, damping, H, d, v1, vdot1, weights
 
 
 @compiled
-def _accept(am, af, v, vdot, a, H, v1, vdot1, H1):  # type: ignore[no-untyped-def]
+def _accept(scheme: tuple[float, ...], state: tuple[Array, ...]) -> None:
     """Make the end of the step the start of the next."""
-    for i in range(vdot1.shape[0]):
+    _, am, af, _, _, _, _, _ = scheme
+    H, v, vdot, a, d, H1, v1, vdot1 = state
+    for i in range(d.shape[0]):
         for k in range(6):
-            a[i, k] = ((1.0 - af) * vdot1[i, k] + af * vdot[i, k] - am * a[i, k]) / (1.0 - am)
+            rate = (1.0 - af) * vdot1[i, k] + af * vdot[i, k]
+            a[i, k] = (rate - am * a[i, k]) / (1.0 - am)
             v[i, k] = v1[i, k]
             vdot[i, k] = vdot1[i, k]
         lie.reorthonormalise(H1[i])
@@ -153,135 +199,79 @@ class _Run:
 
     def __init__(self, scheme: GeneralisedAlpha, system: System, step: float) -> None:
         rho = scheme.radius
-        self.scheme, self.system, self.h = scheme, system, step
-        self.am, self.af = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-        self.gamma = 0.5 + self.af - self.am
-        self.beta = 0.25 * (self.gamma + 0.5) ** 2
-        self.mass = (1 - self.am) / (step**2 * self.beta * (1 - self.af))
-        self.damping = self.gamma / (step * self.beta)
+        am, af = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+        gamma = 0.5 + af - am
+        beta = 0.25 * (gamma + 0.5) ** 2
+        mass, damping = (1 - am) / (step**2 * beta * (1 - af)), gamma / (step * beta)
+        self.options, self.system = scheme, system
+        self.p = _Scheme(step, am, af, gamma, beta, mass, damping, system.length)
         self.policy = scheme.policy.fresh()
-        n = system.count
-        self.H, self.v = system.frames.copy(), system.velocities.copy()
-        self.H1, self.v1 = self.H.copy(), self.v.copy()
-        self.vdot, self.vdot1, self.a, self.d = (np.zeros((n, 6)) for _ in range(4))
+        H, v, zero = system.frames, system.velocities, np.zeros((system.count, 6))
+        self.s = _State(*(x.copy() for x in (H, v, zero, zero, zero, H, v, zero)))
+        self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         turns = ~system.table.selection[:, :3].any(axis=1)
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
-        self.r, self.dx = np.zeros(system.size), np.zeros(system.size)
         self.solver = DirectSolver(system.kkt.matrix, scheme.petsc_options_prefix)
-        self.solver.bind(self.r, self.dx)
+        self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
 
     # --- start ---
 
     def start(self) -> None:
         """Consistent accelerations and multipliers; scaling of the constraints."""
-        system, h = self.system, self.h
-        self._check_velocities()
-        self.vdot[:], self.weights[:] = self._accelerations(self.H, self.v, 0.0)
+        system, p, s = self.system, self.p, self.s
+        check_velocities(system, p.h)
+        vdot, weights = accelerations(system, self.solver, s.H, s.v, 0.0, p.h)
+        s.vdot[:], self.weights[:] = vdot, weights
         # a₀ stands for v̇ at t₀ + (α_m − α_f) h, or the start is only first order
         # (Arnold, Brüls & Cardona, Numer. Math. 129 (2015) 149); extrapolated from t₀ + shift
-        shift = (self.af - self.am) * h
+        shift = (p.af - p.am) * p.h
+        s.a[:] = vdot
         if shift > 0:
             n = system.count
-            H, v = self.H.copy(), self.v.copy()
-            d = shift * v[:n] + 0.5 * shift**2 * self.vdot
-            H[:n] = lie.se3_retract(H[:n], d)
-            v[:n] += shift * self.vdot
-            later, _ = self._accelerations(H, v, shift)
-            self.a[:] = 2.0 * self.vdot - later
-        else:
-            self.a[:] = self.vdot
+            H, v = s.H.copy(), s.v.copy()
+            H[:n] = lie.se3_retract(H[:n], shift * v[:n] + 0.5 * shift**2 * vdot)
+            v[:n] += shift * vdot
+            later, _ = accelerations(system, self.solver, H, v, shift, p.h)
+            s.a[:] += vdot - later
         system.set_time(0.0)
-        system.residual(self.H, self.v, self.vdot, self.weights, self.scale, self.r)
-        self._fill(self.H, self.H)
-        self.scale[:] = system.constraint_scale(self.H)
-
-    def _check_velocities(self) -> None:
-        system = self.system
-        self._set_motion_velocities(0.0)
-        first, second = np.zeros(system.m), np.zeros(system.m)
-        constraints.rates(self.H, self.v, system.table, first, second)
-        speed = max(np.abs(self.v[:, :3]).max() / system.length, np.abs(self.v[:, 3:]).max())
-        # below the second bound the error of a whole step is less than 1e-9 of the size
-        bound = max(1e-6 * speed, 1e-9 / self.h) * max(1.0, system.length)
-        if (np.abs(first) > bound).any():
-            c = int(np.abs(first).argmax())
-            joint = system.joints[np.searchsorted(system.table.first, c, side="right") - 1]
-            raise ValueError(
-                f"the initial velocities break {joint.label}: its constraint changes at the rate "
-                f"{first[c]:g}; give both bodies velocities that the joint allows"
-            )
-
-    def _set_motion_velocities(self, time: float) -> Array:
-        """Velocities of prescribed frames into ``v``; returns their accelerations (p, 6)."""
-        system, h = self.system, self.h
-        if system.count + 1 == len(self.H):
-            return np.zeros((0, 6))
-        here = system.prescribed_frames(time)
-        d = [lie.se3_relative(here, system.prescribed_frames(time + k * h)) for k in (1, 2, 3)]
-        # d(t) = v t + v̇ t²/2 + j t³/6 through three later times
-        self.v[system.count + 1 :] = (18 * d[0] - 9 * d[1] + 2 * d[2]) / (6 * h)
-        return (-5 * d[0] + 4 * d[1] - d[2]) / h**2
-
-    def _accelerations(self, H: Array, v: Array, time: float) -> tuple[Array, Array]:
-        """``v̇`` and multipliers from the equations of motion and twice differentiated constraints."""
-        system, n = self.system, self.system.count
-        driven = self._set_motion_velocities(time)
-        v[n + 1 :] = self.v[n + 1 :]
-        if len(driven):
-            H = np.concatenate([H[: n + 1], system.prescribed_frames(time)])
-        system.set_time(time)
-        zero, none, one = np.zeros((n, 6)), np.zeros(system.m), np.ones(system.m)
-        system.residual(H, v, zero, none, one, self.r)
-        first, second, drive = np.zeros(system.m), np.zeros(system.m), np.zeros(system.m)
-        constraints.rates(H, v, system.table, first, second)
-        if len(driven):
-            rate = np.zeros_like(v)
-            rate[n + 1 :] = driven
-            constraints.rates(H, rate, system.table, drive, first)
-        self.r[6 * n :] = second + drive
-        system.fill_mass_matrix(H)
-        try:
-            self.solver.factorise()
-        except SingularMatrixError as error:
-            raise ValueError(
-                "the mass matrix is singular: a body or section lacks inertia, or its rotary inertia"
-            ) from error
-        self.solver.solve()
-        return -self.dx[: 6 * n].reshape(n, 6), -self.dx[6 * n :].copy()
+        system.residual(s.H, s.v, s.vdot, self.weights, self.scale, self.r)
+        self._fill(s.H, s.H)
+        self.scale[:] = system.constraint_scale(s.H)
 
     # --- steps ---
 
     def integrate(self, recorder: Recorder) -> Result:
         """All steps."""
-        system = self.system
+        system, s, h = self.system, self.s, self.p.h
         self.start()
         self.solver.factorisations = 0
-        recorder.record(0, self.H, self.v, self.weights, 0)
+        recorder.record(0, s.H, s.v, self.weights, 0)
         begin = clock.perf_counter()
         with recorder:
             for index in range(1, recorder.steps + 1):
                 if system.time_dependent:
-                    system.set_time(index * self.h)
-                    self.H1[system.count + 1 :] = system.prescribed_frames(index * self.h)
+                    system.set_time(index * h)
+                    s.H1[system.count + 1 :] = system.prescribed_frames(index * h)
                 self._index = index
                 iterations = self._step()
                 if iterations == 0:
                     seconds = clock.perf_counter() - begin
                     result = recorder.result(self.solver.factorisations, seconds)
-                    raise ConvergenceError(
-                        f"step {index} of {recorder.steps} (time {index * self.h:g}) did not "
-                        f"converge in {self.scheme.max_iterations} iterations: last increment "
-                        f"{self._increment:.2e}, residual {np.abs(self.r).max():.2e}, tolerance "
-                        f"{self.scheme.tolerance:g}. Try a smaller step, a larger tolerance, or "
-                        "policy=EveryIteration()",
-                        result,
-                    )
-                recorder.record(index, self.H, self.v, self.weights, iterations)
+                    raise ConvergenceError(self._failure(recorder.steps), result)
+                recorder.record(index, s.H, s.v, self.weights, iterations)
         result = recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
         self.solver.destroy()
         return result
+
+    def _failure(self, steps: int) -> str:
+        return (
+            f"step {self._index} of {steps} (time {self._index * self.p.h:g}) did not converge in "
+            f"{self.options.max_iterations} iterations: last increment {self._increment:.2e}, "
+            f"residual {np.abs(self.r).max():.2e}, tolerance {self.options.tolerance:g}. Try a "
+            "smaller step, a larger tolerance, or policy=EveryIteration()"
+        )
 
     def _step(self) -> int:
         """One step; returns its iterations, 0 if it failed.
@@ -295,7 +285,7 @@ class _Run:
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
-            self.system.reset_stress(self.H)
+            self.system.reset_stress(self.s.H)
             count = self._iterate(EveryIteration(), carried=True)
         return count
 
@@ -308,47 +298,20 @@ class _Run:
             return 0
 
     def _newton(self, policy: Policy, carried: bool) -> int:
-        system = self.system
-        motion = _predict(
-            self.v,
-            self.vdot,
-            self.a,
-            self.h,
-            self.am,
-            self.af,
-            self.gamma,
-            self.beta,
-            system.length,
-            self.H,
-            self.d,
-            self.v1,
-            self.vdot1,
-            self.H1,
-        )
-        self._motion = max(motion, self._motion)
-        tolerance = max(self.scheme.tolerance * self._motion, _ROUND_OFF)
+        system, s = self.system, self.s
+        self._motion = max(_predict(*self._plain), self._motion)
+        tolerance = max(self.options.tolerance * self._motion, _ROUND_OFF)
         previous, ratio = np.inf, self._last_ratio
-        for iteration in range(1, self.scheme.max_iterations + 1):
-            system.residual(self.H1, self.v1, self.vdot1, self.weights, self.scale, self.r)
+        for iteration in range(1, self.options.max_iterations + 1):
+            system.residual(s.H1, s.v1, s.vdot1, self.weights, self.scale, self.r)
             if policy.before_iteration(iteration) or self.solver.factorisations == 0:
-                self._factorise(None if carried else self.H1)
+                self._factorise(None if carried else s.H1)
             self.solver.solve()
             if carried:
-                twists = lie.se3_tangent(self.d) @ -self.dx[: self.d.size].reshape(-1, 6, 1)
-                system.carry_stress(self.H1, twists.ravel())
+                twists = lie.se3_tangent(s.d) @ -self.dx[: s.d.size].reshape(-1, 6, 1)
+                system.carry_stress(s.H1, twists.ravel())
             self._increment = _correct(
-                self.dx,
-                self.scale,
-                self.measure,
-                system.length,
-                self.mass,
-                self.damping,
-                self.H,
-                self.d,
-                self.v1,
-                self.vdot1,
-                self.weights,
-                self.H1,
+                *self._plain, self.dx, self.scale, self.measure, self.weights
             )
             if previous < np.inf:
                 # one lucky ratio must not end the next steps too early: forget slowly
@@ -359,17 +322,7 @@ class _Run:
             if remaining <= tolerance or self._increment <= _ROUND_OFF or stagnant:
                 self._last_ratio = ratio
                 policy.after_step(iteration)
-                _accept(
-                    self.am,
-                    self.af,
-                    self.v,
-                    self.vdot,
-                    self.a,
-                    self.H,
-                    self.v1,
-                    self.vdot1,
-                    self.H1,
-                )
+                _accept(*self._plain)
                 return iteration
             if not self._increment < 1e3:
                 return 0
@@ -384,15 +337,16 @@ class _Run:
     def _fill(self, stressed: Array | None, joint_frames: Array) -> None:
         if stressed is not None:
             self.system.reset_stress(stressed)
+        s = self.s
         self.system.fill_matrix(
-            self.H1,
-            self.v1,
-            self.vdot1,
+            s.H1,
+            s.v1,
+            s.vdot1,
             self.weights,
             self.scale,
-            self.d,
-            self.mass,
-            self.damping,
+            s.d,
+            self.p.mass,
+            self.p.damping,
             joint_frames,
         )
 
@@ -403,7 +357,6 @@ class _Run:
         """
         steps = (self._index - self._born) // 2
         self._born = self._index
-        frames = self.H1.copy()
-        n = self.system.count
-        frames[:n] = lie.se3_retract(frames[:n], steps * self.h * self.v1[:n])
+        frames, n = self.s.H1.copy(), self.system.count
+        frames[:n] = lie.se3_retract(frames[:n], steps * self.p.h * self.s.v1[:n])
         return frames

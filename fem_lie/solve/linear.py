@@ -6,7 +6,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from fem_lie._jit import Array
+import numpy as np
 
 
 class ConvergenceError(RuntimeError):
@@ -34,6 +34,7 @@ class DirectSolver:
 
     Attributes:
         factorisations: How many there were.
+        right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
     """
 
     def __init__(self, matrix: PETSc.Mat, prefix: str) -> None:
@@ -52,6 +53,10 @@ class DirectSolver:
         self._ksp.setFromOptions()
         self._matrix = matrix
         self.factorisations = 0
+        size = matrix.getSize()[0]
+        self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
+        self._b = PETSc.Vec().createWithArray(self.right_hand_side, comm=matrix.comm)
+        self._x = PETSc.Vec().createWithArray(self.solution, comm=matrix.comm)
 
     def factorise(self) -> None:
         """Factorise the matrix as it is now.
@@ -65,11 +70,6 @@ class DirectSolver:
         except PETSc.Error as error:
             raise SingularMatrixError("the matrix is singular or not finite") from error
         self.factorisations += 1
-
-    def bind(self, b: Array, x: Array) -> None:
-        """Say in which arrays :meth:`solve` finds the right-hand side and leaves the solution."""
-        self._b = PETSc.Vec().createWithArray(b, comm=self._matrix.comm)
-        self._x = PETSc.Vec().createWithArray(x, comm=self._matrix.comm)
 
     def solve(self) -> None:
         """Solve with the last factorisation."""

@@ -98,7 +98,9 @@ class Automatic(Policy):
             ValueError: One of them is not positive.
         """
         if not cost > 0 or patience < 1:
-            raise ValueError(f"cost must be positive and patience at least 1, got {cost}, {patience}")
+            raise ValueError(
+                f"cost must be positive and patience at least 1, got {cost}, {patience}"
+            )
         self.cost, self.patience = cost, patience
         self._best, self._excess = 0, 0.0
 

@@ -73,9 +73,7 @@ class Recorder:
         self.invariants[row] = inertia.invariants(
             H,
             v[:n],
-            system.inertia_indptr,
-            system.inertia_indices,
-            system.inertia,
+            *system.inertia,
             self._work[0],
             self._work[1],
         )

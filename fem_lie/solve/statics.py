@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array, compiled
@@ -26,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 
 @compiled
-def _advance(H, dx, held, size):  # type: ignore[no-untyped-def]
+def _advance(H: Array, dx: Array, held: npt.NDArray[np.bool_], size: float) -> float:
     """``H ← H exp(−dx)`` for the moving nodes; returns the largest increment over ``size``."""
     largest, h = 0.0, np.empty(6)
     for i in range(held.shape[0]):
@@ -58,7 +59,7 @@ class StaticResult:
     factors: Array
     frames: Array
     multipliers: Array
-    iterations: np.ndarray
+    iterations: npt.NDArray[np.int64]
     failed_iterations: int
     info: SceneInfo
     initial: Array
@@ -155,7 +156,7 @@ def statics(
                 newton.destroy()
                 raise ConvergenceError(
                     f"no equilibrium from load factor {reached:g} to {target:g}: after "
-                    f"{newton.iterations} iterations the residual is {newton.residual_size:.2e} and "
+                    f"{newton.iterations} iterations the residual is {newton.residual:.2e} and "
                     f"the last increment {newton.last:.2e} (tolerance {tolerance:g}). "
                     + newton.advice()
                 )
@@ -187,14 +188,15 @@ class _Newton:
     ) -> None:
         self.system = system = System(scene, dynamics=False)
         self._carried, self._tolerance, self._max = carried, tolerance, max_iterations
-        self.H = system.frames.copy()
-        self.multipliers = np.zeros(system.m)
+        self.H: Array = system.frames.copy()
+        self.multipliers: Array = np.zeros(system.m)
         self._zero = np.zeros((system.count, 6))
-        self._r, self._dx = np.zeros(system.size), np.zeros(system.size)
         self._scale = np.ones(system.m)
         self._solver = DirectSolver(system.kkt.matrix, prefix)
-        self._solver.bind(self._r, self._dx)
-        self.iterations, self.residual_size, self.last = 0, 0.0, 0.0
+        self._r, self._dx = self._solver.right_hand_side, self._solver.solution
+        self.iterations: int = 0
+        self.residual: float = 0.0
+        self.last: float = 0.0
         system.reset_stress(self.H)
         self._fill()
         self._scale[:] = system.constraint_scale(self.H)
@@ -223,7 +225,9 @@ class _Newton:
         system.set_time(factor, factor)
         self.H[system.count + 1 :] = system.prescribed_frames(factor)
         previous = np.inf
-        for self.iterations in range(1, self._max + 1):
+        self.iterations = 0
+        while self.iterations < self._max:
+            self.iterations += 1
             try:
                 self._iterate()
             except SingularMatrixError:
@@ -244,7 +248,7 @@ class _Newton:
         if not self._carried:
             system.reset_stress(H)
         system.residual(H, zero, zero, self.multipliers, self._scale, self._r)
-        self.residual_size = float(np.abs(self._r).max(initial=0.0))
+        self.residual = float(np.abs(self._r).max(initial=0.0))
         self._fill()
         self._solver.factorise()
         self._solver.solve()
@@ -255,6 +259,4 @@ class _Newton:
 
     def _fill(self) -> None:
         zero = self._zero
-        self.system.fill_matrix(
-            self.H, zero, zero, self.multipliers, self._scale, zero, 0.0, 0.0
-        )
+        self.system.fill_matrix(self.H, zero, zero, self.multipliers, self._scale, zero, 0.0, 0.0)
