@@ -23,13 +23,17 @@ def run(
             ``load_steps``), the docstring of its module the help.
         without: What to call instead of ``main`` when an option of this name is not given.
     """
-    given = vars(_parser(main).parse_args())
+    parser = _parser(main)
+    given = vars(parser.parse_args())
     file = given.pop("json", None)
     chosen = main
     for name, other in (without or {}).items():
         if name not in given:
             chosen = other
-    record = chosen(**given)
+    try:
+        record = chosen(**given)
+    except ValueError as error:
+        parser.exit(2, f"{parser.prog}: {error}\n")
     if file is not None:
         Path(file).write_text(json.dumps(record, indent=1) + "\n")
 

@@ -18,7 +18,7 @@ the beams d = log(inv(H_A) H_B), the forces. With increments H <- H exp(d) in ea
 has a leading mass and stiffness that do not change when the bars turn. That is why the iteration
 matrix is made anew only once in a hundred steps or more; --policy every, limit (when a step takes
 more than 4 iterations) and never show what that is worth. Time integration: generalised-alpha on
-SE(3), index 3 (O. Bruels, A. Cardona & M. Arnold, Mech. Mach. Theory 48 (2012) 121); it is of
+SE(3), index 3 (O. Brüls, A. Cardona & M. Arnold, Mech. Mach. Theory 48 (2012) 121); it is of
 second order, and damps what moves faster than the step can resolve. What the energy loses or gains
 is therefore small, not zero: schemes that conserve it to round-off are another matter.
 
@@ -121,8 +121,6 @@ def simulate(
         raise ValueError(f"case must be 1, 2 or 3, got {case}")
     h = STEP[case] if step is None else step
     scheme = fl.GeneralisedAlpha(radius=radius, policy=POLICIES[policy])
-    # two steps first: what is not compiled yet must not count in the time per step
-    scheme.run(pendulum(case, elements)[0], step=h, duration=2 * h, progress=False)
     scene, one, two = pendulum(case, elements)
     result = scheme.run(scene, step=h, duration=DURATION[case] if duration is None else duration)
     record = {"case": case, "elements": elements, "radius": radius, "policy": policy}

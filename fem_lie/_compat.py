@@ -11,6 +11,7 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import numpy.typing as npt
+import ufl
 from dolfinx import fem
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
@@ -46,9 +47,14 @@ def custom_form(
 
 
 def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:
-    """Cells of the only integral of ``form``; a view that lives as long as the form."""
-    (number,) = form._cpp_object.integral_ids(IntegralType.cell)
-    return form._cpp_object.domains(IntegralType.cell, number)
+    """Cells of the only integral of ``form``; a view that lives as long as the form.
+
+    Integrals had ids of their own in 0.9, since then they are counted from 0.
+    """
+    cpp_form, number = form._cpp_object, 0
+    if hasattr(cpp_form, "integral_ids"):  # to be removed with 0.9
+        (number,) = cpp_form.integral_ids(IntegralType.cell)
+    return cpp_form.domains(IntegralType.cell, number)
 
 
 def coefficient_key(form: fem.Form) -> Any:
@@ -57,9 +63,18 @@ def coefficient_key(form: fem.Form) -> Any:
 
 
 def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
-    """Geometry nodes of the local cells, shape ``(num_cells, nodes)``."""
+    """Geometry nodes of the local cells, shape ``(num_cells, nodes)``.
+
+    0.11 has one array per type of cell, and warns of the old name. In 0.10 ``dofmaps`` is a method.
+    """
     geometry = mesh.geometry
-    return geometry.dofmaps(0) if VERSION >= (0, 11) else geometry.dofmap
+    return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
+
+
+def cell_name(domain: ufl.Mesh) -> str:
+    """Name of the cells of ``domain``: a method up to UFL 2025.2 (0.10), a property since then."""
+    name = domain.ufl_cell().cellname
+    return str(name() if callable(name) else name)
 
 
 def create_line_mesh(

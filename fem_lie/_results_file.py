@@ -108,16 +108,14 @@ def _read_body(group: Any) -> BodyInfo:
 
 def _write_joint(group: Any, joint: JointInfo) -> None:
     group.attrs.update({"name": joint.name, "kind": joint.kind})
-    group.attrs.update({"start": joint.start, "node": joint.node})
-    group["components"], group["offset"] = list(joint.components), joint.offset
+    group.attrs["node"] = joint.node
+    group["offset"] = joint.offset
 
 
 def _read_joint(group: Any) -> JointInfo:
     return JointInfo(
         name=group.attrs["name"],
         kind=group.attrs["kind"],
-        start=int(group.attrs["start"]),
-        components=tuple(name.decode() for name in group["components"][()]),
         node=int(group.attrs["node"]),
         offset=group["offset"][()],
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import ufl
 from dolfinx import fem
 
@@ -43,14 +44,15 @@ class CompiledForm:
         positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
         self.coefficients = [given[i] for i in positions]
         self.constants = list(form.constants())
-        self.address, self.cells = 0, np.empty(0, dtype=np.int32)
+        self.address = 0
+        self.cells: npt.NDArray[np.int32] = np.empty(0, dtype=np.int32)
         if count == 1:
             self.cells = _compat.integration_cells(self._form)
             kernel = data.form_integrals[0].tabulate_tensor_float64
             self.address = int(self._form.module.ffi.cast("uintptr_t", kernel))
 
     def description(self, offsets: dict[fem.Function, int], constants_at: int) -> list[int]:
-        """Header entries: address, constants, size of ``w``, and where its segments stand in ours."""
+        """Header entries: address, constants, size of ``w``, where its segments stand in ours."""
         segments: list[list[int]] = []
         for f in self.coefficients:
             start, length = offsets[f], packed_size(f.function_space)
@@ -109,9 +111,7 @@ class Wrapping:
         bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
         constants.insert(0, fem.Constant(mesh, bits))
         cells = max((part.cells for part in inner), key=len)  # a zero form has none
-        return _compat.custom_form(
-            spaces, kernel.address, cells, list(functions), constants, mesh
-        )
+        return _compat.custom_form(spaces, kernel.address, cells, list(functions), constants, mesh)
 
     def _header(
         self,

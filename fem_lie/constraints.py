@@ -138,6 +138,22 @@ def evaluate(
 
 
 @compiled
+def wrenches(H: Array, table: JointTable, weights: Array, side: Indices, out: Array) -> None:
+    """Force and moment that each joint exerts on its frame A or B (``side`` 0 or 1), in that frame.
+
+    ``out`` has shape (j, 6).
+    """
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    force = np.empty((2, 6))
+    for j in range(table.nodes.shape[0]):
+        _relative_motion(H, table, j, A, B, z)
+        _multiplier_weights(table, j, weights, p)
+        _force(z, p, force[0], force[1])
+        for k in range(6):
+            out[j, k] = -force[side[j], k]
+
+
+@compiled
 def jacobian(H: Array, table: JointTable, rows: Array) -> None:
     """``rows[c, side] = ∂Φ_c/∂h`` in the twists of the nodes A and B, shape (m, 2, 6)."""
     A, B, z = np.empty((4, 3)), np.empty((4, 3)), np.empty(12)

@@ -49,8 +49,10 @@ def pull(H, f, sign, r):  # type: ignore[no-untyped-def]
 
 @compiled
 def pull_derivative(H, f, sign, block):  # type: ignore[no-untyped-def]
-    """``block += sign · ∂(Lᵀ f)/∂h`` of one node: ``(Rᵀf_x)^`` in (force, rotation) and
-    ``Σ m_k e_kᵀ − (e_k·m_k) I``, ``m_k = Rᵀ f_k``, in (moment, rotation).
+    """``block += sign · ∂(Lᵀ f)/∂h`` of one node.
+
+    ``(Rᵀf_x)^`` in (force, rotation), ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k = Rᵀ f_k`` in
+    (moment, rotation).
     """
     n0, n1, n2 = _along(H, 0, f, 0), _along(H, 1, f, 0), _along(H, 2, f, 0)
     block[0, 4] -= sign * n2
@@ -151,9 +153,7 @@ class NodalFrames:
     @property
     def directors(self) -> list[Expr]:
         """``d₁, d₂, d₃`` in UFL."""
-        return [
-            ufl.as_vector([self.function[3 + 3 * k + j] for j in range(3)]) for k in range(3)
-        ]
+        return [ufl.as_vector([self.function[3 + 3 * k + j] for j in range(3)]) for k in range(3)]
 
     def update(self, h: npt.ArrayLike) -> None:
         """``H ← H exp(h)`` at every node.
@@ -184,4 +184,3 @@ def local_frame_forms(
         local: Element-local fields of ``W``, condensed in the kernel.
     """
     return LocalFrameForms(energy, q.function, q.increment, DIRECTORS, local=local)
-

@@ -45,9 +45,7 @@ def accelerations(H, v, a, out):  # type: ignore[no-untyped-def]
         _local_acceleration(v, a, i, w)
         for k in range(4):
             for j in range(3):
-                out[i, k, j] = (
-                    H[i, 1, j] * w[k, 0] + H[i, 2, j] * w[k, 1] + H[i, 3, j] * w[k, 2]
-                )
+                out[i, k, j] = H[i, 1, j] * w[k, 0] + H[i, 2, j] * w[k, 1] + H[i, 3, j] * w[k, 2]
 
 
 @compiled
@@ -106,11 +104,17 @@ def _right_factors(v, a, i, mass, damping, W, X, unit, vector):  # type: ignore[
 
 @compiled
 def tangents(H, v, a, indptr, indices, G, place, mass, damping, A, K):  # type: ignore[no-untyped-def]
-    """Add ``mass·∂r/∂a + damping·∂r/∂v`` to ``A`` and ``Lᵀ G ∂q̈/∂h`` to ``K``; r the inertia force.
+    """Add ``mass·∂r/∂a + damping·∂r/∂v`` to ``A`` and ``Lᵀ G ∂q̈/∂h`` to ``K``.
+
+    ``r = Lᵀ G q̈`` is the inertia force.
 
     Args:
-        H: Frames (n, 4, 3); ``v``, ``a`` local velocities and accelerations (n, 6).
-        indptr: Rows of the block-sparse matrix ``G``, with ``indices`` and blocks (nnz, 4, 4).
+        H: Frames (n, 4, 3).
+        v: Local velocities (n, 6).
+        a: Local accelerations (n, 6).
+        indptr: Rows of the block-sparse matrix ``G``.
+        indices: Columns of its blocks.
+        G: Its blocks (nnz, 4, 4).
         place: Position of each block of ``G`` in the pattern of ``A`` and ``K`` (blocks, 6, 6).
         mass: Factor of the derivative in the accelerations.
         damping: Factor of the derivative in the velocities.

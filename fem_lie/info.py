@@ -47,23 +47,14 @@ class JointInfo:
     Attributes:
         name: Its name, or what it joins.
         kind: Its class.
-        start: First of its multipliers.
-        components: Name of each of its multipliers, such as "F1" and "M3".
         node: A node that it is fixed to, for drawing; −1 if there is none.
         offset: Its place in that node's frame, shape (3,).
     """
 
     name: str
     kind: str
-    start: int
-    components: tuple[str, ...]
     node: int = -1
     offset: Array = field(default_factory=lambda: np.zeros(3))
-
-    @property
-    def rows(self) -> slice:
-        """Its multipliers."""
-        return slice(self.start, self.start + len(self.components))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +72,14 @@ class SceneInfo:
         """
         return _named(self.bodies, name, "body")
 
-    def joint(self, joint: Joint | str) -> JointInfo:
-        """The joint with this name, or this joint of the scene.
+    def joint(self, joint: Joint | str) -> int:
+        """Number of the joint with this name, or of this joint of the scene.
 
         Raises:
             ValueError: There is none; the message lists those that exist.
         """
-        return _named(self.joints, joint if isinstance(joint, str) else joint.label, "joint")
+        name = joint if isinstance(joint, str) else joint.label
+        return self.joints.index(_named(self.joints, name, "joint"))
 
     def node(self, point: Point | str | int) -> int:
         """Node of a point: the point itself, "body.name", "body.node 3", or a node's number.

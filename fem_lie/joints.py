@@ -34,6 +34,10 @@ _NO_TURN = ({10: 0.5, 8: -0.5}, {5: 0.5, 9: -0.5}, {6: 0.5, 4: -0.5})  # axial(s
 class Joint:
     """What all joints have in common; use one of the subclasses.
 
+    A subclass states its ``selection`` of ``(Δ, Q)``, which must forbid the same with the two sides
+    exchanged: a side that does not move by itself becomes B, because the Jacobian on A's side of
+    what touches ``Δ`` alone is constant in local frames.
+
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.ground`.
         b: A point of another body, or ground.
@@ -50,7 +54,6 @@ class Joint:
     name: str = ""
 
     selection: ClassVar[Array]
-    components: ClassVar[tuple[str, ...]]
 
     def frame(self) -> Array:
         """The joint's frame in the initial configuration, shape (4, 3).
@@ -95,18 +98,15 @@ class Fixed(Joint):
     """No relative motion."""
 
     selection = _rows(*_COINCIDE, *_NO_TURN)
-    components = ("F1", "F2", "F3", "M1", "M2", "M3")
 
 
 class Spherical(Joint):
     """Common point."""
 
     selection = _rows(*_COINCIDE)
-    components = ("F1", "F2", "F3")
 
 
 class Revolute(Joint):
     """Common point and common axis e₃."""
 
     selection = _rows(*_COINCIDE, *_SAME_AXIS)
-    components = ("F1", "F2", "F3", "M1", "M2")

@@ -32,7 +32,7 @@ import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
-from fem_lie import ufcx
+from fem_lie import _compat, ufcx
 from fem_lie._wrapping import CompiledForm, Wrapping, packed_size
 from fem_lie.ufcx import MAP_SIGNATURE, FrameMap, frame_function, stack
 
@@ -84,7 +84,7 @@ class StrainEnergy:
                 "put its components into ufl.as_vector([...])"
             )
         return basix.ufl.quadrature_element(
-            ufl.domain.extract_unique_domain(self.strain).ufl_cell().cellname(),
+            _compat.cell_name(ufl.domain.extract_unique_domain(self.strain)),
             value_shape=self.strain.ufl_shape,
             scheme=metadata.get("quadrature_rule", "default"),
             degree=metadata["quadrature_degree"],

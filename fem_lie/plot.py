@@ -138,9 +138,7 @@ def _figure(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
     return figure, axes
 
 
-def _components(
-    ax: Axes, times: Array, vectors: Array, symbol: str, marker: str = ""
-) -> None:
+def _components(ax: Axes, times: Array, vectors: Array, symbol: str, marker: str = "") -> None:
     for colour, index, values in zip(COLOURS, "xyz", vectors.T, strict=False):
         label = f"${symbol}_{index}$" if symbol else f"${index}$"
         ax.plot(times, values, color=colour, label=label, marker=marker)

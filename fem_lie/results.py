@@ -33,7 +33,8 @@ class Result:
         frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors e₁, e₂, e₃
             in global components (:mod:`fem_lie.lie`).
         velocities: Local velocities (translation, rotation), shape (T, N, 6).
-        multipliers: Forces and moments of joints, each in the joint's frame, shape (T, m).
+        joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
+            axes that it has on that side, shape (T, j, 6).
         kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of loads.
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
@@ -46,7 +47,7 @@ class Result:
     times: Array
     frames: Array
     velocities: Array
-    multipliers: Array
+    joint_forces: Array
     kinetic: Array
     elastic: Array
     potential: Array
@@ -59,12 +60,12 @@ class Result:
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
-        m = self.multipliers.shape[-1]
+        j = len(self.info.joints)
         count = len(self.times)
         for name, shape in (
             ("frames", (n, 4, 3)),
             ("velocities", (n, 6)),
-            ("multipliers", (m,)),
+            ("joint_forces", (j, 6)),
             ("kinetic", ()),
             ("elastic", ()),
             ("potential", ()),
@@ -96,12 +97,12 @@ class Result:
         return self.velocities[:, self.info.node(point)]
 
     def joint_force(self, joint: Joint | str) -> Array:
-        """Multipliers of a joint in the order of its components, in its frame, shape (T, k).
+        """Force and moment of a joint on its point ``a``, in its axes there, shape (T, 6).
 
         Raises:
             ValueError: There is no such joint.
         """
-        return self.multipliers[:, self.info.joint(joint).rows]
+        return self.joint_forces[:, self.info.joint(joint)]
 
     def index(self, time: float) -> int:
         """The kept time nearest to ``time``."""

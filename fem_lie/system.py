@@ -94,8 +94,11 @@ class System:
         sides = [(self.numbering.node(joint.a), self.numbering.node(joint.b)) for joint in joints]
         for k, motion in enumerate(scene.motions):
             joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
-            sides.append((self.count + 1 + k, self.numbering.node(motion.point)))
+            sides.append((self.numbering.node(motion.point), self.count + 1 + k))
         nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
+        still = np.append(self.held, [True] * (len(self.frames) - self.count))[nodes]
+        self._reported = (still[:, 0] & ~still[:, 1]).astype(np.int64)
+        nodes[self._reported == 1] = nodes[self._reported == 1, ::-1]
         frames = np.empty((len(joints), 2, 4, 3))
         for k, joint in enumerate(joints):
             for side in range(2):
@@ -347,19 +350,21 @@ class System:
         for where, assembly in self.assemblies:
             assembly.reset_stress(H[where])
 
+    def joint_forces(self, H: Array, weights: Array) -> Array:
+        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6)."""
+        forces = np.empty((len(self.joints), 6))
+        constraints.wrenches(H, self.table, weights, self._reported, forces)
+        return forces
+
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of the system, for results."""
-        joints = []
-        for k, joint in enumerate(self.joints):
-            side = int(self.table.nodes[k, 0] >= self.count)
-            joints.append(
-                JointInfo(
-                    name=joint.label,
-                    kind=type(joint).__name__,
-                    start=int(self.table.first[k]),
-                    components=joint.components,
-                    node=int(self.table.nodes[k, side]),
-                    offset=self.table.frames[k, side, 0],
-                )
+        joints = tuple(
+            JointInfo(
+                name=joint.label,
+                kind=type(joint).__name__,
+                node=int(self.table.nodes[k, 0]),
+                offset=self.table.frames[k, 0, 0],
             )
-        return SceneInfo(self.numbering.bodies(), tuple(joints))
+            for k, joint in enumerate(self.joints)
+        )
+        return SceneInfo(self.numbering.bodies(), joints)

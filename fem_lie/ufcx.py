@@ -197,6 +197,7 @@ def _back_substitute(K, f, dy, n_y, n):  # type: ignore[no-untyped-def]
 @compiled
 def _prepare(w, c):  # type: ignore[no-untyped-def]
     """Header, pointers to state and coordinates; the coordinates are written into their slot."""
+    # the descriptions follow: the view is longer than its shape says
     head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
     state, y = _shift(w, head[AT_STATE]), _shift(w, head[AT_Y])
     if head[COORDINATES] != 0:

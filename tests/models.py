@@ -79,9 +79,7 @@ def make_mesh(comm, cell: str, degree: int, points, cells) -> dolfinx.mesh.Mesh:
     if comm.rank > 0:
         points, cells = points[:0], cells[:0]
     partitioner = dolfinx.mesh.create_cell_partitioner(dolfinx.mesh.GhostMode.shared_facet)
-    return dolfinx.mesh.create_mesh(
-        comm, cells=cells, x=points, e=element, partitioner=partitioner
-    )
+    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, partitioner=partitioner)
 
 
 def line(comm, degree: int, count: int = 4) -> dolfinx.mesh.Mesh:
@@ -125,9 +123,7 @@ def nonlinear_law(strain):
     return linear_law(strain) + 5.0 * strain[4] ** 4 + 2.0 * strain[0] ** 2 * strain[5] ** 2
 
 
-def director_energy(
-    q: NodalFrames, law: Callable = nonlinear_law, degree: int = 1
-) -> StrainEnergy:
+def director_energy(q: NodalFrames, law: Callable = nonlinear_law, degree: int = 1) -> StrainEnergy:
     stretch, curvature = director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
     return StrainEnergy(strain, law, measure(q.function.function_space.mesh, degree))
@@ -265,7 +261,7 @@ def hellinger_reissner_linear(mesh, section: np.ndarray, rest: np.ndarray) -> Mo
     base = director_energy(q, linear_law)
     strain = base.strain + ufl.as_vector((STRAIN_0 - rest).tolist())
     # arc length from the middle of each cell, as a linear function
-    ends = mesh.geometry.x[mesh.geometry.dofmap]
+    ends = mesh.geometry.x[_compat.geometry_dofmap(mesh)]
     half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     arc = fem.Function(fem.functionspace(mesh, ("DG", 1)))
     arc.x.array[arc.function_space.dofmap.list] = np.column_stack([-half, half])

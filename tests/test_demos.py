@@ -101,6 +101,13 @@ def test_command_line(tmp_path):
     assert all(isfinite(value) for value in record.values())
 
 
+def test_command_line_says_what_is_wrong():
+    command = [sys.executable, "demos/double_pendulum.py", "--case", "4", "--no-pictures"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "double_pendulum.py: case must be 1, 2 or 3, got 4\n"
+
+
 def test_pictures(tmp_path, monkeypatch):
     bend45 = importlib.import_module("demos.bend45")
     monkeypatch.setattr(bend45, "RESULTS", tmp_path)

@@ -76,9 +76,7 @@ def test_rigid_motion_changes_nothing(make, seed):
     model.at(H).settle()
     energy, residual, tangent = model.energy_value(), model.residual(), model.tangent()
     axis, way = rng.normal(size=(2, 3))
-    model.at(
-        superpose(H, 1000 * axis / np.linalg.norm(axis), 1000 * way / np.linalg.norm(way))
-    )
+    model.at(superpose(H, 1000 * axis / np.linalg.norm(axis), 1000 * way / np.linalg.norm(way)))
     # round-off: positions of 1000 lose 1e-13 of a length in the strain
     assert model.energy_value() == pytest.approx(energy, rel=1e-10)
     assert np.abs(model.residual() - residual).max() < 1e-10 * np.abs(residual).max()

@@ -41,9 +41,7 @@ class Body:
 
     def force(self, H=None, v=None, a=None) -> np.ndarray:
         """``Lᵀ G q̈`` by the compiled functions, shape (n, 6)."""
-        H, v, a = (
-            getattr(self, k) if x is None else x for k, x in (("H", H), ("v", v), ("a", a))
-        )
+        H, v, a = (getattr(self, k) if x is None else x for k, x in (("H", H), ("v", v), ("a", a)))
         acceleration, load, r = np.empty_like(H), np.empty_like(H), np.zeros_like(v)
         inertia.accelerations(H, v, a, acceleration)
         inertia.multiply(*self.pattern, acceleration, load)

@@ -153,7 +153,7 @@ def test_changed_data_are_seen():
 
 
 def test_energy_linear_in_the_coordinates():
-    """The second derivative is zero and FFCx makes no function: only the map's derivative is left."""
+    """The second derivative is zero, FFCx makes no function: the map's derivative is left."""
     mesh = models.line(MPI.COMM_SELF, 1)
     q = NodalFrames(mesh)
     x, d = q.position, q.directors
@@ -495,9 +495,9 @@ def test_functions_must_fit_the_map(frames):
     finer = fem.functionspace(state.function_space.mesh, ("Lagrange", 2, (6,)))
     with pytest.raises(ValueError, match="same nodes"):
         LocalFrameForms(energy, state, fem.Function(finer), DIRECTORS)
-    with pytest.raises(ValueError, match="this map does$"):
+    with pytest.raises(ValueError, match=r"this map does$"):
         LocalFrameForms(energy, state, increment, GEODESIC)
-    with pytest.raises(ValueError, match="this map does not$"):
+    with pytest.raises(ValueError, match=r"this map does not$"):
         LocalFrameForms(energy, state, increment, DIRECTORS, coordinates=state)
 
 

@@ -2,7 +2,8 @@
 
 Flat coordinate: the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; strain
 ``ε = (d − d₀)/ℓ``, constant along the element; nothing locks at any slenderness. The map to the
-nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268 (2014) 451.)
+nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
+(2014) 451.)
 """
 
 from __future__ import annotations
@@ -73,9 +74,7 @@ GEODESIC = FrameMap(
 )
 
 
-def geodesic_energy(
-    d: Expr, d0: Expr, length: Expr, D: Expr, domain: ufl.Mesh
-) -> StrainEnergy:
+def geodesic_energy(d: Expr, d0: Expr, length: Expr, D: Expr, domain: ufl.Mesh) -> StrainEnergy:
     """``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ``.
 
     Args:

@@ -129,7 +129,7 @@ def _accept(scheme: tuple[float, ...], state: tuple[Array, ...]) -> None:
             v[i, k] = v1[i, k]
             vdot[i, k] = vdot1[i, k]
         lie.reorthonormalise(H1[i])
-        H[i] = H1[i]
+    H[:] = H1  # with the prescribed frames
 
 
 @dataclass(frozen=True)
@@ -239,6 +239,15 @@ class _Run:
         system.residual(s.H, s.v, s.vdot, self.weights, self.scale, self.r)
         self._fill(s.H, s.H)
         self.scale[:] = system.constraint_scale(s.H)
+        self._warm_up()
+
+    def _warm_up(self) -> None:
+        """Compile what a step needs on a copy of the state: compilation is not integration."""
+        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
+        _predict(scheme, state)
+        zero, weights = np.zeros_like(self.dx), self.weights.copy()
+        _correct(scheme, state, zero, self.scale, self.measure, weights)
+        _accept(scheme, state)
 
     # --- steps ---
 
@@ -320,7 +329,8 @@ class _Run:
             remaining = self._increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= _ROUND_OFF or stagnant:
-                self._last_ratio = ratio
+                # not measured in this step: trust it less and less, until it is measured again
+                self._last_ratio = ratio if iteration > 1 else ratio**0.8
                 policy.after_step(iteration)
                 _accept(*self._plain)
                 return iteration

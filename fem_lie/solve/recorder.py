@@ -36,7 +36,8 @@ class Recorder:
         self.steps, self._h, self._every, self._system = steps, step, save_every, system
         rows, n = steps // save_every + 1 + (steps % save_every > 0), system.count
         self.frames, self.velocities = np.empty((rows, n, 4, 3)), np.empty((rows, n, 6))
-        self.multipliers, self.times = np.empty((rows, system.m)), np.empty(rows)
+        self.joint_forces = np.empty((rows, len(system.joints), 6))
+        self.times = np.empty(rows)
         self.invariants, self.elastic = np.empty((rows, 7)), np.empty(rows)
         self.potential, self.iterations = np.empty(rows), np.zeros(rows, dtype=np.int64)
         self._work = np.empty((2, n, 4, 3))
@@ -69,7 +70,7 @@ class Recorder:
         self.times[row] = index * self._h
         self.frames[row] = H[:n]
         self.velocities[row] = v[:n]
-        self.multipliers[row] = multipliers
+        self.joint_forces[row] = system.joint_forces(H, multipliers)
         self.invariants[row] = inertia.invariants(
             H,
             v[:n],
@@ -97,7 +98,7 @@ class Recorder:
             times=self.times[keep],
             frames=self.frames[keep],
             velocities=self.velocities[keep],
-            multipliers=self.multipliers[keep],
+            joint_forces=self.joint_forces[keep],
             kinetic=self.invariants[keep, 0],
             elastic=self.elastic[keep],
             potential=self.potential[keep],

@@ -15,6 +15,7 @@ from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
 from fem_lie.info import SceneInfo
+from fem_lie.joints import Joint
 from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
@@ -49,7 +50,8 @@ class StaticResult:
     Attributes:
         factors: Load factors of the accepted steps, shape (k,), the last is 1.
         frames: Frames at them, shape (k, nodes, 4, 3).
-        multipliers: Joint forces at them, shape (k, m).
+        joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
+            axes that it has on that side, shape (k, j, 6).
         iterations: Linear solves of each accepted step, shape (k,).
         failed_iterations: Linear solves of steps that were given up.
         info: Bodies and joints.
@@ -58,7 +60,7 @@ class StaticResult:
 
     factors: Array
     frames: Array
-    multipliers: Array
+    joint_forces: Array
     iterations: npt.NDArray[np.int64]
     failed_iterations: int
     info: SceneInfo
@@ -67,6 +69,10 @@ class StaticResult:
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
         return self.frames[:, self.info.node(point), 0]
+
+    def joint_force(self, joint: Joint | str) -> Array:
+        """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6)."""
+        return self.joint_forces[:, self.info.joint(joint)]
 
     def rotation(self, point: Point | str) -> Array:
         """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
@@ -142,7 +148,7 @@ def statics(
             f"{load_steps}, {tolerance}, {max_iterations}, {smallest_step}"
         )
     newton = _Newton(scene, carried_stress, tolerance, max_iterations, petsc_options_prefix)
-    factors, frames, multipliers, iterations = [], [], [], []
+    factors, frames, forces, iterations = [], [], [], []
     reached, step, failed = 0.0, 1.0 / load_steps, 0
     while reached < 1.0:
         target = min(1.0, reached + step)
@@ -166,13 +172,13 @@ def statics(
         step = min(2 * step, 1.0 / load_steps)
         factors.append(reached)
         frames.append(newton.H[: newton.system.count].copy())
-        multipliers.append(newton.multipliers.copy())
+        forces.append(newton.system.joint_forces(newton.H, newton.multipliers))
         iterations.append(count)
     newton.destroy()
     return StaticResult(
         np.array(factors),
         np.array(frames),
-        np.array(multipliers),
+        np.array(forces),
         np.array(iterations),
         failed,
         newton.system.info(),
