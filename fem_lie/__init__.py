@@ -9,6 +9,7 @@ from fem_lie.joints import Fixed, Joint, Revolute, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
 from fem_lie.loads import Clamp, LineLoad, PointLoad, PrescribedMotion
 from fem_lie.mesh import LineMesh
+from fem_lie.plot import Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
@@ -48,6 +49,7 @@ __all__ = [
     "Spherical",
     "StaticResult",
     "StrainEnergy",
+    "Units",
     "director_strains",
     "from_dolfinx",
     "ground",

@@ -1,4 +1,7 @@
-"""Every difference between DOLFINx versions: 0.9 is the target, 0.10 and 0.11 stay possible."""
+"""Every difference between DOLFINx versions: 0.9 is the target, the tests also pass with 0.11.
+
+Where a branch stands for 0.9 (or 0.10) alone, a comment says with which version it can go.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
-# 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel
+# 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
+# Always true when 0.9 goes.
 BRANCHING_IN_PARALLEL = VERSION >= (0, 10)
 
 
@@ -31,16 +35,14 @@ def custom_form(
 ) -> fem.Form:
     """A DOLFINx form over ``cells`` whose cell tensor is computed by the function at ``kernel``."""
     active = np.arange(len(coefficients), dtype=np.int8)
-    integrals = {IntegralType.cell: [(-1, kernel, cells, active)]}
-    if VERSION >= (0, 10):
-        integrals = {IntegralType.cell: [(0, kernel, cells, active)]}
     arguments: list[Any] = [
         [V._cpp_object for V in spaces],
-        integrals,
+        # 0 is the integral's number: 0.11 counts from 0, 0.9 takes any
+        {IntegralType.cell: [(0, kernel, cells, active)]},
         [f._cpp_object for f in coefficients],
         [c._cpp_object for c in constants],
         False,
-        [] if VERSION >= (0, 10) else {},
+        [] if VERSION >= (0, 10) else {},  # maps to other meshes; always a list when 0.9 goes
         mesh._cpp_object,
     ]
     return fem.Form(form_cpp_class(np.float64)(*arguments))
@@ -49,30 +51,28 @@ def custom_form(
 def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:
     """Cells of the only integral of ``form``; a view that lives as long as the form.
 
-    Integrals had ids of their own in 0.9, since then they are counted from 0.
+    In 0.9 integrals have ids of their own, in 0.11 they are counted from 0.
     """
     cpp_form, number = form._cpp_object, 0
-    if hasattr(cpp_form, "integral_ids"):  # to be removed with 0.9
+    if hasattr(cpp_form, "integral_ids"):  # can go with 0.9
         (number,) = cpp_form.integral_ids(IntegralType.cell)
     return cpp_form.domains(IntegralType.cell, number)
-
-
-def coefficient_key(form: fem.Form) -> Any:
-    """The key under which DOLFINx keeps the packed coefficients of a :func:`custom_form`."""
-    return (IntegralType.cell, 0 if VERSION >= (0, 10) else -1)
 
 
 def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
     """Geometry nodes of the local cells, shape ``(num_cells, nodes)``.
 
-    0.11 has one array per type of cell, and warns of the old name. In 0.10 ``dofmaps`` is a method.
+    0.11 has one array per type of cell and deprecates the old name. Can go with 0.10.
     """
     geometry = mesh.geometry
     return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
 
 
 def cell_name(domain: ufl.Mesh) -> str:
-    """Name of the cells of ``domain``: a method up to UFL 2025.2 (0.10), a property since then."""
+    """Name of the cells of ``domain``: a method up to UFL 2025.2, a property since.
+
+    Can go with 0.10.
+    """
     name = domain.ufl_cell().cellname
     return str(name() if callable(name) else name)
 
@@ -95,13 +95,12 @@ def create_line_mesh(
     return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
 
 
-def read_gmsh_model(model: Any, comm: MPI.Intracomm, gdim: int = 3) -> Any:
-    """``(mesh, cell_tags, facet_tags)`` of the current gmsh model."""
-    if VERSION >= (0, 10):
-        from dolfinx.io import gmsh as gmshio
+def ghost_options() -> dict[str, Any]:
+    """Options of ``dolfinx.mesh.create_mesh`` that give each process copies of neighbouring cells.
 
-        data = gmshio.model_to_mesh(model, comm, 0, gdim=gdim)
-        return data.mesh, data.cell_tags, data.facet_tags
-    from dolfinx.io import gmshio
-
-    return gmshio.model_to_mesh(model, comm, 0, gdim=gdim)
+    From 0.10 on a partitioner wants to know how many cells meet at a facet. The branch can go with
+    0.9.
+    """
+    mode = dolfinx.mesh.GhostMode.shared_facet
+    limit = (2,) if VERSION >= (0, 10) else ()
+    return {"partitioner": dolfinx.mesh.create_cell_partitioner(mode, *limit)}

@@ -12,7 +12,6 @@ import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
 
-from fem_lie import _compat
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
@@ -37,7 +36,7 @@ class _Packed:
         self.form, self.cells = form._cpp_object, cells
         self.constants = dolfinx.cpp.fem.pack_constants(self.form)
         self.coefficients = dolfinx.cpp.fem.pack_coefficients(self.form)
-        self.values = self.coefficients[_compat.coefficient_key(form)]
+        (self.values,) = self.coefficients.values()  # there is one integral
         self._cpp = dolfinx.cpp.fem
 
     def add_vector(self, H: Array, out: Array) -> None:

@@ -76,8 +76,8 @@ def test_order_of_configuration_velocity_and_multipliers(radius):
 def test_fast_heavy_top_keeps_one_matrix(step, bound):
     """Brüls & Cardona's top at 150 rad/s: in its own frame nothing turns, so nothing is renewed.
 
-    Reference: centre of mass at 0.2 s, ten digits by two formulations in coordinates. Bounds: second
-    order from 2.2e-2 at 1e-3, what SE(3) costs on a fast spin about a distant point.
+    Reference: centre of mass at 0.2 s, ten digits by two formulations in coordinates. Bounds:
+    second order from 2.2e-2 at 1e-3, what SE(3) costs on a fast spin about a distant point.
     """
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0)))

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from models import few
 
 from fem_lie import frames, inertia, lie
 from fem_lie.inertia import gram_from_rigid, mass_matrix_6x6
 
 seeds = st.integers(0, 2**32 - 1)
-few = settings(max_examples=15, deadline=None)
 
 
 class Body:

@@ -20,9 +20,9 @@ import parallel_forms
 import pytest
 import ufl
 from dolfinx import fem
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from models import CARRIED, STRAIN_0, D, Model, built
+from models import CARRIED, STRAIN_0, D, Model, built, few
 
 from fem_lie import lie
 from fem_lie.elements.geodesic import GEODESIC
@@ -30,7 +30,6 @@ from fem_lie.frames import DIRECTORS, NodalFrames, local_frame_forms
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
 
 seeds = st.integers(0, 2**32 - 1)
-few = settings(max_examples=8, deadline=None)
 
 
 def name(make) -> str:
@@ -90,6 +89,7 @@ def data(mesh, rng: np.random.Generator) -> dict:
 
     cell = mesh.basix_cell()
     return {
+        "shift": lambda: function("DG", cell, 0),
         "stiffness": lambda: function("DG", cell, 0, shape=(3, 3)),
         "offset": lambda: function("Lagrange", cell, 1, shape=(3,)),
         "density": lambda: function("Lagrange", cell, 2),
@@ -100,17 +100,21 @@ def data(mesh, rng: np.random.Generator) -> dict:
 
 
 def packed_energy(q: NodalFrames, g: dict) -> tuple:
-    """A strain and a law that use all of them; ``load`` drops out of the second derivative."""
+    """A strain and a law that use all of them; ``shift`` drops out of the derivatives."""
     x, (d1, d2, d3) = q.position, q.directors
     J = ufl.Jacobian(q.function.function_space.mesh)
     stretch = ufl.dot(ufl.grad(x), ufl.as_vector([J[i, 0] for i in range(3)]))
     a = g["stiffness"] * (stretch - g["offset"]) + g["density"] * d3
     b = ufl.as_vector([ufl.dot(d1, a), ufl.dot(d2, g["load"]) * g["bulk"], ufl.dot(d3, d3)])
     strain = ufl.as_vector([*b, *(ufl.transpose(g["coupling"]) * b)])
-    return strain, lambda e: 0.5 * ufl.inner(e, e) + g["density"] * e[0] + g["bulk"] * e[4] ** 3
+
+    def law(e):
+        return 0.5 * ufl.inner(e, e) + g["density"] * e[0] + g["bulk"] * e[4] ** 3 + g["shift"]
+
+    return strain, law
 
 
-NAMES = ["stiffness", "offset", "density", "bulk", "load", "coupling"]
+NAMES = ["shift", "stiffness", "offset", "density", "bulk", "load", "coupling"]
 
 
 @pytest.mark.parametrize("carried", [False, True], ids=["plain", "carried"])
@@ -267,7 +271,8 @@ def test_quadrature_rule_of_the_measure_is_that_of_the_stress(rule):
     mesh = models.line(MPI.COMM_SELF, 1, 2)
     q = NodalFrames(mesh)
     whole = models.director_energy(q)
-    metadata = {"quadrature_degree": 3, "quadrature_rule": rule}
+    # one point in the middle or one at each end: neither is exact, so they differ
+    metadata = {"quadrature_degree": 1, "quadrature_rule": rule}
     energy = StrainEnergy(
         whole.strain, whole.law, ufl.Measure("dx", domain=mesh, metadata=metadata)
     )
