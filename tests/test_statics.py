@@ -121,6 +121,39 @@ def test_following_force_against_dead_force():
     assert tips[True][0] < tips[False][0]
 
 
+@pytest.mark.parametrize("kind", ["force", "moment"])
+def test_line_loads_following_and_dead_agree_while_little_turns(kind):
+    """Following pressure and dead weight, following and dead moments: equal to first order."""
+    ends = []
+    for following in (False, True):
+        scene, beam = cantilever(stiffness(), 10.0, 8)
+        load = {kind: (0, 0, 1e-6) if kind == "force" else (0, 1e-6, 0)}
+        scene.add(fl.LineLoad(beam, following=following, **load))
+        ends.append(fl.statics(scene).position(beam.end)[-1])
+    # rotations are 1e-6: they change the load by their square in the tip's direction
+    assert np.abs(ends[1] - ends[0]).max() < 1e-5 * abs(ends[0][2])
+    if kind == "moment":  # m per length: w = m L³/3EI
+        assert abs(-ends[0][2] / (1e-6 * 1000 / 300) - 1) < 5e-3
+
+
+def test_load_on_a_group_of_cells():
+    """Half a beam loaded from a named group: the resultant at the clamp says how much."""
+    mesh = fl.LineMesh.from_cells(
+        [(x, 0, 0) for x in range(5)],
+        [(i, i + 1) for i in range(4)],
+        groups={"outer": [2, 3]},
+        named_points={"root": [0], "tip": [4]},
+    )
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, stiffness()))
+    joint = scene.add(fl.Fixed(fl.ground(), beam["root"]))
+    scene.add(fl.LineLoad(beam, force=(0, 0, -0.5), cells="outer"))
+    force = fl.statics(scene).joint_force(joint)[-1]
+    # the joint's e₃ is global z: 0.5 per length on two lengths, pulling ground down; lever 3
+    assert abs(force[2] + 1.0) < 1e-9
+    assert abs(np.linalg.norm(force[3:5]) - 3.0) < 1e-2
+
+
 def test_rigid_body_hangs_on_a_beam():
     """A weight fixed to the tip: P L³/3EI, and the joint carries the weight."""
     L, mass = 1.0, 0.5
