@@ -218,8 +218,9 @@ class System:
         B = B @ sp.diags(weight)
         norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         empty = np.flatnonzero(norms == 0.0)
-        gram = (sp.diags(1.0 / np.where(norms == 0, 1.0, norms)) @ B).toarray()
-        gram = gram @ gram.T
+        unit = sp.diags(1.0 / np.where(norms == 0, 1.0, norms)) @ B
+        gram = (unit @ unit.T).toarray()
+        # a pivot is the squared distance of a row from the span of those before it
         _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=1e-10)
         redundant = np.union1d(pivots[rank:] - 1, empty)
         if len(redundant):

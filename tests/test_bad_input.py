@@ -148,6 +148,10 @@ CASES = {
         ),
         "velocities break Spherical",
     ),
+    "velocity of a clamped point": (
+        lambda: run((lambda b: (b.move((1, 0, 0)), scene_with(b, fl.Clamp(b.end)))[1])(bar())),
+        "end is clamped, but has the initial velocity",
+    ),
     "load history of nan": (
         lambda: run(
             attached(lambda b: fl.PointLoad(b.end, force=(1, 0, 0), history=lambda t: NAN))

@@ -11,15 +11,22 @@ from fem_lie.system import System
 
 
 def check_velocities(system: System, step: float) -> None:
-    """Check the initial velocities of the bodies against the joints.
+    """Check the initial velocities of the bodies against clamps and joints.
 
     Args:
         system: The equations.
         step: Step size; velocities may be wrong by what is not felt in one.
 
     Raises:
-        ValueError: They break a joint; the message names it.
+        ValueError: They break a clamp or a joint; the message names it.
     """
+    for clamp in system.scene.clamps:
+        v = system.velocities[system.numbering.node(clamp.point)]
+        if v.any():
+            raise ValueError(
+                f"{clamp.point.label} is clamped, but has the initial velocity {v} (translation, "
+                "rotation, in its frame); it must be zero"
+            )
     velocities, _ = with_driven(system, system.velocities, 0.0, step)
     first, second = np.zeros(system.m), np.zeros(system.m)
     constraints.rates(system.frames, velocities, system.table, first, second)
