@@ -1,5 +1,7 @@
 """Generalised-α: order, invariants, policies, start, and the joint forces."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -211,6 +213,15 @@ def test_save_every_keeps_the_last_step_and_total_iterations():
     assert len(part.times) == 500 // 7 + 2
     assert (part.frames[-1] == full.frames[-1]).all()
     assert part.iterations[-1] == full.iterations[-1]
+
+
+def test_progress_bar_shows_time_energy_and_iterations(capsys):
+    result = flexible_pendulum(progress=True)
+    bar = capsys.readouterr().err
+    assert "500/500" in bar
+    assert re.search(r"t=0\.05 energy \d\.\de-\d\d it/step \d\.\d\d", bar), bar
+    assert (result.frames == flexible_pendulum(progress=False).frames).all()
+    assert capsys.readouterr().err == ""
 
 
 def test_failure_keeps_what_was_computed():

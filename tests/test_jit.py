@@ -49,7 +49,12 @@ def run(tmp_path):
     def call(value, decorator="compiled", cache=tmp_path / "cache"):
         source = HELPER.format(package="small", decorator=decorator, value=value)
         (package / "helper.py").write_text(source)
-        environment = os.environ | {"XDG_CACHE_HOME": str(cache), "PYTHONPATH": str(tmp_path)}
+        # Python takes a .pyc of the same second and size for that of the rewritten helper
+        environment = os.environ | {
+            "XDG_CACHE_HOME": str(cache),
+            "PYTHONPATH": str(tmp_path),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
         done = subprocess.run(
             [sys.executable, "-m", "small.caller"], env=environment, capture_output=True, text=True
         )

@@ -62,7 +62,7 @@ class Recorder:
     def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
         """Keep step ``index`` if it is one to be kept."""
         self._count += iterations
-        if self._show and index % self._refresh == 0:
+        if self._show and index and index % self._refresh == 0:
             self._update_bar(index)
         if index % self._every and index != self.steps:
             return
