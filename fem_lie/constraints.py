@@ -19,8 +19,6 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._jit import Array, Indices, compiled
 
-RELATIVE = 12
-
 
 class JointTable(NamedTuple):
     """All joints of a scene, ``j`` joints with ``m`` constraints.

@@ -513,4 +513,4 @@ def test_update_needs_six_values_per_node(frames):
 
 def test_unloaded_strain_of_the_models_is_not_zero():
     """Otherwise no test above would see initial curvature."""
-    assert np.abs(STRAIN_0 - [1, 0, 0, 0, 0, 0]).min() >= 0 < np.abs(STRAIN_0[3:]).min()
+    assert np.abs(STRAIN_0[3:]).min() > 0

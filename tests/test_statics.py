@@ -194,6 +194,27 @@ def test_failure_names_step_residual_and_remedy():
         fl.statics(scene, carried_stress=False, smallest_step=0.5)
 
 
+def test_failure_keeps_the_states_before():
+    """A load that becomes absurd at half its factor: the way up to there is not lost."""
+    scene, beam = cantilever(stiffness(), 10.0, 4)
+    scene.add(fl.PointLoad(beam.end, force=(0, 1, 0), history=lambda f: f if f <= 0.5 else 1e12))
+    with pytest.raises(fl.ConvergenceError, match=r"load factor 0\.5") as info:
+        fl.statics(scene, load_steps=4, smallest_step=0.05)
+    result = info.value.result
+    assert result.factors.tolist() == [0.25, 0.5]
+    assert result.position(beam.end).shape == (2, 3)
+    assert result.failed_iterations > 0
+
+
+def test_increment_that_is_nan_anywhere_is_seen():
+    """One nan, followed by numbers, must come out: the step has failed."""
+    from fem_lie.solve.statics import _advance
+
+    dx = np.full(12, 1e-3)
+    dx[2] = np.nan
+    assert np.isnan(_advance(lie.se3_exp(np.zeros((2, 6))), dx, np.zeros(2, dtype=bool), 1.0))
+
+
 def test_singular_structure_is_reported():
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiffness(), cells=2))

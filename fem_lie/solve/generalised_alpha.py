@@ -104,7 +104,7 @@ def _correct(
             v1[i, k] -= damping * x
             vdot1[i, k] -= mass * x
             size = abs(x) / length if k < 3 else ROTATION * abs(x)
-            if not size <= largest:
+            if size > largest or size != size:  # nan stays
                 largest = size
         lie.retract(H[i], d[i], H1[i])
     at = 6 * d.shape[0]
@@ -112,7 +112,7 @@ def _correct(
         weights[c] -= scale[c] * dx[at + c]
         # scaled multipliers are displacements that the matrix turns into the joint's force
         size = abs(dx[at + c]) * measure[c]
-        if not size <= largest:
+        if size > largest or size != size:
             largest = size
     return largest
 
@@ -270,9 +270,7 @@ class _Run:
                     result = recorder.result(self.solver.factorisations, seconds)
                     raise ConvergenceError(self._failure(recorder.steps), result)
                 recorder.record(index, s.H, s.v, self.weights, iterations)
-        result = recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
-        self.solver.destroy()
-        return result
+        return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
 
     def _failure(self, steps: int) -> str:
         return (

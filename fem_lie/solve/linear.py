@@ -74,8 +74,3 @@ class DirectSolver:
     def solve(self) -> None:
         """Solve with the last factorisation."""
         self._ksp.solve(self._b, self._x)
-
-    def destroy(self) -> None:
-        """Free PETSc's memory."""
-        for thing in (self._ksp, self._b, self._x):
-            thing.destroy()

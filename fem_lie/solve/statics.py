@@ -36,7 +36,7 @@ def _advance(H: Array, dx: Array, held: npt.NDArray[np.bool_], size: float) -> f
             for k in range(6):
                 h[k] = -dx[6 * i + k]
                 step = abs(h[k]) / (size if k < 3 else 1.0)
-                if not step <= largest:
+                if step > largest or step != step:  # nan stays
                     largest = step
             lie.retract(H[i], h, H[i])
             lie.reorthonormalise(H[i])
@@ -140,7 +140,7 @@ def statics(
 
     Raises:
         ValueError: Bad scene or options.
-        ConvergenceError: The smallest step failed.
+        ConvergenceError: The smallest step failed; its ``result`` holds the states before.
     """
     if load_steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
         raise ValueError(
@@ -148,46 +148,30 @@ def statics(
             f"{load_steps}, {tolerance}, {max_iterations}, {smallest_step}"
         )
     newton = _Newton(scene, carried_stress, tolerance, max_iterations, petsc_options_prefix)
-    factors, frames, forces, iterations = [], [], [], []
-    reached, step, failed = 0.0, 1.0 / load_steps, 0
+    reached, step = 0.0, 1.0 / load_steps
     while reached < 1.0:
         target = min(1.0, reached + step)
         # the last step must land on 1 in spite of round-off
         target = 1.0 if 1.0 - target < 1e-9 else target
-        count = newton.solve(target)
-        if count is None:
-            failed += newton.iterations
+        if not newton.solve(target):
             step /= 2
             if step < smallest_step:
-                newton.destroy()
                 raise ConvergenceError(
                     f"no equilibrium from load factor {reached:g} to {target:g}: after "
                     f"{newton.iterations} iterations the residual is {newton.residual:.2e} and "
                     f"the last increment {newton.last:.2e} (tolerance {tolerance:g}). "
-                    + newton.advice()
+                    + newton.advice(),
+                    newton.result(),
                 )
             _log.info("step to load factor %g failed, halved to %g", target, step)
             continue
         reached = target
         step = min(2 * step, 1.0 / load_steps)
-        factors.append(reached)
-        frames.append(newton.H[: newton.system.count].copy())
-        forces.append(newton.system.joint_forces(newton.H, newton.multipliers))
-        iterations.append(count)
-    newton.destroy()
-    return StaticResult(
-        np.array(factors),
-        np.array(frames),
-        np.array(forces),
-        np.array(iterations),
-        failed,
-        newton.system.info(),
-        newton.system.frames[: newton.system.count].copy(),
-    )
+    return newton.result()
 
 
 class _Newton:
-    """Newton's method from one accepted state to the next."""
+    """Newton's method from one accepted state to the next; it keeps those that were accepted."""
 
     def __init__(
         self, scene: Scene, carried: bool, tolerance: float, max_iterations: int, prefix: str
@@ -207,8 +191,24 @@ class _Newton:
         self._fill()
         self._scale[:] = system.constraint_scale(self.H)
 
-    def destroy(self) -> None:
-        self._solver.destroy()
+        self._factors: list[float] = []
+        self._frames: list[Array] = []
+        self._forces: list[Array] = []
+        self._counts: list[int] = []
+        self._failed = 0
+
+    def result(self) -> StaticResult:
+        """The accepted states."""
+        system, k = self.system, len(self._factors)
+        return StaticResult(
+            np.array(self._factors),
+            np.array(self._frames).reshape(k, system.count, 4, 3),
+            np.array(self._forces).reshape(k, len(system.joints), 6),
+            np.array(self._counts, dtype=np.int64),
+            self._failed,
+            system.info(),
+            system.frames[: system.count].copy(),
+        )
 
     def advice(self) -> str:
         """What to try."""
@@ -224,8 +224,8 @@ class _Newton:
             "displacement instead of a load."
         )
 
-    def solve(self, factor: float) -> int | None:
-        """Go to the load factor; ``None`` (and the old state) if it fails, else the iterations."""
+    def solve(self, factor: float) -> bool:
+        """Go to the load factor and keep that state; if it fails, stay at the old one."""
         system = self.system
         H, multipliers = self.H.copy(), self.multipliers.copy()
         system.set_time(factor, factor)
@@ -243,11 +243,16 @@ class _Newton:
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
             # quadratic convergence: the next increment is this one times the ratio squared
             if self.last * ratio**2 <= self._tolerance:
-                return self.iterations
+                self._factors.append(factor)
+                self._frames.append(self.H[: system.count].copy())
+                self._forces.append(system.joint_forces(self.H, self.multipliers))
+                self._counts.append(self.iterations)
+                return True
             previous = self.last
         self.H, self.multipliers = H, multipliers
+        self._failed += self.iterations
         system.reset_stress(H)
-        return None
+        return False
 
     def _iterate(self) -> None:
         system, H, zero = self.system, self.H, self._zero
