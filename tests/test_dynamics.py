@@ -8,6 +8,8 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.system import System
 
 G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3
@@ -37,6 +39,22 @@ def exact_pendulum(times: np.ndarray, angle: float, speed: float) -> tuple[np.nd
         atol=1e-13,
     )
     return solution.y[0], solution.y[1]
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.6, 0.8])
+def test_start_stands_for_the_acceleration_before_the_first_step(radius):
+    """``a₀`` is ``v̇`` at ``(α_m − α_f) h`` to second order; ``v̇₀`` in its place is first order."""
+    angle, speed = 0.3, 1.0
+    moment = MASS * G * LENGTH / (INERTIA + MASS * LENGTH**2)
+    errors = []
+    for step in (2e-2, 1e-2):
+        scene, _ = pendulum(angle, speed)
+        run = _Run(fl.GeneralisedAlpha(radius=radius), System(scene, dynamics=True), step)
+        run.start()
+        # time runs backwards: the pendulum with the opposite speed
+        before = exact_pendulum(np.array([0.0, (run.p.af - run.p.am) * step]), angle, -speed)
+        errors.append(abs(run.s.a[0, 4] - moment * np.cos(before[0][-1])))
+    assert np.log2(errors[0] / errors[1]) > 1.9, errors
 
 
 def pivot_force(angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
