@@ -25,7 +25,7 @@ from dolfinx.fem import petsc
 
 import fem_lie as fl
 from demos.own_energy import line
-from fem_lie.beam import GeodesicBeams
+from fem_lie.beam import BeamAssembly
 
 CELLS = (20, 20_000)
 STIFFNESS = np.array([1e4, 4e3, 4e3, 1.0, 1.0, 1.0])
@@ -46,7 +46,7 @@ def best(function: Callable[[], object], repetitions: int, runs: int = 7) -> flo
 def geodesic(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
     section = fl.Section.from_stiffness(STIFFNESS)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells)
-    assembly = GeodesicBeams([beam])
+    assembly = BeamAssembly([beam])
     H, out = np.empty_like(beam.frames), np.zeros(6 * (cells + 1))
     H[assembly.order] = beam.frames
     yield "geodesic, residual", lambda: assembly.add_forces(H, out)

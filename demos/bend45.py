@@ -42,7 +42,7 @@ def solve(
     square = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # for the picture only
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI], outline=square)
     scene = fl.Scene()
-    beam = scene.add(fl.Beam(mesh, section, bending_flexibility=flexibility, name="bend"))
+    beam = scene.add(fl.Beam(mesh, section, formulation=fl.Geodesic(flexibility), name="bend"))
     scene.add(fl.Clamp(beam["clamp"]))
     scene.add(fl.PointLoad(beam["tip"], force=(0, 0, 600)))
     result = fl.statics(scene, load_steps=load_steps)

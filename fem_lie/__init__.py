@@ -1,13 +1,24 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
-from fem_lie.beam import Beam
+from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
 from fem_lie.elements.directors import director_strains
+from fem_lie.elements.formulation import Formulation
+from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.io import from_dolfinx, read_gmsh
-from fem_lie.joints import Fixed, Joint, Revolute, Spherical
+from fem_lie.joints import Fixed, Joint, Revolute, RigidLink, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
-from fem_lie.loads import Clamp, LineLoad, PointLoad, PrescribedMotion
+from fem_lie.loads import (
+    Clamp,
+    Eigenstrain,
+    LineLoad,
+    PointLoad,
+    PrescribedMotion,
+    PressureLoad,
+    PreStress,
+    Temperature,
+)
 from fem_lie.mesh import LineMesh
 from fem_lie.plot import Units
 from fem_lie.results import Result
@@ -25,10 +36,14 @@ __all__ = [
     "Body",
     "Clamp",
     "ConvergenceError",
+    "Damping",
+    "Eigenstrain",
     "EveryIteration",
     "Fixed",
+    "Formulation",
     "FrameMap",
     "GeneralisedAlpha",
+    "Geodesic",
     "Joint",
     "Limit",
     "LineLoad",
@@ -40,15 +55,19 @@ __all__ = [
     "Point",
     "PointLoad",
     "Policy",
+    "PreStress",
     "PrescribedMotion",
+    "PressureLoad",
     "Result",
     "Revolute",
     "RigidBody",
+    "RigidLink",
     "Scene",
     "Section",
     "Spherical",
     "StaticResult",
     "StrainEnergy",
+    "Temperature",
     "Units",
     "director_strains",
     "from_dolfinx",

@@ -83,6 +83,12 @@ class Wrapping:
     increment: fem.Function
     local_size: int
 
+    @property
+    def extra_at(self) -> int:
+        """Where the first extra function of a form begins among its packed coefficients."""
+        known = dict.fromkeys([self.state, self.coordinates])
+        return sum(packed_size(f.function_space) for f in known)
+
     def form(
         self,
         kernel: Any,

@@ -6,6 +6,8 @@ once; only the nodal frames are written anew before each call, by one compiled l
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import dolfinx
 import numpy as np
 import numpy.typing as npt
@@ -29,15 +31,30 @@ def _gather(H: Array, cells: npt.NDArray[np.int32], packed: Array) -> None:
                     k += 1
 
 
+@compiled
+def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Array) -> None:
+    """Write the twists of each cell's nodes into its packed coefficients, from column ``at`` on."""
+    for e in range(cells.shape[0]):
+        k = at
+        for i in range(cells.shape[1]):
+            for j in range(6):
+                packed[e, k] = v[cells[e, i], j]
+                k += 1
+
+
 class _Packed:
     """A form with its constants and coefficients packed; the state comes first in them."""
 
     def __init__(self, form: fem.Form, cells: npt.NDArray[np.int32]) -> None:
         self.form, self.cells = form._cpp_object, cells
-        self.constants = dolfinx.cpp.fem.pack_constants(self.form)
-        self.coefficients = dolfinx.cpp.fem.pack_coefficients(self.form)
-        (self.values,) = self.coefficients.values()  # there is one integral
         self._cpp = dolfinx.cpp.fem
+        self.constants = self._cpp.pack_constants(self.form)
+        self.pack()
+
+    def pack(self) -> None:
+        """Read all coefficients anew."""
+        self.coefficients = self._cpp.pack_coefficients(self.form)
+        (self.values,) = self.coefficients.values()  # there is one integral
 
     def add_vector(self, H: Array, out: Array) -> None:
         _gather(H, self.cells, self.values)
@@ -49,16 +66,29 @@ class _Packed:
         return float(value)
 
 
+@dataclass(frozen=True, eq=False)
+class NodalInertia:
+    """Constant blocks of (x, d₁, d₂, d₃) in the pattern of an assembly.
+
+    Attributes:
+        mass: Shape (nnz, 4, 4).
+        damping: The same of mass-proportional damping, or ``None`` without.
+    """
+
+    mass: Array
+    damping: Array | None = None
+
+
 class Assembly:
     """Elastic forces, tangent, energy and inertia of all bodies of one kind.
-
-    A kind of element derives from it and builds its forms in ``__init__`` from its bodies.
 
     Attributes:
         count: Number of nodes.
         order: Node of this assembly for each node of the bodies, one body after the other.
+        cell_order: Likewise its cells.
         indptr: Rows of the pattern of node pairs, with ``indices``.
-        inertia: Constant blocks ``G`` of that pattern, shape (nnz, 4, 4), or ``None`` without mass.
+        inertia: In that pattern, or ``None`` without mass.
+        viscous: Whether there are viscous forces.
     """
 
     def __init__(
@@ -66,28 +96,39 @@ class Assembly:
         frames: NodalFrames,
         forms: LocalFrameForms,
         order: Indices,
-        inertia: Array | None,
+        cell_order: Indices,
+        eigenstrain: fem.Function,
     ) -> None:
-        """Pack the forms and make the matrix.
+        """Pack the forms and make the matrices.
 
         Args:
             frames: Frames in the unloaded configuration, in the nodes' order of DOLFINx.
             forms: The element in local frames.
             order: See the class.
-            inertia: See the class.
+            cell_order: See the class.
+            eigenstrain: Strain without stress, a DG0 function that the forms contain.
         """
-        self.order, self.inertia = order, inertia
-        self.count = len(order)
-        self._frames, self._forms = frames, forms
+        self.order, self.cell_order, self.count = order, cell_order, len(order)
+        self.inertia: NodalInertia | None = None
+        self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         cells = frames.function.function_space.dofmap.list
         self._residual = _Packed(forms.residual, cells)
         self._energy = _Packed(forms.energy, cells)
         self._matrix = fem.create_matrix(forms.tangent)
         self.indptr, self.indices = self._matrix.indptr, self._matrix.indices
+        self.viscous = forms.viscous is not None
+        if forms.viscous is not None:
+            self._viscous = _Packed(forms.viscous, cells)
+            self._velocity_at = forms.velocity_at
 
     def add_forces(self, H: Array, out: Array) -> None:
         """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, shape (6 count,)."""
         self._residual.add_vector(H, out)
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """Likewise the viscous forces at twists ``v``, shape (count, 6)."""
+        _gather_twists(v, self._viscous.cells, self._velocity_at, self._viscous.values)
+        self._viscous.add_vector(H, out)
 
     def energy(self, H: Array) -> float:
         """Stored energy at frames ``H``."""
@@ -95,10 +136,24 @@ class Assembly:
 
     def tangent(self, H: Array) -> Array:
         """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
+        return self._blocks(H, self._forms.tangent)
+
+    def viscous_tangent(self, H: Array) -> Array:
+        """Blocks (nnz, 6, 6) of the derivative of the viscous forces in the twists."""
+        assert self._forms.viscous_tangent is not None
+        return self._blocks(H, self._forms.viscous_tangent)
+
+    def _blocks(self, H: Array, form: fem.Form) -> Array:
         self._frames.frames[:] = H
         self._matrix.set_value(np.float64(0.0))
-        fem.assemble_matrix(self._matrix, self._forms.tangent)
+        fem.assemble_matrix(self._matrix, form)
         return np.asarray(self._matrix.data, dtype=np.float64).reshape(-1, 6, 6)
+
+    def set_eigenstrain(self, values: Array) -> None:
+        """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""
+        self._eigenstrain.x.array.reshape(-1, 6)[self.cell_order] = values
+        self._residual.pack()
+        self._energy.pack()
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (6 count,) from frames ``H``."""
@@ -111,15 +166,18 @@ class Assembly:
         self.carry(H, np.zeros(6 * self.count))
 
 
-def consistent_inertia(density: fem.Function, weight: ufl.core.expr.Expr) -> la.MatrixCSR:
+def consistent_inertia(
+    density: fem.Function, weight: ufl.core.expr.Expr, degree: int = 1
+) -> la.MatrixCSR:
     """Consistent matrix ``∫ weight density N_i N_j dx`` of (x, d₁, d₂, d₃), blocks of 4.
 
     Args:
         density: Gram matrix per length of each cell, a DG0 function of shape (4, 4).
         weight: Factor of the measure, e.g. arc length over chord.
+        degree: Of the interpolation.
     """
     mesh = density.function_space.mesh
-    V = fem.functionspace(mesh, ("Lagrange", 1, (4,)))
+    V = fem.functionspace(mesh, ("Lagrange", degree, (4,)))
     u, w = ufl.TrialFunction(V), ufl.TestFunction(V)
     matrix = fem.assemble_matrix(fem.form(weight * ufl.inner(density * u, w) * ufl.dx))
     return matrix

@@ -1,154 +1,277 @@
-"""Beams: nodal frames along a line, sections per cell, and the SE(3) geodesic element."""
+"""Beams: nodal frames along lines that may be curved, twisted, kinked and branching."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 
 from mpi4py import MPI
 
-import basix.ufl
 import numpy as np
 import numpy.typing as npt
 import ufl
-from dolfinx import fem
 
 from fem_lie import _compat, lie
-from fem_lie._jit import Array
-from fem_lie.assembly import Assembly, consistent_inertia
-from fem_lie.bodies import Body, Point, vector
-from fem_lie.elements.geodesic import GEODESIC, geodesic_energy, with_bending_flexibility
+from fem_lie._jit import Array, Indices
+from fem_lie.assembly import Assembly, NodalInertia, consistent_inertia
+from fem_lie.bodies import Body, Point
+from fem_lie.elements.formulation import CellData, Formulation, cellwise
+from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames
-from fem_lie.kernel import LocalFrameForms
 from fem_lie.mesh import LineMesh, curve, straight
+from fem_lie.orientation import Chains, Up, cell_frames, middle_frames, shared_nodes
 from fem_lie.section import Section
 
+Sections = Section | Mapping[str, Section] | Callable[[float], Section]
 
-class GeodesicBeams(Assembly):
-    """All geodesic beams of a scene on one line mesh."""
+
+@dataclass(frozen=True)
+class Damping:
+    """Linear damping of a beam; Rayleigh's is both parts.
+
+    Attributes:
+        mass: Force per momentum, 1/time: it opposes the motion in space, of low modes above all.
+        stiffness: Kelvin and Voigt: stress per strain rate over stress per strain, a time; one for
+            all strains, or six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
+
+    Raises:
+        ValueError: A number is negative or not finite.
+    """
+
+    mass: float = 0.0
+    stiffness: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        factors = self.factors()
+        if factors.shape != (6,) or not (np.isfinite(factors) & (factors >= 0)).all():
+            raise ValueError(
+                f"stiffness damping must be one or six times ≥ 0, got {self.stiffness!r}"
+            )
+        if not 0.0 <= self.mass < np.inf:
+            raise ValueError(f"mass damping must be a rate ≥ 0, got {self.mass!r}")
+
+    def factors(self) -> Array:
+        """Stiffness damping of each strain, shape (6,)."""
+        given = np.asarray(self.stiffness, dtype=np.float64)
+        return np.full(6, given) if given.ndim == 0 else given
+
+    def viscosity(self, stiffness: Array) -> Array:
+        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6)."""
+        root = np.sqrt(self.factors())
+        return np.asarray(stiffness * np.outer(root, root))
+
+
+class BeamAssembly(Assembly):
+    """All beams of one formulation, on one line mesh without branches."""
 
     def __init__(self, bodies: Sequence[Beam]) -> None:
-        """Merge the bodies' meshes and build the forms; coincident nodes of bodies stay apart."""
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+        formulation = bodies[0].formulation
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
         frames = np.concatenate([body.frames for body in bodies])
-        cells = np.concatenate(
-            [body.cells + start for body, start in zip(bodies, starts[:-1], strict=True)]
+        elements = np.concatenate(
+            [body.elements + start for body, start in zip(bodies, starts[:-1], strict=True)]
         )
-        mesh = _compat.create_line_mesh(MPI.COMM_SELF, frames[:, 0].copy(), cells)
-        permutation = mesh.topology.original_cell_index
-        nodal = NodalFrames(mesh)
-        order = np.empty(len(frames), dtype=np.int64)
-        given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
-        order[given] = nodal.function.function_space.dofmap.list
-        nodal.frames[order] = frames
+        nodal, order, permutation = _place(frames, elements, formulation.degree)
+        mesh = nodal.function.function_space.mesh
 
-        ends = frames[cells[permutation]]
-        relative = lie.se3_relative(ends[:, 0], ends[:, 1])
-        length = np.concatenate([body.lengths for body in bodies])[permutation]
-        stiffness = np.concatenate([body.effective_stiffness() for body in bodies])[permutation]
+        def gathered(name: str) -> Array:
+            return np.concatenate([getattr(body, name) for body in bodies])[permutation]
 
-        def cellwise(values: Array) -> fem.Function:
-            element = basix.ufl.element("DG", "interval", 0, shape=values.shape[1:])
-            f = fem.Function(fem.functionspace(mesh, element))
-            f.x.array[:] = values.ravel()
-            return f
-
-        d, d0, ell, D = (cellwise(a) for a in (relative, relative, length, stiffness))
-        energy = geodesic_energy(d, d0, ell, D, mesh)
-        forms = LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
-        super().__init__(nodal, forms, order, None)
+        lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
+        viscosity = None
+        if any(body.damping.factors().any() for body in bodies):
+            viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
+            viscosity = viscosity[permutation]
+        data = CellData(lengths, gathered("stiffness"), eigenstrain, viscosity)
+        forms = formulation.forms(nodal, data)
+        super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
         if all(body.has_mass for body in bodies):
-            density = cellwise(np.concatenate([body.density for body in bodies])[permutation])
-            matrix = consistent_inertia(density, ell / ufl.CellVolume(mesh))
-            assert (matrix.indices == self.indices).all()
-            self.inertia = matrix.data.reshape(-1, 4, 4).copy()
+            per_chord = cellwise(mesh, lengths) / ufl.CellVolume(mesh)
+
+            def assembled(density: Array) -> Array:
+                matrix = consistent_inertia(cellwise(mesh, density), per_chord, formulation.degree)
+                assert (matrix.indices == self.indices).all()
+                return np.asarray(matrix.data.reshape(-1, 4, 4).copy())
+
+            rates = np.concatenate([np.full(len(b.lengths), b.damping.mass) for b in bodies])
+            density, rates = gathered("density"), rates[permutation, np.newaxis, np.newaxis]
+            damping = assembled(rates * density) if rates.any() else None
+            self.inertia = NodalInertia(assembled(density), damping)
+
+
+def _place(
+    frames: Array, elements: Indices, degree: int
+) -> tuple[NodalFrames, Indices, npt.NDArray[np.int32]]:
+    """Nodal frames on a mesh of the elements, the place of each node there, and of each cell."""
+    corners = np.unique(elements[:, :2])
+    number = np.full(len(frames), -1)
+    number[corners] = np.arange(len(corners))
+    mesh = _compat.create_line_mesh(
+        MPI.COMM_SELF, frames[corners, 0].copy(), number[elements[:, :2]]
+    )
+    permutation = mesh.topology.original_cell_index
+    nodal = NodalFrames(mesh, degree)
+    dofs = nodal.function.function_space.dofmap.list
+    order = np.empty(len(frames), dtype=np.int64)
+    given = corners[mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]]
+    order[given] = dofs[:, :2]
+    for k in range(2, degree + 1):
+        order[elements[permutation, k]] = dofs[:, k]
+    nodal.frames[order] = frames
+    return nodal, order, permutation
 
 
 class Beam(Body):
-    """A beam of any 6×6 section along a smooth line, straight or curved.
+    """A beam of any 6×6 section along lines: straight or curved, twisted, kinked, branching.
+
+    Nodes ``0 … n−1`` are the points of the mesh; at kinks and branches further nodes, one for each
+    direction, follow them rigidly; nodes inside of elements come last.
 
     Attributes:
-        lengths: Arc length of each cell, unloaded.
-        stiffness: Section stiffness of each cell, shape (m, 6, 6).
-        density: Gram matrix of inertia per length of each cell, shape (m, 4, 4).
+        elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
+        lengths: Arc length of each element, unloaded, shape (m,).
+        stiffness: Section stiffness of each element, shape (m, 6, 6).
+        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
         has_mass: Whether all sections have inertia.
+        formulation: The element.
+        damping: Of all elements.
     """
-
-    assembly = GeodesicBeams
 
     def __init__(
         self,
         mesh: LineMesh,
-        section: Section | Mapping[str, Section],
+        section: Sections,
         *,
-        up: npt.ArrayLike | None = None,
-        bending_flexibility: bool = True,
+        up: Up | None = None,
+        twist: Callable[[float], float] | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        rotary_inertia: bool = True,
         name: str = "",
     ) -> None:
         """Place nodal frames: e₁ along the line, e₃ as near as can be to ``up``.
 
         Args:
-            mesh: The line; its tangents at a node must agree.
-            section: One for all cells, or one for each named group of cells.
-            up: Approximate direction of e₃; default: global z, or x if the line begins along z.
-            bending_flexibility: Add the residual bending flexibility (MacNeal 1978) to the shear
-                flexibility: exact for small deflections with one element, and more accurate beyond.
+            mesh: The lines. All that meet at a point are rigidly connected there.
+            section: One for all cells, one for each named group of cells, or a function of arc
+                length (taper), evaluated in the middle of each cell.
+            up: Direction nearest to which e₃ is to be, for all cells or for named groups. Default:
+                no twist (Bishop's frame), from e₃ nearest to global z where the line begins, or
+                nearest to x if it begins along z.
+            twist: Angle by which the section is turned about e₁ after that, rad, as a function of
+                arc length.
+            formulation: The element; default: :class:`~fem_lie.elements.geodesic.Geodesic`.
+            damping: Default: none.
+            rotary_inertia: Whether the section resists turning about e₂ and e₃; without, only about
+                e₁. Nothing is saved by it but a fast mode that is hardly ever wanted.
             name: For messages and results.
 
         Raises:
-            ValueError: A cell without section, a kink or a branch in the line, or ``up`` along it.
+            ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
+                of several pieces.
         """
-        self._groups = dict(mesh.groups)
-        sections = _section_per_cell(mesh, section)
-        frames = _nodal_frames(mesh, up)
-        ends = frames[mesh.cells]
+        chains = Chains(mesh)
+        ends = cell_frames(mesh, chains, up, twist)
+        frames, self.elements, leaders = shared_nodes(mesh, ends)
         # the geodesic of an arc with tangent frames is the arc itself
-        self.lengths = np.linalg.norm(lie.se3_relative(ends[:, 0], ends[:, 1])[:, :3], axis=1)
+        a, b = frames[self.elements].transpose(1, 0, 2, 3)
+        self.lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
+        self.formulation = Geodesic() if formulation is None else formulation
+        self.damping = Damping() if damping is None else damping
+        self._groups = dict(mesh.groups)
+        sections = _section_per_cell(mesh, chains, section)
         self.stiffness = np.array([s.stiffness for s in sections])
         self.has_mass = all(s.inertia is not None for s in sections)
         self.density = np.array(
             [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
         )
-        self._bending_flexibility = bending_flexibility
+        if not rotary_inertia:
+            self.density = _without_rotary_inertia(self.density)
+        frames, leaders, cells = self._refine(frames, leaders)
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         super().__init__(
             frames,
-            cells=mesh.cells,
+            cells=cells,
             outline=sections[0].outline,
             size=float(self.lengths.sum()),
             points=named,
+            leaders=leaders,
             name=name,
         )
+
+    def _refine(self, frames: Array, leaders: Indices) -> tuple[Array, Indices, Indices]:
+        """Add nodes inside of the elements; returns frames, leaders and pairs for drawing."""
+        degree, count = self.formulation.degree, len(frames)
+        if degree == 1:
+            return frames, leaders, self.elements
+        if degree != 2:
+            raise ValueError(f"elements of degree 1 and 2 are known, got {self.formulation}")
+        a, b = self.elements.T
+        middle = count + np.arange(len(a))
+        self.elements = np.column_stack([a, b, middle])
+        frames = np.concatenate([frames, middle_frames(frames[a], frames[b])])
+        halves = np.stack([np.column_stack([a, middle]), np.column_stack([middle, b])], axis=1)
+        return frames, np.concatenate([leaders, middle]), halves.reshape(-1, 2)
 
     @classmethod
     def straight(
         cls,
         start: npt.ArrayLike,
         end: npt.ArrayLike,
-        section: Section,
+        section: Section | Callable[[float], Section],
         *,
         cells: int,
         up: npt.ArrayLike | None = None,
-        bending_flexibility: bool = True,
+        twist: Callable[[float], float] | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
         """Straight beam with ``cells`` equal elements; points "start" and "end"."""
-        mesh = straight(start, end, cells)
-        return cls(mesh, section, up=up, bending_flexibility=bending_flexibility, name=name)
+        return cls(
+            straight(start, end, cells),
+            section,
+            up=up,
+            twist=twist,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
 
     @classmethod
     def curve(
         cls,
         function: Callable[[float], npt.ArrayLike],
-        section: Section,
+        section: Section | Callable[[float], Section],
         *,
         cells: int,
         up: npt.ArrayLike | None = None,
-        bending_flexibility: bool = True,
+        twist: Callable[[float], float] | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
         name: str = "",
     ) -> Beam:
         """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
-        mesh = curve(function, cells)
-        return cls(mesh, section, up=up, bending_flexibility=bending_flexibility, name=name)
+        return cls(
+            curve(function, cells),
+            section,
+            up=up,
+            twist=twist,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
+
+    @property
+    def kind(self) -> Hashable:
+        """Beams of one formulation are assembled together."""
+        return type(self), self.formulation
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Beam]) -> Assembly:
+        """See the base class."""
+        return BeamAssembly(bodies)
 
     @property
     def start(self) -> Point:
@@ -160,36 +283,34 @@ class Beam(Body):
         """The point named "end"."""
         return self["end"]
 
-    def effective_stiffness(self) -> Array:
-        """Stiffness of each element, with the bending flexibility if it is on, (m, 6, 6)."""
-        if not self._bending_flexibility:
-            return self.stiffness
-        return with_bending_flexibility(self.stiffness, self.lengths)
-
-    def cell_lengths(self, group: str | None = None) -> tuple[npt.NDArray[np.int64], Array]:
-        """Cells of a named group (default: all), and their lengths.
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Elements of a named group (default: all).
 
         Raises:
             ValueError: There is no such group; the message lists those that exist.
         """
         if group is None:
-            return np.arange(len(self.cells)), self.lengths
+            return np.arange(len(self.elements))
         if group not in self._groups:
             known = ", ".join(sorted(self._groups)) or "none"
             raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
-        index = self._groups[group]
-        return index, self.lengths[index]
+        return self._groups[group]
+
+    def consistent_shares(self) -> tuple[Indices, Array]:
+        """Nodes of each element, and the length that each carries: integrals of their shapes."""
+        shares = {1: [1 / 2, 1 / 2], 2: [1 / 6, 1 / 6, 2 / 3]}[self.formulation.degree]
+        return self.elements, np.outer(self.lengths, shares)
 
 
-def _section_per_cell(mesh: LineMesh, section: Section | Mapping[str, Section]) -> list[Section]:
+def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list[Section]:
     if isinstance(section, Section):
         return [section] * len(mesh.cells)
+    if not isinstance(section, Mapping):
+        chains.require_one("a section")
+        return [section(float(s)) for s in chains.arc.mean(axis=1)]
     chosen: list[Section | None] = [None] * len(mesh.cells)
     for group, value in section.items():
-        if group not in mesh.groups:
-            known = ", ".join(sorted(mesh.groups)) or "none"
-            raise ValueError(f"the mesh has no group of cells {group!r}; it has: {known}")
-        for cell in mesh.groups[group]:
+        for cell in mesh.group(group):
             chosen[cell] = value
     missing = [i for i, value in enumerate(chosen) if value is None]
     if missing:
@@ -197,32 +318,11 @@ def _section_per_cell(mesh: LineMesh, section: Section | Mapping[str, Section]) 
     return [value for value in chosen if value is not None]
 
 
-def _nodal_frames(mesh: LineMesh, up: npt.ArrayLike | None) -> Array:
-    """Frames with e₁ along the tangent and e₃ nearest to ``up``, shape (n, 4, 3)."""
-    n = len(mesh.points)
-    if np.bincount(mesh.cells.ravel(), minlength=n).max() > 2:
-        raise ValueError(
-            "the line branches; make one beam of each branch and join them with Fixed joints"
-        )
-    tangents = np.zeros((n, 3))
-    tangents[mesh.cells] = mesh.tangents
-    gap = np.linalg.norm(tangents[mesh.cells] - mesh.tangents, axis=-1)
-    if gap.max() > 1e-6:
-        node = mesh.cells[np.unravel_index(gap.argmax(), gap.shape)]
-        raise ValueError(
-            f"the line has a kink at {mesh.points[node]} (or its cells point in opposite ways); "
-            "make one beam of each part and join them with Fixed joints"
-        )
-    e1 = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
-    if up is None:
-        direction = np.array([0.0, 0, 1]) if abs(e1[0, 2]) < 0.99 else np.array([1.0, 0, 0])
-    else:
-        direction = vector(up, 3, "up")
-    e2 = np.cross(direction, e1)
-    sine = np.linalg.norm(e2, axis=1)
-    if sine.min() <= 1e-6 * np.linalg.norm(direction):
-        raise ValueError(
-            f"up = {direction} is along the line at {mesh.points[sine.argmin()]}: give another"
-        )
-    e2 /= sine[:, np.newaxis]
-    return np.stack([mesh.points, e1, e2, np.cross(e1, e2)], axis=1)
+def _without_rotary_inertia(density: Array) -> Array:
+    """The same mass and polar inertia J₁, but J₂ = J₃ = 0: ``G_kl = ½ tr(J) δ_kl − J_kl``."""
+    polar = density[:, 2, 2] + density[:, 3, 3]
+    reduced = np.zeros_like(density)
+    reduced[:, 0, 0] = density[:, 0, 0]
+    for k, factor in ((1, -0.5), (2, 0.5), (3, 0.5)):
+        reduced[:, k, k] = factor * polar
+    return reduced

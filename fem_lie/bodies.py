@@ -6,6 +6,7 @@ kind. It knows nothing of unknowns, solvers or other bodies.
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -44,11 +45,9 @@ class Body:
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
-        assembly: What assembles all bodies of this kind, or ``None`` for rigid ones.
+        leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
         name: How messages and results call it; the scene gives one if it is empty.
     """
-
-    assembly: type[Assembly] | None = None
 
     def __init__(
         self,
@@ -59,6 +58,7 @@ class Body:
         size: float,
         points: dict[str, int],
         box: Array | None = None,
+        leaders: npt.NDArray[np.int64] | None = None,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
@@ -66,7 +66,18 @@ class Body:
         self.velocities = np.zeros((len(self.frames), 6))
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
+        self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
         self._points = points
+
+    @property
+    def kind(self) -> Hashable:
+        """Bodies of one kind are assembled together by :meth:`assemble`."""
+        return type(self).__name__
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any]) -> Assembly | None:
+        """The assembly of bodies of one kind, or ``None`` if they are rigid."""
+        return None
 
     def __getitem__(self, name: str) -> Point:
         """The point with this name.
@@ -115,13 +126,21 @@ class Body:
         given = vector(velocity, 3, "velocity")
         self._add_velocity(np.tile(given, (len(self.frames), 1)), np.zeros(3))
 
-    def cell_lengths(self, group: str | None = None) -> tuple[npt.NDArray[np.int64], Array]:
-        """Cells of a group (default: all) and their reference lengths.
+    def cells_of(self, group: str | None = None) -> npt.NDArray[np.int64]:
+        """Elements of a named group (default: all).
 
         Raises:
-            ValueError: The body has no cells, or no such group.
+            ValueError: The body has no elements, or no such group.
         """
-        raise ValueError(f"{self.label} has no cells to put a line load on")
+        raise ValueError(f"{self.label} has no cells to put a load on")
+
+    def consistent_shares(self) -> tuple[npt.NDArray[np.int64], Array]:
+        """Nodes of each element, shape (m, k), and the length that each of them carries, (m, k).
+
+        Raises:
+            ValueError: The body has no elements.
+        """
+        raise ValueError(f"{self.label} has no cells to put a load on")
 
     def _add_velocity(self, translation: npt.NDArray[Any], spin: Array) -> None:
         self.velocities[:, :3] += np.einsum("nij,nj->ni", self.frames[:, 1:], translation)

@@ -55,12 +55,15 @@ class StrainEnergy:
         law: Energy density as a UFL function of the strain.
         dx: Cell measure with an explicit ``quadrature_degree`` in its metadata.
         weight: Factor of the density, without dependence on ``y``.
+        viscosity: Stress per strain rate, a matrix of shape ``(n, n)``: Kelvin and Voigt's damping
+            ``σ(ε) + η ε̇``; or ``None``.
     """
 
     strain: Expr
     law: Callable[[Expr], Expr]
     dx: ufl.Measure
     weight: Expr | float = 1.0
+    viscosity: Expr | None = None
 
     def form(self) -> ufl.Form:
         """The energy as a UFL form."""
@@ -104,11 +107,19 @@ class LocalFrameForms:
         increment: Function ``h`` read by :meth:`carry`: translation, rotation in nodal frames.
         local: The element-local fields ``s``, or ``None``.
         stress: The carried stress at the quadrature points, or ``None`` for a plain energy.
+        viscous: Viscous forces at the twists ``velocity``, rank 1, or ``None``.
+        viscous_tangent: Their derivative with respect to the twists, rank 2, or ``None``.
+        velocity: Function read by ``viscous``: local twists of the nodes.
+        velocity_at: Where its values begin among the packed coefficients of ``viscous``.
     """
 
     energy: fem.Form
     residual: fem.Form
     tangent: fem.Form
+    viscous: fem.Form | None = None
+    viscous_tangent: fem.Form | None = None
+    velocity: fem.Function
+    velocity_at: int
 
     def __init__(
         self,
@@ -189,6 +200,8 @@ class LocalFrameForms:
             CompiledForm(stiffness),
             CompiledForm(force),
         )
+        if energy.viscosity is not None:
+            self._build_viscous(energy, y)
         dy, tau = fem.Function(space), ufl.TestFunction(self.stress.function_space)
         new = sigma + moduli * ufl.derivative(energy.strain, y, dy)
         self._carry = self._wrapping.form(
@@ -201,6 +214,24 @@ class LocalFrameForms:
         weights = fem.assemble_vector(fem.form(ufl.inner(one, tau) * dx)).array
         # cells of other ranks, and cells without energy, have no weights and keep no stress
         self._per_weight = np.divide(1.0, weights, out=np.zeros_like(weights), where=weights != 0)
+
+    def _build_viscous(self, energy: StrainEnergy, y: fem.Function) -> None:
+        """Forces ``Lᵀ ε'ᵀ η ε' L v`` and their derivative in ``v``."""
+        V, space = self.increment.function_space, y.function_space
+        self.velocity = fem.Function(V, name="velocity")
+        self.velocity_at = self._wrapping.extra_at
+        test, rate = ufl.TestFunction(space), fem.Function(space)
+        variation = ufl.derivative(energy.strain, y, test)
+
+        def work(change: fem.Function | ufl.Argument) -> ufl.Form:
+            stress = energy.viscosity * ufl.derivative(energy.strain, y, change)
+            return energy.weight * ufl.inner(variation, stress) * energy.dx
+
+        self.viscous = self._wrapping.form(
+            ufcx.viscous_kernel, [V], [CompiledForm(work(rate))], extra=[self.velocity, rate]
+        )
+        matrix = CompiledForm(work(ufl.TrialFunction(space)))
+        self.viscous_tangent = self._wrapping.form(ufcx.tangent_kernel, [V, V], [matrix])
 
     def _wrap(
         self,

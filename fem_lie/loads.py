@@ -2,10 +2,14 @@
 
 A load history is a function of time (in statics: of the load factor between 0 and 1). Without one a
 load is constant in dynamics and proportional to the load factor in statics.
+
+In local frames a following load is constant and has no load stiffness at all; a force fixed in
+space is a constant force on ``q = (x, d₁, d₂, d₃)``.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,19 +17,61 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
+from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, vector
 
 History = Callable[[float], float]
 
 
+class Load(ABC):
+    """What all loads have in common; use one of the subclasses.
+
+    Attributes:
+        history: Factor as a function of time, or ``None``.
+    """
+
+    history: History | None
+
+    @property
+    @abstractmethod
+    def body(self) -> Body:
+        """The body that carries the load."""
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise ``ValueError`` if the load is not finite or the body has no such cells."""
+
+
+class NodalLoad(Load):
+    """Forces and moments on nodes.
+
+    Attributes:
+        following: Whether the load turns with the nodes' frames.
+    """
+
+    following: bool
+
+    @abstractmethod
+    def nodal(self) -> Array:
+        """Force and moment at each node of the body, shape (n, 6)."""
+
+
+class StrainLoad(Load):
+    """A strain that a beam would have without stress."""
+
+    @abstractmethod
+    def strains(self) -> Array:
+        """Strain (Γ, κ) of each cell of the body, shape (m, 6)."""
+
+
 @dataclass(frozen=True, eq=False)
-class PointLoad:
+class PointLoad(NodalLoad):
     """Force and moment at a point.
 
     Attributes:
         point: Where.
         force: Three components: global if fixed in space, of the node's frame if following.
-        moment: Likewise.
+        moment: Likewise: about axes fixed in space, or about axes that follow the node.
         following: Whether the load turns with the node's frame.
         history: Factor as a function of time.
     """
@@ -51,18 +97,18 @@ class PointLoad:
 
     def nodal(self) -> Array:
         """Force and moment at each node of the body, shape (n, 6)."""
-        values = _zeros(self.body)
+        values = np.zeros((len(self.body.frames), 6))
         values[self.point.node, :3] = self.force
         values[self.point.node, 3:] = self.moment
         return values
 
 
 @dataclass(frozen=True, eq=False)
-class LineLoad:
-    """Force and moment per reference length on all of a body or on some of its cells.
+class LineLoad(NodalLoad):
+    """Force and moment per reference length on all of a beam or on some of its cells.
 
     Attributes:
-        body: The beam.
+        beam: What carries it.
         force: Three components per length: global if fixed in space, local if following.
         moment: Likewise.
         cells: Name of a group of cells; default: all.
@@ -70,7 +116,7 @@ class LineLoad:
         history: Factor as a function of time.
     """
 
-    body: Body
+    beam: Body
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
     cells: str | None = None
@@ -78,20 +124,180 @@ class LineLoad:
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the load is not finite or the body has no such cells."""
+        """See the base class."""
         vector(self.force, 3, f"line force on {self.body.label}")
         vector(self.moment, 3, f"line moment on {self.body.label}")
-        self.body.cell_lengths(self.cells)
+        self.body.cells_of(self.cells)
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.beam
 
     def nodal(self) -> Array:
-        """Consistent nodal forces and moments of linear interpolation, shape (n, 6)."""
-        values = _zeros(self.body)
-        index, lengths = self.body.cell_lengths(self.cells)
-        for side in range(2):
-            for columns, density in ((slice(0, 3), self.force), (slice(3, 6), self.moment)):
-                share = 0.5 * np.outer(lengths, np.asarray(density, dtype=np.float64))
-                np.add.at(values[:, columns], self.body.cells[index, side], share)
+        """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
+        values = np.zeros((len(self.body.frames), 6))
+        nodes, shares = self.body.consistent_shares()
+        chosen = self.body.cells_of(self.cells)
+        density = np.concatenate([self.force, self.moment]).astype(np.float64)
+        np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
         return values
+
+
+@dataclass(frozen=True, eq=False)
+class PressureLoad(Load):
+    """Pressure on one face of a beam: always normal to the axis, per *current* length.
+
+    The force per length is ``p x' × w`` with ``w`` the axis across the face, which turns with the
+    section; its load stiffness is in the matrix. It has no potential.
+
+    Attributes:
+        beam: What carries it.
+        pressure: Force per current length (pressure times the width of the face).
+        direction: Local components of the push in the unloaded configuration, across the axis.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    pressure: float
+    direction: npt.ArrayLike = (0.0, 0.0, 1.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite, or its direction is zero or along the axis."""
+        push = vector(self.direction, 3, f"direction of the pressure on {self.beam.label}")
+        vector([self.pressure], 1, f"pressure on {self.beam.label}")
+        if not push.any() or abs(push[0]) > 1e-9 * np.linalg.norm(push):
+            raise ValueError(
+                f"the direction of the pressure on {self.beam.label} must be across the axis "
+                f"(0, y, z), got {self.direction}"
+            )
+        self.beam.cells_of(self.cells)
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
+
+    def across(self) -> Array:
+        """``w = m × e₁`` times the pressure, shape (3,)."""
+        push = np.asarray(self.direction, dtype=np.float64)
+        return self.pressure * np.cross(push / np.linalg.norm(push), [1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Eigenstrain(StrainLoad):
+    """A strain without stress, such as that of growth or of an actuator.
+
+    Attributes:
+        beam: What is strained.
+        strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    strain: npt.ArrayLike
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector(self.strain, 6, f"eigenstrain of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6)."""
+        return _in_cells(self.beam, self.cells, np.asarray(self.strain, dtype=np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Temperature(StrainLoad):
+    """Change of temperature with a constant gradient over the section.
+
+    A point (y, z) of the section is warmer by ``rise + gradient · (y, z)``.
+
+    Attributes:
+        beam: What is warmed.
+        rise: At the axis.
+        expansion: Coefficient of thermal expansion, per temperature.
+        gradient: Along e₂ and e₃, temperature per length.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    rise: float
+    expansion: float
+    gradient: npt.ArrayLike = (0.0, 0.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
+        vector(self.gradient, 2, f"gradient of temperature of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
+        y, z = np.asarray(self.gradient, dtype=np.float64)
+        strain = self.expansion * np.array([self.rise, 0, 0, 0, z, -y])
+        return _in_cells(self.beam, self.cells, strain)
+
+
+@dataclass(frozen=True, eq=False)
+class PreStress(StrainLoad):
+    """Force and moment that the section has in the unloaded configuration.
+
+    Attributes:
+        beam: What is stressed.
+        resultant: (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    resultant: npt.ArrayLike
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector(self.resultant, 6, f"pre-stress of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
+        strain = -np.linalg.solve(
+            self.beam.stiffness, np.asarray(self.resultant, dtype=np.float64)[:, np.newaxis]
+        )
+        chosen = np.zeros((len(strain), 1))
+        chosen[self.beam.cells_of(self.cells)] = 1.0
+        return chosen * strain[..., 0]
+
+
+def _in_cells(beam: Beam, group: str | None, strain: Array) -> Array:
+    values = np.zeros((len(beam.stiffness), 6))
+    values[beam.cells_of(group)] = strain
+    return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,10 +336,3 @@ class PrescribedMotion:
                 f"the motion of {self.point.label} must start at its frame\n{self.point.frame},\n"
                 f"got\n{start}"
             )
-
-
-Load = PointLoad | LineLoad
-
-
-def _zeros(body: Body) -> Array:
-    return np.zeros((len(body.frames), 6))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import pi, radians
 
 import numpy as np
@@ -18,6 +19,7 @@ from fem_lie._lines import Array, Indices, circle_tangents, flipped, join_tangen
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
+_SHARP = radians(2.0)  # a turn of this size within 1e-4 of a cell is a kink
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +185,8 @@ def curve(
             order of ``function``, within [0, 1], good to about 1e-12.
 
     Raises:
-        ValueError: The curve stands still somewhere, is not finite, or there is no cell.
+        ValueError: The curve stands still somewhere, has a kink or is not finite, or there is no
+            cell.
     """
     s = np.linspace(0.0, 1.0, _count(cells) + 1)
     points = _points([function(float(si)) for si in s])
@@ -191,7 +194,33 @@ def curve(
     speed = np.linalg.norm(along, axis=1, keepdims=True)
     if not speed.min() > 1e-10 * speed.max():
         raise ValueError(f"the curve has no tangent at s = {s[speed.argmin()]:g}")
+    _refuse_kinks(function, s)
     return _chain(points, along / speed)
+
+
+def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
+    """Narrow down where the curve turns most: on a smooth one the turn shrinks with the length."""
+    for a, b in pairwise(s.tolist()):
+        # half a cell further on each side, or a kink at a node is not seen
+        low, high = max(0.0, 1.5 * a - 0.5 * b), min(1.0, 1.5 * b - 0.5 * a)
+        turn = _turn(function, low, high)
+        while turn > _SHARP and high - low > 1e-4 * (b - a):
+            quarter = (high - low) / 4
+            parts = [(low + k * quarter, low + (k + 2) * quarter) for k in range(3)]
+            turn, (low, high) = max((_turn(function, *part), part) for part in parts)
+        if turn > _SHARP:
+            raise ValueError(
+                f"the curve has a kink at s = {low:.4g}; make a "
+                "LineMesh of its corners, or one beam of each smooth part"
+            )
+
+
+def _turn(function: Callable[[float], npt.ArrayLike], a: float, b: float) -> float:
+    """Angle between the chords of the two halves of an interval, rad."""
+    x = np.array([function(float(si)) for si in (a, 0.5 * (a + b), b)], dtype=np.float64)
+    first, second = x[1] - x[0], x[2] - x[1]
+    sine = np.linalg.norm(np.cross(first, second))
+    return float(np.arctan2(sine, first @ second))
 
 
 def _chain(points: Array, tangents: Array) -> LineMesh:

@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.constraints import JointTable
-from fem_lie.frames import pull, pull_derivative
+from fem_lie.frames import pull, pull_derivative, push
 
 
 class Inertia(NamedTuple):
@@ -24,46 +24,43 @@ class Loads(NamedTuple):
     """Nodal loads at one time.
 
     Attributes:
-        gravity: Force on (x, d₁, d₂, d₃), shape (n, 4, 3).
-        dead: Force and moment fixed in space, shape (n, 6).
+        dead: Force on (x, d₁, d₂, d₃) fixed in space, gravity included, shape (n, 4, 3).
+        moment: Moment fixed in space, shape (n, 3).
         following: Force and moment in the nodes' frames, shape (n, 6).
     """
 
-    gravity: Array
     dead: Array
+    moment: Array
     following: Array
 
 
 @compiled
-def _add_loads(H: Array, dead: Array, following: Array, r: Array) -> None:
-    """``r −= loads``: global forces and moments (n, 6) and local ones (n, 6)."""
-    for i in range(dead.shape[0]):
+def _add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
+    """``r −= loads``: global moments (n, 3) and local forces and moments (n, 6)."""
+    for i in range(moment.shape[0]):
         for a in range(3):
             for j in range(3):
-                r[6 * i + a] -= H[i, 1 + a, j] * dead[i, j]
-                r[6 * i + 3 + a] -= H[i, 1 + a, j] * dead[i, 3 + j]
+                r[6 * i + 3 + a] -= H[i, 1 + a, j] * moment[i, j]
             r[6 * i + a] -= following[i, a]
             r[6 * i + 3 + a] -= following[i, 3 + a]
 
 
 @compiled
-def _add_load_stiffness(H: Array, dead: Array, diagonal: Indices, K: Array) -> None:
-    """``K −= ∂(local components of global loads)/∂h``: ``(Rᵀf)^`` and ``(Rᵀm)^``."""
-    for i in range(dead.shape[0]):
+def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) -> None:
+    """``K −= ∂(local components of global moments)/∂h``: ``(Rᵀm)^``."""
+    for i in range(moment.shape[0]):
         block = K[diagonal[i]]
-        for kind in range(2):
-            at, row = 3 * kind, 3 * kind
-            n0 = n1 = n2 = 0.0
-            for j in range(3):
-                n0 += H[i, 1, j] * dead[i, at + j]
-                n1 += H[i, 2, j] * dead[i, at + j]
-                n2 += H[i, 3, j] * dead[i, at + j]
-            block[row, 4] += n2
-            block[row, 5] -= n1
-            block[row + 1, 3] -= n2
-            block[row + 1, 5] += n0
-            block[row + 2, 3] += n1
-            block[row + 2, 4] -= n0
+        n0 = n1 = n2 = 0.0
+        for j in range(3):
+            n0 += H[i, 1, j] * moment[i, j]
+            n1 += H[i, 2, j] * moment[i, j]
+            n2 += H[i, 3, j] * moment[i, j]
+        block[3, 4] += n2
+        block[3, 5] -= n1
+        block[4, 3] -= n2
+        block[4, 5] += n0
+        block[5, 3] += n1
+        block[5, 4] -= n0
 
 
 @compiled
@@ -79,12 +76,12 @@ def rigid_residual(
     work: Array,
     r: Array,
 ) -> None:
-    """``r = Lᵀ (G q̈ − gravity) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
+    """``r = Lᵀ (G q̈ − dead) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
 
     The records come as plain tuples, which makes the call from Python cheaper.
     """
     indptr, indices, blocks = mass
-    gravity, dead, following = loads
+    dead, moment, following = loads
     count = dead.shape[0]
     r[:] = 0.0
     inertia.accelerations(H, v[:count], a[:count], work[0])
@@ -92,23 +89,35 @@ def rigid_residual(
     for i in range(count):
         for k in range(4):
             for j in range(3):
-                work[1, i, k, j] -= gravity[i, k, j]
+                work[1, i, k, j] -= dead[i, k, j]
     pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
-    _add_loads(H, dead, following, r)
+    _add_moments(H, moment, following, r)
     table = JointTable(joints[0], joints[1], joints[2], joints[3])
     constraints.evaluate(H, table, weights, scale, count, r)
 
 
 @compiled
-def load_potential(H: Array, gravity: Array, dead: Array) -> float:
-    """Potential of gravity and of global forces, ``−Σ gravity · q − Σ force · x``."""
+def load_potential(H: Array, dead: Array) -> float:
+    """Potential of gravity and of forces fixed in space, ``−Σ dead · q``."""
     energy = 0.0
     for i in range(dead.shape[0]):
         for j in range(3):
-            energy -= dead[i, j] * H[i, 0, j]
             for k in range(4):
-                energy -= gravity[i, k, j] * H[i, k, j]
+                energy -= dead[i, k, j] * H[i, k, j]
     return energy
+
+
+@compiled
+def add_mass_damping(
+    H: Array, v: Array, D: tuple[Any, ...], work: Array, f: Array, r: Array
+) -> None:
+    """``f += D q̇``, ``r += Lᵀ D q̇`` with the block-sparse matrix ``D``; ``work`` (2, n, 4, 3)."""
+    indptr, indices, blocks = D
+    count = f.shape[0]
+    push(H, v[:count], work[0])
+    inertia.multiply(indptr, indices, blocks, work[0], work[1])
+    f += work[1]
+    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
 
 
 @compiled
@@ -119,7 +128,7 @@ def rigid_tangent(
     mass: Inertia,
     place: Indices,
     f: Array,
-    dead: Array,
+    moment: Array,
     diagonal: Indices,
     factors: tuple[float, float],
     A: Array,
@@ -127,9 +136,9 @@ def rigid_tangent(
 ) -> None:
     """Derivatives of :func:`rigid_residual`.
 
-    ``f = G q̈ − gravity`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
+    ``f = G q̈ − dead`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
     """
-    count = dead.shape[0]
+    count = moment.shape[0]
     inertia.tangents(
         H,
         v[:count],
@@ -145,7 +154,7 @@ def rigid_tangent(
     )
     for i in range(count):
         pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
-    _add_load_stiffness(H, dead, diagonal, K)
+    _add_moment_stiffness(H, moment, diagonal, K)
 
 
 @compiled

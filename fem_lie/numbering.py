@@ -1,4 +1,4 @@
-"""Which node of the system is which: all bodies, kind by kind."""
+"""Which node of the system is which: all bodies, kind by kind, and which of their nodes lead."""
 
 from __future__ import annotations
 
@@ -6,52 +6,91 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._jit import Indices
 from fem_lie.assembly import Assembly
+from fem_lie.attachment import Attachment
 from fem_lie.bodies import Body, Point
 from fem_lie.info import BodyInfo
+from fem_lie.joints import RigidLink
 
 
 class Numbering:
-    """Nodes of the system; each kind of body has a slice of them.
+    """Nodes of the system; each kind of body has a slice of them. Some follow others rigidly.
 
     Attributes:
-        count: Number of nodes.
-        nodes: Nodes of each body in the numbering of the system.
+        total: Number of all nodes; ``count`` of them lead and have unknowns.
+        nodes: Nodes of each body among all.
         assemblies: The nodes of each assembly, and the assembly.
-        frames: Initial frames, shape (count, 4, 3).
-        velocities: Initial local velocities, shape (count, 6).
+        members: The bodies of each assembly, in its order.
+        attachment: Which node follows which.
+        frames: Initial frames of the leaders, shape (count, 4, 3).
+        velocities: Initial local velocities of the leaders, shape (count, 6).
     """
 
-    def __init__(self, bodies: Sequence[Body]) -> None:
-        """Build the assemblies and number their nodes as they do."""
+    def __init__(self, bodies: Sequence[Body], links: Sequence[RigidLink] = ()) -> None:
+        """Build the assemblies and number their nodes as they do.
+
+        Raises:
+            ValueError: Initial velocities of nodes that are tied together contradict each other.
+        """
         self.nodes: dict[Body, Indices] = {}
         self.assemblies: list[tuple[slice, Assembly]] = []
+        self.members: list[list[Body]] = []
         start = 0
-        for kind in dict.fromkeys(body.assembly for body in bodies):
-            members = [body for body in bodies if body.assembly is kind]
+        for kind in dict.fromkeys(body.kind for body in bodies):
+            members = [body for body in bodies if body.kind == kind]
             total = sum(len(body.frames) for body in members)
             order: Indices = np.arange(total)
-            if kind is not None:
-                assembly = kind(members)  # type: ignore[call-arg, arg-type]
+            assembly = members[0].assemble(members)
+            if assembly is not None:
                 order = assembly.order
                 self.assemblies.append((slice(start, start + total), assembly))
+                self.members.append(members)
             first = 0
             for body in members:
                 self.nodes[body] = start + order[first : first + len(body.frames)]
                 first += len(body.frames)
             start += total
-        self.count = start
-        self.frames, self.velocities = np.empty((start, 4, 3)), np.empty((start, 6))
+        self.total = start
+        self._tie(links)
+
+    def _tie(self, links: Sequence[RigidLink]) -> None:
+        frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
+        pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
-            self.frames[nodes], self.velocities[nodes] = body.frames, body.velocities
+            frames[nodes], velocities[nodes] = body.frames, body.velocities
+            follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
+            leaders = body.leaders[follows]
+            pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(leaders, follows, strict=True)]
+        self.attachment = Attachment(frames, pairs)
+        self.count = self.attachment.count
+        self.frames = frames[self.attachment.leaders]
+        self.velocities = velocities[self.attachment.leaders]
+        self._check_velocities(velocities)
+
+    def _check_velocities(self, given: lie.Array) -> None:
+        gap = np.abs(self.attachment.twists(self.velocities) - given).max(axis=1, initial=0.0)
+        if gap.max(initial=0.0) > 1e-9 * np.abs(given).max(initial=0.0):
+            node = int(gap.argmax())
+            body = next(body for body, nodes in self.nodes.items() if node in nodes)
+            raise ValueError(
+                f"the initial velocities of {body.label} contradict a rigid link: give all that is "
+                "linked the velocities of one rigid motion"
+            )
+
+    def _of_all(self, point: Point) -> int:
+        assert point.body is not None
+        return int(self.nodes[point.body][point.node])
 
     def node(self, point: Point) -> int:
-        """Number of a point's node; of ground it is ``count``."""
-        return self.count if point.body is None else int(self.nodes[point.body][point.node])
+        """Number of a point's leader; of ground it is ``count``."""
+        if point.body is None:
+            return self.count
+        return int(self.attachment.leader[self._of_all(point)])
 
     def bodies(self) -> tuple[BodyInfo, ...]:
-        """What results must know of the bodies."""
+        """What results must know of the bodies, in the numbering of all nodes."""
         return tuple(
             BodyInfo(
                 name=body.name,

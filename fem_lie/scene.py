@@ -7,10 +7,10 @@ from typing import TypeVar
 import numpy.typing as npt
 
 from fem_lie.bodies import Body, vector
-from fem_lie.joints import Joint
-from fem_lie.loads import Clamp, LineLoad, Load, PointLoad, PrescribedMotion
+from fem_lie.joints import Joint, RigidLink
+from fem_lie.loads import Clamp, Load, PrescribedMotion
 
-Item = TypeVar("Item", bound=Body | Joint | PointLoad | LineLoad | Clamp | PrescribedMotion)
+Item = TypeVar("Item", bound=Body | Joint | RigidLink | Load | Clamp | PrescribedMotion)
 
 
 class Scene:
@@ -18,7 +18,7 @@ class Scene:
 
     Attributes:
         gravity: Acceleration of free fall, global components, shape (3,).
-        bodies: All bodies; likewise ``joints``, ``loads``, ``clamps``, ``motions``.
+        bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
     """
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -30,12 +30,13 @@ class Scene:
         self.gravity = vector(gravity, 3, "gravity")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self.links: list[RigidLink] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, load, clamp or prescribed motion, and return it.
+        """Add a body, joint, rigid link, load, clamp or prescribed motion, and return it.
 
         Raises:
             ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
@@ -50,7 +51,11 @@ class Scene:
             if item.a.body is item.b.body and item.a.node == item.b.node:
                 raise ValueError(f"{item.label} joins a point to itself")
             self.joints.append(item)
-        elif isinstance(item, PointLoad | LineLoad):
+        elif isinstance(item, RigidLink):
+            item.check()
+            self._check_points(item.label, item.a.body, item.b.body)
+            self.links.append(item)
+        elif isinstance(item, Load):
             item.check()
             self._check_points(type(item).__name__, item.body)
             self.loads.append(item)
@@ -60,7 +65,7 @@ class Scene:
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
-            raise TypeError(f"a scene takes bodies, joints, loads and supports, got {item!r}")
+            raise TypeError(f"a scene takes bodies, joints, links, loads, supports, got {item!r}")
         return item
 
     def _add_body(self, body: Body) -> None:

@@ -1,8 +1,9 @@
 """The equations of a scene: residual, matrix and invariants on nodes in local frames.
 
-Unknowns are six per moving node (all bodies, kind by kind) and one multiplier per constraint. The
-frames of what does not move by itself follow the moving ones in every array: ground first, then the
-prescribed motions. Index 3 equations at a time level::
+Unknowns are six per moving node (all bodies, kind by kind) and one multiplier per constraint. A
+node that follows another rigidly has none and appears in results only. The frames of what does not
+move by itself follow the moving ones in every array: ground first, then the prescribed motions.
+Index 3 equations at a time level::
 
     Lᵀ G q̈ + f_elastic(H) − f_load(H, t) + Bᵀ λ = 0,     Φ(H) = 0
 """
@@ -18,13 +19,15 @@ import scipy.sparse as sp
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
+from fem_lie.elastic import Elastic
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
+from fem_lie.load_cases import LoadCases
 from fem_lie.nodal import (
     Inertia,
-    Loads,
     add_blocks,
+    add_mass_damping,
     combine,
     load_potential,
     rigid_residual,
@@ -65,8 +68,8 @@ class System:
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
-        self.numbering = Numbering(scene.bodies)
-        self.count, self.assemblies = self.numbering.count, self.numbering.assemblies
+        self.numbering = Numbering(scene.bodies, scene.links)
+        self.count = self.numbering.count
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
         self.frames = np.concatenate([self.numbering.frames, fixed])
@@ -81,10 +84,15 @@ class System:
         box = np.ptp(self.frames[: self.count, 0], axis=0)
         self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
         self._build_inertia(scene, dynamics)
-        self._build_loads(scene)
+        self._loads = LoadCases(scene, self.numbering, self._weight(scene))
+        self.time_dependent = self._loads.time_dependent or bool(self._motions)
+        numbering = self.numbering
+        self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressure)
+        self._viscous = dynamics and self.elastic.viscous
         self._build_matrix()
         self._check_redundancy()
         self._work = np.zeros((2, self.count, 4, 3))
+        self._damping_work = np.zeros_like(self._work)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
 
@@ -114,8 +122,9 @@ class System:
     def _build_inertia(self, scene: Scene, dynamics: bool) -> None:
         rows: list[Indices] = [np.empty(0, dtype=np.int64)]
         columns: list[Indices] = [np.empty(0, dtype=np.int64)]
-        blocks: list[Array] = []
-        for where, assembly in self.assemblies:
+        blocks: list[Array] = [np.empty((0, 4, 4))]
+        damping: list[Array] = [np.empty((0, 4, 4))]
+        for where, assembly in self.numbering.assemblies:
             if assembly.inertia is None and (dynamics or scene.gravity.any()):
                 raise ValueError(
                     "dynamics and gravity need the inertia of all sections: "
@@ -125,31 +134,42 @@ class System:
                 r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
                 rows.append(where.start + r)
                 columns.append(where.start + assembly.indices)
-                blocks.append(assembly.inertia)
+                blocks.append(assembly.inertia.mass)
+                none = np.zeros_like(assembly.inertia.mass)
+                given = assembly.inertia.damping
+                damping.append(none if given is None else given)
         for body in scene.bodies:
             if isinstance(body, RigidBody):
                 rows.append(self.numbering.nodes[body])
                 columns.append(self.numbering.nodes[body])
                 blocks.append(body.gram[np.newaxis])
+                damping.append(np.zeros((1, 4, 4)))
         r, c = np.concatenate(rows), np.concatenate(columns)
-        order = np.lexsort((c, r))
-        self._inertia_rows = r[order]
-        indptr = np.searchsorted(r[order], np.arange(self.count + 1))
-        G = np.concatenate([np.empty((0, 4, 4)), *blocks])[order]
-        self.inertia = Inertia(indptr, c[order], G)
+        self.inertia = self._on_leaders(r, c, np.concatenate(blocks))
+        self._inertia_rows = np.repeat(np.arange(self.count), np.diff(self.inertia.indptr))
+        D = np.concatenate(damping)
+        self._damping = self._on_leaders(r, c, D) if dynamics and D.any() else None
 
-    def _build_loads(self, scene: Scene) -> None:
+    def _on_leaders(self, r: Indices, c: Indices, blocks: Array) -> Inertia:
+        """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of leaders, sorted."""
+        attachment = self.numbering.attachment
+        if not attachment.trivial:
+            W = attachment.linear()
+            blocks = W[r].transpose(0, 2, 1) @ blocks @ W[c]
+            r, c = attachment.leader[r], attachment.leader[c]
+        key, place = np.unique(r * self.count + c, return_inverse=True)
+        G = np.zeros((len(key), 4, 4))
+        np.add.at(G, place, blocks)
+        indptr = np.searchsorted(key // self.count, np.arange(self.count + 1))
+        return Inertia(indptr, key % self.count, G)
+
+    def _weight(self, scene: Scene) -> Array:
+        """Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3)."""
         q = np.zeros((self.count, 4, 3))
         q[:, 0] = scene.gravity
-        self._weight = np.zeros_like(q)
-        inertia.multiply(*self.inertia, q, self._weight)
-        self._histories = [load.history for load in scene.loads]
-        shape = (len(scene.loads), self.count, 6)
-        self._dead_cases, self._following_cases = np.zeros(shape), np.zeros(shape)
-        for k, load in enumerate(scene.loads):
-            target = self._following_cases if load.following else self._dead_cases
-            np.add.at(target[k], self.numbering.nodes[load.body], load.nodal())
-        self.time_dependent = any(h is not None for h in self._histories) or bool(self._motions)
+        weight = np.zeros_like(q)
+        inertia.multiply(*self.inertia, q, weight)
+        return weight
 
     def set_time(self, time: float, factor: float = 1.0) -> None:
         """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
@@ -157,17 +177,7 @@ class System:
         Raises:
             ValueError: A history or motion is not finite.
         """
-        amplitude = np.array(
-            [factor if h is None else h(time) for h in self._histories], dtype=float
-        )
-        if not np.isfinite(amplitude).all():
-            k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
-            raise ValueError(f"the history of load {k + 1} is {amplitude[k]} at time {time:g}")
-        self.loads = Loads(
-            factor * self._weight,
-            np.tensordot(amplitude, self._dead_cases, 1),
-            np.tensordot(amplitude, self._following_cases, 1),
-        )
+        self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
 
     def prescribed_frames(self, time: float) -> Array:
@@ -180,10 +190,7 @@ class System:
     # --- matrix ---
 
     def _build_matrix(self) -> None:
-        pairs = [(self._inertia_rows, self.inertia.indices)]
-        for where, assembly in self.assemblies:
-            r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
-            pairs.append((where.start + r, where.start + assembly.indices.astype(np.int64)))
+        pairs = [(self._inertia_rows, self.inertia.indices), *self.elastic.pairs]
         self.kkt = KKT(pairs, self.table, self.held)
         place, diagonal = self.kkt.place, np.arange(self.count)
         self._place_inertia = place(*pairs[0])
@@ -259,8 +266,11 @@ class System:
             self._work,
             r,
         )
-        for where, assembly in self.assemblies:
-            assembly.add_forces(H[where], r[6 * where.start : 6 * where.stop])
+        self.elastic.add_forces(H, r)
+        if self._viscous:
+            self.elastic.add_viscous_forces(H, v, r)
+        if self._damping is not None:
+            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
         if self.scene.clamps:
             r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
 
@@ -290,18 +300,31 @@ class System:
             self.inertia,
             self._place_inertia,
             self._work[1],
-            self.loads.dead,
+            self.loads.moment,
             self._diagonal,
             (mass, damping),
             self._A,
             self._K,
         )
-        for (where, assembly), place in zip(self.assemblies, self._place_elastic, strict=True):
-            add_blocks(self._K, place, assembly.tangent(H[where]))
+        for place, blocks in zip(self._place_elastic, self.elastic.tangents(H), strict=True):
+            add_blocks(self._K, place, blocks)
+        if damping != 0.0:
+            self._add_damping(H, damping)
         constraints.geometric(H, self.table, weights, self._place_joints, self._K)
         constraints.jacobian(H if joint_frames is None else joint_frames, self.table, self._rows)
         combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
         self.kkt.fill(self._A, self._rows, scale)
+
+    def _add_damping(self, H: Array, damping: float) -> None:
+        """Add ``damping`` times the derivative of damping forces in the velocities to ``A``."""
+        if self._viscous:
+            for k, blocks in self.elastic.viscous_tangents(H):
+                add_blocks(self._A, self._place_elastic[k], damping * blocks)
+        if self._damping is not None:
+            still = np.zeros((self.count, 6))
+            inertia.tangents(
+                H, still, still, *self._damping, self._place_inertia, damping, 0.0, self._A, self._K
+            )
 
     def fill_mass_matrix(self, H: Array) -> None:
         """Mass matrix bordered by the constraints, without scaling, into the KKT."""
@@ -333,23 +356,9 @@ class System:
         weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
         return 1.0 / np.asarray(weighted.sum(axis=1)).ravel()
 
-    def elastic_energy(self, H: Array) -> float:
-        """Stored energy of all bodies."""
-        return sum(assembly.energy(H[where]) for where, assembly in self.assemblies)
-
     def potential_energy(self, H: Array) -> float:
         """Potential of gravity and of loads fixed in space that have no history and no moment."""
-        return float(load_potential(H, self.loads.gravity, self.loads.dead))
-
-    def carry_stress(self, H: Array, h: Array) -> None:
-        """Carry all stresses on along the increment ``h`` (6 n,) made from frames ``H``."""
-        for where, assembly in self.assemblies:
-            assembly.carry(H[where], h[6 * where.start : 6 * where.stop])
-
-    def reset_stress(self, H: Array) -> None:
-        """Make all carried stresses the true ones at frames ``H``."""
-        for where, assembly in self.assemblies:
-            assembly.reset_stress(H[where])
+        return float(load_potential(H, self.loads.dead))
 
     def joint_forces(self, H: Array, weights: Array) -> Array:
         """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6)."""
@@ -358,12 +367,13 @@ class System:
         return forces
 
     def info(self) -> SceneInfo:
-        """Bodies and joints in the numbering of the system, for results."""
+        """Bodies and joints in the numbering of all nodes, for results."""
+        leaders = self.numbering.attachment.leaders
         joints = tuple(
             JointInfo(
                 name=joint.label,
                 kind=type(joint).__name__,
-                node=int(self.table.nodes[k, 0]),
+                node=int(leaders[self.table.nodes[k, 0]]),
                 offset=self.table.frames[k, 0, 0],
             )
             for k, joint in enumerate(self.joints)

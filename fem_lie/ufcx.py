@@ -230,16 +230,20 @@ def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped
 
 @callback(UFCX_SIGNATURE)
 def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 2: ``Lᵀ (K_yy − K_ys K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``. First: K, second: carried f."""
+    """Rank 2: ``Lᵀ (K_yy − K_ys K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
+
+    First: K, second: carried f, or none, and then no derivative of the map.
+    """
     head, state, y = _prepare(w, c)
     n_y, n, n_h, nodes = head[N_Y], head[N_Y] + head[N_S], head[N_H], head[NODES]
     K, f = stack(n * n), stack(n)
     _clear(K, n * n)
     _clear(f, n)
     _inner(head, head[FIRST], K, w, c, x, entity, permutation)
-    _inner(head, head[SECOND], f, w, c, x, entity, permutation)
-    if head[GEOMETRIC] != 0:
-        _apply(head[GEOMETRIC], state, y, f, A, nodes)
+    if head[SECOND] != 0:
+        _inner(head, head[SECOND], f, w, c, x, entity, permutation)
+        if head[GEOMETRIC] != 0:
+            _apply(head[GEOMETRIC], state, y, f, A, nodes)
     if n > n_y:
         _eliminate(numba.carray(K, (n, n)), numba.carray(f, (n,)), n_y, n)
     KL = stack(n_y * n_h)
@@ -257,6 +261,17 @@ def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
         _apply(head[PULL], state, y, column, pulled, nodes)
         for i in range(n_h):
             out[i, j] += pulled_values[i]
+
+
+@callback(UFCX_SIGNATURE)
+def viscous_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Rank 1: ``Lᵀ f(y, ẏ)`` with ``ẏ = L v``."""
+    head, state, y = _prepare(w, c)
+    f = stack(head[N_Y])
+    _clear(f, head[N_Y])
+    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), _shift(w, head[AT_DY]), head[NODES])
+    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
+    _apply(head[PULL], state, y, f, A, head[NODES])
 
 
 @callback(UFCX_SIGNATURE)

@@ -81,8 +81,25 @@ CASES = {
     ),
     "missing point": (lambda: bar()["middle"], "'middle'.*start"),
     "missing node": (lambda: bar().node(7), "7"),
-    "kink": (lambda: fl.Beam(kink(), SECTION), "kink.*Fixed"),
-    "branch": (lambda: fl.Beam(branch(), SECTION), "branch.*Fixed"),
+    "curve with a kink": (
+        lambda: fl.Beam.curve(lambda s: (s, abs(s - 0.3), 0), SECTION, cells=8),
+        r"kink at s = 0\.3",
+    ),
+    "taper of a branching line": (lambda: fl.Beam(branch(), lambda s: SECTION), "one smooth line"),
+    "twist of a line with a kink": (
+        lambda: fl.Beam(kink(), SECTION, twist=lambda s: s),
+        "one smooth line",
+    ),
+    "link to ground": (lambda: with_bar(lambda b: fl.RigidLink(fl.ground(), b.end)), "ground"),
+    "pressure along the axis": (
+        lambda: attached(lambda b: fl.PressureLoad(b, 1.0, direction=(1, 0, 1))),
+        "across the axis",
+    ),
+    "eigenstrain of three numbers": (
+        lambda: attached(lambda b: fl.Eigenstrain(b, (1, 0, 0))),
+        "6",
+    ),
+    "negative damping": (lambda: bar(damping=fl.Damping(stiffness=-1.0)), "≥ 0"),
     "up along the line": (lambda: bar(up=(1, 0, 0)), "along the line"),
     "nan load": (lambda: attached(lambda b: fl.PointLoad(b.end, force=(0, NAN, 0))), "nan"),
     "load of two numbers": (lambda: attached(lambda b: fl.PointLoad(b.end, force=(0, 1))), "3"),
@@ -169,7 +186,7 @@ def test_error_says_what_is_wrong(name):
 
 
 def test_scene_refuses_what_is_not_a_part_of_one():
-    with pytest.raises(TypeError, match="bodies, joints, loads"):
+    with pytest.raises(TypeError, match="bodies, joints, links, loads"):
         fl.Scene().add(SECTION)
 
 

@@ -8,6 +8,9 @@ nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, C
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numba
 import numpy as np
 import ufl
@@ -15,7 +18,9 @@ from ufl.core.expr import Expr
 
 from fem_lie import lie
 from fem_lie._jit import Array
-from fem_lie.kernel import FrameMap, StrainEnergy, frame_function, stack
+from fem_lie.elements.formulation import CellData, Formulation, cellwise
+from fem_lie.frames import NodalFrames
+from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy, frame_function, stack
 
 
 @frame_function
@@ -74,8 +79,44 @@ GEODESIC = FrameMap(
 )
 
 
-def geodesic_energy(d: Expr, d0: Expr, length: Expr, D: Expr, domain: ufl.Mesh) -> StrainEnergy:
-    """``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ``.
+@dataclass(frozen=True)
+class Geodesic(Formulation):
+    """The SE(3) geodesic element: the default for beams.
+
+    Attributes:
+        bending_flexibility: Add the residual bending flexibility (MacNeal 1978) to the shear
+            flexibility: exact for small deflections with one element, more accurate beyond.
+    """
+
+    bending_flexibility: bool = True
+    degree: ClassVar[int] = 1  # type: ignore[misc]
+
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """See the base class."""
+        mesh = nodal.function.function_space.mesh
+        D = cells.stiffness
+        if self.bending_flexibility:
+            D = with_bending_flexibility(D, cells.lengths)
+        ends = nodal.frames[nodal.function.function_space.dofmap.list]
+        unloaded = lie.se3_relative(ends[:, 0], ends[:, 1])
+        d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
+        viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
+        energy = geodesic_energy(
+            d, d0, length, cellwise(mesh, D), mesh, cells.eigenstrain, viscosity
+        )
+        return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
+
+
+def geodesic_energy(
+    d: Expr,
+    d0: Expr,
+    length: Expr,
+    D: Expr,
+    domain: ufl.Mesh,
+    eigenstrain: Expr | None = None,
+    viscosity: Expr | None = None,
+) -> StrainEnergy:
+    """``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ − ε*``.
 
     Args:
         d: Relative motion, shape ``(6,)``, a DG0 function.
@@ -83,12 +124,16 @@ def geodesic_energy(d: Expr, d0: Expr, length: Expr, D: Expr, domain: ufl.Mesh) 
         length: Arc length ℓ of the unloaded element.
         D: Section stiffness, shape ``(6, 6)``, see :func:`with_bending_flexibility`.
         domain: The line mesh.
+        eigenstrain: ``ε*``, shape ``(6,)``; default: none.
+        viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
     """
+    strain = (d - d0) / length
     return StrainEnergy(
-        strain=(d - d0) / length,
+        strain=strain if eigenstrain is None else strain - eigenstrain,
         law=lambda strain: 0.5 * ufl.inner(strain, D * strain),
         dx=ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 0}),
         weight=length / ufl.CellVolume(domain),
+        viscosity=viscosity,
     )
 
 

@@ -292,7 +292,7 @@ class _Run:
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
-            self.system.reset_stress(self.s.H)
+            self.system.elastic.reset_stress(self.s.H)
             count = self._iterate(EveryIteration(), carried=True)
         return count
 
@@ -316,7 +316,7 @@ class _Run:
             self.solver.solve()
             if carried:
                 twists = lie.se3_tangent(s.d) @ -self.dx[: s.d.size].reshape(-1, 6, 1)
-                system.carry_stress(s.H1, twists.ravel())
+                system.elastic.carry(s.H1, twists.ravel())
             self._increment = _correct(
                 *self._plain, self.dx, self.scale, self.measure, self.weights
             )
@@ -344,7 +344,7 @@ class _Run:
 
     def _fill(self, stressed: Array | None, joint_frames: Array) -> None:
         if stressed is not None:
-            self.system.reset_stress(stressed)
+            self.system.elastic.reset_stress(stressed)
         s = self.s
         self.system.fill_matrix(
             s.H1,

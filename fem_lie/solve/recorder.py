@@ -34,8 +34,9 @@ class Recorder:
             progress: Show a bar; ``None``: if standard error is a terminal.
         """
         self.steps, self._h, self._every, self._system = steps, step, save_every, system
-        rows, n = steps // save_every + 1 + (steps % save_every > 0), system.count
-        self.frames, self.velocities = np.empty((rows, n, 4, 3)), np.empty((rows, n, 6))
+        rows = steps // save_every + 1 + (steps % save_every > 0)
+        n, total = system.count, system.numbering.total
+        self.frames, self.velocities = np.empty((rows, total, 4, 3)), np.empty((rows, total, 6))
         self.joint_forces = np.empty((rows, len(system.joints), 6))
         self.times = np.empty(rows)
         self.invariants, self.elastic = np.empty((rows, 7)), np.empty(rows)
@@ -68,8 +69,9 @@ class Recorder:
             return
         system, row, n = self._system, self._row, self._system.count
         self.times[row] = index * self._h
-        self.frames[row] = H[:n]
-        self.velocities[row] = v[:n]
+        attachment = system.numbering.attachment
+        self.frames[row] = attachment.frames(H)
+        self.velocities[row] = attachment.twists(v)
         self.joint_forces[row] = system.joint_forces(H, multipliers)
         self.invariants[row] = inertia.invariants(
             H,
@@ -78,7 +80,7 @@ class Recorder:
             self._work[0],
             self._work[1],
         )
-        self.elastic[row] = system.elastic_energy(H)
+        self.elastic[row] = system.elastic.energy(H)
         self.potential[row] = system.potential_energy(H)
         self.iterations[row] = self._count
         self._row += 1

@@ -187,7 +187,7 @@ class _Newton:
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
-        system.reset_stress(self.H)
+        system.elastic.reset_stress(self.H)
         self._fill()
         self._scale[:] = system.constraint_scale(self.H)
 
@@ -202,12 +202,12 @@ class _Newton:
         system, k = self.system, len(self._factors)
         return StaticResult(
             np.array(self._factors),
-            np.array(self._frames).reshape(k, system.count, 4, 3),
+            np.array(self._frames).reshape(k, system.numbering.total, 4, 3),
             np.array(self._forces).reshape(k, len(system.joints), 6),
             np.array(self._counts, dtype=np.int64),
             self._failed,
             system.info(),
-            system.frames[: system.count].copy(),
+            system.numbering.attachment.frames(system.frames).copy(),
         )
 
     def advice(self) -> str:
@@ -244,27 +244,27 @@ class _Newton:
             # quadratic convergence: the next increment is this one times the ratio squared
             if self.last * ratio**2 <= self._tolerance:
                 self._factors.append(factor)
-                self._frames.append(self.H[: system.count].copy())
+                self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))
                 self._counts.append(self.iterations)
                 return True
             previous = self.last
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
-        system.reset_stress(H)
+        system.elastic.reset_stress(H)
         return False
 
     def _iterate(self) -> None:
         system, H, zero = self.system, self.H, self._zero
         if not self._carried:
-            system.reset_stress(H)
+            system.elastic.reset_stress(H)
         system.residual(H, zero, zero, self.multipliers, self._scale, self._r)
         self.residual = float(np.abs(self._r).max(initial=0.0))
         self._fill()
         self._solver.factorise()
         self._solver.solve()
         if self._carried:
-            system.carry_stress(H, -self._dx[: 6 * system.count])
+            system.elastic.carry(H, -self._dx[: 6 * system.count])
         self.last = _advance(H, self._dx, system.held, system.length)
         self.multipliers -= self._scale * self._dx[6 * system.count :]
 

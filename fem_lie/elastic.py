@@ -1,0 +1,121 @@
+"""What a scene adds to its nodes beside inertia and joints: all assemblies, and pressure.
+
+Everything is written on all nodes and collected on those that lead.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._jit import Array, Indices
+from fem_lie.assembly import Assembly
+from fem_lie.attachment import Attachment
+from fem_lie.pressure import Pressure
+
+
+class Elastic:
+    """Sum of the assemblies, seen from the nodes that lead.
+
+    Attributes:
+        pairs: Rows and columns of the node pairs that each assembly couples, then pressure.
+        viscous: Whether there are viscous forces.
+    """
+
+    def __init__(
+        self,
+        assemblies: list[tuple[slice, Assembly]],
+        attachment: Attachment,
+        pressure: Pressure | None = None,
+    ) -> None:
+        """Find the pattern.
+
+        Args:
+            assemblies: Each with its part of all nodes.
+            attachment: Which node follows which.
+            pressure: On pairs of all nodes.
+        """
+        self._assemblies, self._attachment, self._pressure = assemblies, attachment, pressure
+        self.viscous = any(assembly.viscous for _, assembly in assemblies)
+        self._all = np.zeros((len(attachment.leader), 6))
+        # Ad(C⁻¹): twist of a node from that of its leader
+        self._turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset))
+        self._nodes = [
+            (
+                where.start + np.repeat(np.arange(assembly.count), np.diff(assembly.indptr)),
+                where.start + assembly.indices.astype(np.int64),
+            )
+            for where, assembly in assemblies
+        ]
+        if pressure is not None:
+            self._nodes.append((pressure.rows, pressure.columns))
+        leader = attachment.leader
+        self.pairs: list[tuple[Indices, Indices]] = [(leader[r], leader[c]) for r, c in self._nodes]
+
+    def add_forces(self, H: Array, r: Array) -> None:
+        """Add the elastic forces at frames ``H`` of the leaders to ``r``, (≥ 6 count,)."""
+        if self._attachment.trivial:
+            for where, assembly in self._assemblies:
+                assembly.add_forces(H[where], r[6 * where.start : 6 * where.stop])
+            if self._pressure is not None:
+                self._pressure.add_forces(H, r[: 6 * self._attachment.count].reshape(-1, 6))
+            return
+        frames, forces = self._attachment.frames(H), self._all
+        forces[:] = 0.0
+        for where, assembly in self._assemblies:
+            assembly.add_forces(frames[where], forces[where].reshape(-1))
+        if self._pressure is not None:
+            self._pressure.add_forces(frames, forces)
+        self._attachment.collect(forces, r[: 6 * self._attachment.count].reshape(-1, 6))
+
+    def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
+        """Likewise the viscous forces at twists ``v`` of the leaders."""
+        attachment, forces = self._attachment, self._all
+        frames, twists = attachment.frames(H), attachment.twists(v)
+        forces[:] = 0.0
+        for where, assembly in self._assemblies:
+            if assembly.viscous:
+                assembly.add_viscous_forces(frames[where], twists[where], forces[where].reshape(-1))
+        attachment.collect(forces, r[: 6 * attachment.count].reshape(-1, 6))
+
+    def energy(self, H: Array) -> float:
+        """Stored energy."""
+        frames = self._attachment.frames(H)
+        return sum(assembly.energy(frames[where]) for where, assembly in self._assemblies)
+
+    def tangents(self, H: Array) -> list[Array]:
+        """Blocks of the tangent for each entry of ``pairs``, with the carried stress."""
+        frames = self._attachment.frames(H)
+        blocks = [assembly.tangent(frames[where]) for where, assembly in self._assemblies]
+        if self._pressure is not None:
+            blocks.append(self._pressure.tangent(frames))
+        return [self._moved(k, part) for k, part in enumerate(blocks)]
+
+    def viscous_tangents(self, H: Array) -> list[tuple[int, Array]]:
+        """Number of the pair and blocks of the derivative of the viscous forces in the twists."""
+        frames = self._attachment.frames(H)
+        return [
+            (k, self._moved(k, assembly.viscous_tangent(frames[where])))
+            for k, (where, assembly) in enumerate(self._assemblies)
+            if assembly.viscous
+        ]
+
+    def carry(self, H: Array, h: Array) -> None:
+        """Carry all stresses on along the increment ``h`` (6 count,) made from frames ``H``."""
+        frames = self._attachment.frames(H)
+        twists = self._attachment.twists(h.reshape(-1, 6))
+        for where, assembly in self._assemblies:
+            assembly.carry(frames[where], twists[where].ravel())
+
+    def reset_stress(self, H: Array) -> None:
+        """Make all carried stresses the true ones at frames ``H``."""
+        frames = self._attachment.frames(H)
+        for where, assembly in self._assemblies:
+            assembly.reset_stress(frames[where])
+
+    def _moved(self, k: int, blocks: Array) -> Array:
+        if self._attachment.trivial:
+            return blocks
+        r, c = self._nodes[k]
+        turned: Array = self._turn[r].transpose(0, 2, 1) @ blocks @ self._turn[c]
+        return turned

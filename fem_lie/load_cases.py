@@ -1,0 +1,137 @@
+"""The loads of a scene at any time: one case for each history, on the moving nodes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._jit import Array, Indices
+from fem_lie.loads import History, Load, NodalLoad, PressureLoad, StrainLoad
+from fem_lie.nodal import Loads
+from fem_lie.numbering import Numbering
+from fem_lie.pressure import Pressure
+from fem_lie.scene import Scene
+
+
+class _Case:
+    """All loads that have one history: what they are at amplitude one."""
+
+    def __init__(self, count: int) -> None:
+        self.dead = np.zeros((count, 4, 3))
+        self.moment = np.zeros((count, 3))
+        self.following = np.zeros((count, 6))
+
+    def arrays(self) -> tuple[Array, Array, Array]:
+        """In the order of :class:`~fem_lie.nodal.Loads`."""
+        return self.dead, self.moment, self.following
+
+
+class LoadCases:
+    """Loads as functions of time.
+
+    Attributes:
+        time_dependent: Whether any load has a history.
+        pressure: All pressures, or ``None``.
+    """
+
+    def __init__(self, scene: Scene, numbering: Numbering, weight: Array) -> None:
+        """Sum up the loads of each history.
+
+        Args:
+            scene: What there is.
+            numbering: Of its nodes.
+            weight: Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3).
+        """
+        self._numbering, self._weight = numbering, weight
+        self._histories: list[History | None] = [None]
+        self._first = [0]  # number of the first load with that history, for messages
+        case_of: list[int] = []
+        for number, load in enumerate(scene.loads):
+            if load.history not in self._histories:
+                self._histories.append(load.history)
+                self._first.append(number)
+            case_of.append(self._histories.index(load.history))
+        count = numbering.count
+        self._cases = [_Case(count) for _ in self._histories]
+        self._cases[0].dead += weight
+        self._strains: list[tuple[int, int, Array]] = []
+        self._pushes: list[tuple[int, slice, Array]] = []
+        pieces: list[Indices] = [np.empty((0, 2), dtype=np.int64)]
+        for case, load in zip(case_of, scene.loads, strict=True):
+            if isinstance(load, NodalLoad):
+                self._add_nodal(self._cases[case], load)
+            elif isinstance(load, StrainLoad):
+                self._strains.append((case, *self._in_assembly(load)))
+            elif isinstance(load, PressureLoad):
+                pairs = self._pieces(load)
+                first = sum(len(p) for p in pieces)
+                self._pushes.append((case, slice(first, first + len(pairs)), load.across()))
+                pieces.append(pairs)
+        self.pressure = Pressure(np.concatenate(pieces)) if self._pushes else None
+        self.time_dependent = len(self._histories) > 1
+        self._last: Array | None = None
+
+    def _add_nodal(self, case: _Case, load: NodalLoad) -> None:
+        """A force fixed in space is a force on ``q``, wherever its node follows its leader."""
+        attachment = self._numbering.attachment
+        nodes = self._numbering.nodes[load.body]
+        leaders, values = attachment.leader[nodes], load.nodal()
+        if load.following:
+            turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[nodes]))
+            np.add.at(case.following, leaders, np.einsum("nji,nj->ni", turn, values))
+        else:
+            place = attachment.linear()[nodes, 0]
+            np.add.at(case.dead, leaders, np.einsum("na,nj->naj", place, values[:, :3]))
+            np.add.at(case.moment, leaders, values[:, 3:])
+
+    def _in_assembly(self, load: Load) -> tuple[int, Array]:
+        """Number of the load's assembly and the strain of all cells there, shape (M, 6)."""
+        assert isinstance(load, StrainLoad)
+        for number, members in enumerate(self._numbering.members):
+            if load.body in members:
+                strains = [
+                    load.strains() if body is load.body else np.zeros((len(body.cells_of()), 6))
+                    for body in members
+                ]
+                return number, np.concatenate(strains)
+        raise AssertionError("a load on a body that is not in the scene")
+
+    def _pieces(self, load: PressureLoad) -> Indices:
+        """Pairs of successive nodes on the loaded elements, in the numbering of all nodes."""
+        beam = load.body
+        elements = beam.elements[beam.cells_of(load.cells)]
+        along = elements[:, [0, *range(2, elements.shape[1]), 1]]
+        pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
+        return self._numbering.nodes[beam][pairs]
+
+    def at(self, time: float, factor: float) -> Loads:
+        """Loads at ``time``; those without history, and gravity, times ``factor``.
+
+        Raises:
+            ValueError: A history is not finite.
+        """
+        amplitude = np.array([factor if h is None else h(time) for h in self._histories])
+        amplitude = amplitude.astype(np.float64)
+        if not np.isfinite(amplitude).all():
+            k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
+            raise ValueError(
+                f"the history of load {self._first[k] + 1} is {amplitude[k]} at time {time:g}"
+            )
+        if self._last is None or (amplitude != self._last).any():
+            self._set_strains(amplitude)
+            if self.pressure is not None:
+                for case, where, across in self._pushes:
+                    self.pressure.across[where] = amplitude[case] * across
+            self._last = amplitude
+        if len(amplitude) == 1 and factor == 1.0:
+            return Loads(*self._cases[0].arrays())
+        loads = Loads(*(np.zeros_like(array) for array in self._cases[0].arrays()))
+        for a, part in zip(amplitude, self._cases, strict=True):
+            for total, array in zip(loads, part.arrays(), strict=True):
+                total += a * array
+        return loads
+
+    def _set_strains(self, amplitude: Array) -> None:
+        for number in dict.fromkeys(number for _, number, _ in self._strains):
+            total = sum(amplitude[c] * strain for c, n, strain in self._strains if n == number)
+            self._numbering.assemblies[number][1].set_eigenstrain(np.asarray(total))
