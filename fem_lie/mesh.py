@@ -200,7 +200,8 @@ def curve(
 
 def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
     """Narrow down where the curve turns most: on a smooth one the turn shrinks with the length."""
-    for a, b in pairwise(s.tolist()):
+    ends: list[float] = s.tolist()
+    for a, b in pairwise(ends):
         # half a cell further on each side, or a kink at a node is not seen
         low, high = max(0.0, 1.5 * a - 0.5 * b), min(1.0, 1.5 * b - 0.5 * a)
         turn = _turn(function, low, high)
