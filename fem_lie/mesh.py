@@ -194,14 +194,13 @@ def curve(
     speed = np.linalg.norm(along, axis=1, keepdims=True)
     if not speed.min() > 1e-10 * speed.max():
         raise ValueError(f"the curve has no tangent at s = {s[speed.argmin()]:g}")
-    _refuse_kinks(function, s)
+    _refuse_kinks(function, np.asarray(s, dtype=np.float64))
     return _chain(points, along / speed)
 
 
 def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
     """Narrow down where the curve turns most: on a smooth one the turn shrinks with the length."""
-    ends: list[float] = s.tolist()
-    for a, b in pairwise(ends):
+    for a, b in pairwise(float(si) for si in s):
         # half a cell further on each side, or a kink at a node is not seen
         low, high = max(0.0, 1.5 * a - 0.5 * b), min(1.0, 1.5 * b - 0.5 * a)
         turn = _turn(function, low, high)
