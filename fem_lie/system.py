@@ -326,10 +326,14 @@ class System:
                 H, still, still, *self._damping, self._place_inertia, damping, 0.0, self._A, self._K
             )
 
-    def fill_mass_matrix(self, H: Array) -> None:
-        """Mass matrix bordered by the constraints, without scaling, into the KKT."""
+    def fill_start_matrix(self, H: Array, stiffness: float) -> None:
+        """``M + stiffness · K_elastic`` bordered by the unscaled constraints, into the KKT."""
         self._A[:] = 0.0
         self._K[:] = 0.0
+        if stiffness > 0.0:
+            self.elastic.reset_stress(H)
+            for place, blocks in zip(self._place_elastic, self.elastic.tangents(H), strict=True):
+                add_blocks(self._A, place, stiffness * blocks)
         still = np.zeros((self.count, 6))
         inertia.tangents(
             H,

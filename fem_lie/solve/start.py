@@ -94,7 +94,8 @@ def accelerations(
     rate[n + 1 :] = driven
     constraints.rates(H, rate, system.table, drive, first)
     r[6 * n :] = second + drive
-    system.fill_mass_matrix(H)
+    # modes that the step does not resolve would start with accelerations that mean nothing to it
+    system.fill_start_matrix(H, 0.25 * step**2)
     try:
         solver.factorise()
     except SingularMatrixError as error:

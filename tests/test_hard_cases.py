@@ -1,0 +1,204 @@
+"""Numerical stability: each case converges to its reference, or fails with the announced error."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import fem_lie as fl
+
+FORMULATIONS = {"geodesic": fl.Geodesic(), "geodesic, plain": fl.Geodesic(False)}
+formulations = pytest.mark.parametrize("formulation", FORMULATIONS.values(), ids=FORMULATIONS)
+MATERIAL = fl.Material(E=70e9, nu=0.3, density=2700.0)
+
+
+def cantilever(section, cells=8, length=1.0, **options):
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells, **options))
+    scene.add(fl.Clamp(beam.start))
+    return scene, beam
+
+
+@formulations
+@pytest.mark.parametrize("slenderness", [1e1, 1e3, 1e5])
+@pytest.mark.parametrize("load_steps", [1, 4])
+def test_roll_up_to_a_full_circle_at_any_slenderness(formulation, slenderness, load_steps):
+    """In one load step every section past the middle turns by more than π."""
+    EI, EA = 1.0, slenderness**2
+    section = fl.Section.from_stiffness([EA, EA / 3, EA / 3, EI, EI, EI])
+    scene, beam = cantilever(section, formulation=formulation)
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 2 * np.pi * EI)))
+    result = fl.statics(scene, load_steps=load_steps)
+    np.testing.assert_allclose(result.position(beam.end)[-1], 0.0, atol=1e-9)
+    assert result.failed_iterations == 0
+
+
+@formulations
+def test_two_turns_in_one_load_step(formulation):
+    section = fl.Section.from_stiffness([1e4, 1e4, 1e4, 1.0, 1.0, 1.0])
+    scene, beam = cantilever(section, cells=16, formulation=formulation)
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, 4 * np.pi)))
+    result = fl.statics(scene)
+    middle = result.position(beam.node(4))[-1]  # half a turn: opposite to the clamp
+    np.testing.assert_allclose(middle, (0, 1 / (2 * np.pi), 0), atol=1e-9)
+
+
+@pytest.mark.parametrize("order", ["soft first", "stiff first"])
+@pytest.mark.parametrize("ratio", [1e3, 1e6])
+def test_stiffness_ratio_between_neighbours(ratio, order):
+    """Large deflections; the stiff half stays straight and turns with the end of the soft one."""
+    soft = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
+    stiff = fl.Section.from_stiffness(ratio * np.array([1e6, 1e6, 1e6, 1.0, 1.0, 1.0]))
+    points = np.linspace((0, 0, 0), (1, 0, 0), 9)
+    halves = {"first": [0, 1, 2, 3], "second": [4, 5, 6, 7]}
+    cells = [(i, i + 1) for i in range(8)]
+    mesh = fl.LineMesh.from_cells(
+        points, cells, groups=halves, named_points={"start": [0], "end": [8]}
+    )
+    first, second = (soft, stiff) if order == "soft first" else (stiff, soft)
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, {"first": first, "second": second}))
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, np.pi)))
+    tip = fl.statics(scene).position(beam.end)[-1]
+    # half a length bends to a quarter of a turn with radius 1/π
+    arc = np.array([1 / np.pi, 1 / np.pi, 0])
+    straight = np.array([0, 0.5, 0]) if order == "soft first" else np.array([0.5, 0, 0])
+    np.testing.assert_allclose(tip, arc + straight, atol=3 / ratio)
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 1e6])
+def test_mass_ratio_of_a_double_pendulum(ratio):
+    """Two point-like bodies in a plane, against the equations in angles.
+
+    The heavy body tightens the chain, in which the light one then vibrates with up to 5000 rad/s.
+    """
+    masses, length, g = np.array([1.0, ratio]), 1.0, 9.81
+    scene = fl.Scene(gravity=(0, 0, -g))
+    bodies = [
+        scene.add(fl.RigidBody(m, np.full(3, 1e-6 * m), position=(k + 1.0, 0, 0)))
+        for k, m in enumerate(masses)
+    ]
+    scene.add(fl.Spherical(fl.ground(), bodies[0].centre, at=(0, 0, 0)))
+    scene.add(fl.Spherical(bodies[0].centre, bodies[1].centre, at=(1, 0, 0)))
+    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=1e-4)
+
+    def rates(t, y):
+        a, b, wa, wb = y  # angles below the horizontal
+        m1, m2 = masses
+        M = np.array(
+            [[m1 + m2, m2 * np.cos(a - b)], [m2 * np.cos(a - b), m2]]
+        ) * length + 1e-6 * np.diag(masses)
+        f = np.array(
+            [
+                -m2 * length * wb**2 * np.sin(a - b) + (m1 + m2) * g * np.cos(a),
+                m2 * length * wa**2 * np.sin(a - b) + m2 * g * np.cos(b),
+            ]
+        )
+        return [wa, wb, *np.linalg.solve(M, f)]
+
+    a, b = solve_ivp(rates, (0, 0.2), np.zeros(4), method="Radau", rtol=1e-8, atol=1e-10).y[:2, -1]
+    tip = [np.cos(a) + np.cos(b), 0, -np.sin(a) - np.sin(b)]
+    np.testing.assert_allclose(result.position(bodies[1].centre)[-1], tip, atol=1e-6)
+
+
+def test_beam_that_spins_about_its_axis():
+    """150 rad/s about e₁ is steady: nothing may happen, and one matrix must do."""
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.02, 0.02, MATERIAL)
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=6))
+    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(1, 0, 0)))
+    beam.turn((150, 0, 0), about=(0, 0, 0))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.05, step=1e-3)
+    assert np.abs(result.position(beam.end) - (0.5, 0, 0)).max() < 1e-9
+    np.testing.assert_allclose(result.velocity(beam.end)[:, 3], 150, rtol=1e-9)
+    assert result.factorisations == 1
+
+
+@pytest.mark.parametrize("exponent", range(-7, 0))
+def test_step_sizes(exponent):
+    """Ten steps of a stiff pendulum that turns at one rate: the solution is a rigid rotation."""
+    h = 10.0**exponent
+    omega = 0.1
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.05, 0.05, MATERIAL)
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
+    scene.add(fl.Spherical(fl.ground(), beam.start))
+    beam.turn((0, 0, omega), about=(0, 0, 0))
+    result = fl.GeneralisedAlpha().run(scene, duration=10 * h, step=h)
+    angle = 10 * h * omega
+    # the bar stretches by ρω²L³/3E = 1e-10 under its centrifugal force
+    np.testing.assert_allclose(
+        result.position(beam.end)[-1], (np.cos(angle), np.sin(angle), 0), atol=3e-10
+    )
+    assert np.abs(result.position(beam.start)).max() < 1e-12
+
+
+@formulations
+@pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-8])
+def test_nearly_coincident_nodes(formulation, gap):
+    """One cell is ``gap`` long: the roll-up still closes, and bends everywhere alike."""
+    x = np.sort([0, 0.2, 0.5, 0.5 + gap, 0.8, 1.0])
+    points = np.column_stack([x, 0 * x, 0 * x])
+    ends = {"start": [0], "end": [5]}
+    mesh = fl.LineMesh.from_cells(points, [(i, i + 1) for i in range(5)], named_points=ends)
+    section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, section, formulation=formulation))
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.PointLoad(beam.end, moment=(0, 0, np.pi)))
+    tip = fl.statics(scene, load_steps=2).position(beam.end)[-1]
+    # strain in the short cell is a difference of positions, good to 1e-16, over the gap
+    np.testing.assert_allclose(tip, (0, 2 / np.pi, 0), atol=max(1e-9, 1e-15 / gap))
+
+
+def deflected(unit):
+    """Tip of a bar, in multiples of its length: in equilibrium, and after a hundred steps."""
+    section = fl.Section.rectangle(0.02 * unit, 0.01 * unit, MATERIAL)
+    scene, beam = cantilever(section, length=unit)
+    EI = MATERIAL.E * 0.02 * 0.01**3 / 12 * unit**4
+    scene.add(fl.PointLoad(beam.end, force=(0, 0, 0.2 * EI / unit**2)))
+    static = fl.statics(scene)
+    # time scales with length, as the speed of sound is that of the material
+    swing = fl.GeneralisedAlpha().run(scene, duration=0.02 * unit, step=2e-4 * unit)
+    return [result.position(beam.end)[-1] / unit for result in (static, swing)]
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e3])
+def test_micrometres_and_kilometres_give_the_same_picture(unit):
+    np.testing.assert_allclose(deflected(unit), deflected(1.0), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-13, 1e-15])
+def test_coincident_nodes_fail_with_the_announced_error(gap):
+    """Strain would be round-off: no equilibrium at 1e-13, no mesh at 1e-15 of its size."""
+    x = np.array([0, 1 / 3, 1 / 3 + gap, 1.0])
+    points = np.column_stack([x, 0 * x, 0 * x])
+
+    def solve():
+        mesh = fl.LineMesh.from_cells(points, [(0, 1), (1, 2), (2, 3)])
+        section = fl.Section.from_stiffness([1e6, 1e6, 1e6, 1.0, 1.0, 1.0])
+        scene = fl.Scene()
+        beam = scene.add(fl.Beam(mesh, section, formulation=fl.Geodesic(False)))
+        scene.add(fl.Clamp(beam.node(0)))
+        scene.add(fl.PointLoad(beam.node(3), moment=(0, 0, np.pi)))
+        fl.statics(scene, load_steps=2)
+
+    error, message = (
+        (ValueError, "no length") if gap < 1e-14 else (fl.ConvergenceError, "no equilibrium")
+    )
+    with pytest.raises(error, match=message):
+        solve()
+
+
+def test_unresolved_vibrations_fail_with_the_announced_error():
+    """A step of hundreds of axial periods on a violent motion: a clear error, with the states."""
+    scene = fl.Scene()
+    section = fl.Section.rectangle(5e-3, 5e-3, MATERIAL)
+    one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, cells=10))
+    two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, cells=10))
+    scene.add(fl.Spherical(fl.ground(), one.start))
+    scene.add(fl.Spherical(one.end, two.start))
+    two.turn((3, 0, -4), about=two.start)
+    with pytest.raises(fl.ConvergenceError, match="smaller step") as info:
+        fl.GeneralisedAlpha().run(scene, duration=1.0, step=2e-2)
+    assert info.value.result.times[0] == 0.0
