@@ -6,7 +6,7 @@ load is constant in dynamics and proportional to the load factor in statics.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,24 @@ from fem_lie._jit import Array
 from fem_lie.bodies import Body, Point, vector
 
 History = Callable[[float], float]
+
+
+def amplitudes(histories: Mapping[int, History], times: Sequence[float] | Array) -> Array:
+    """Factors at all ``times``, shape (T, k), of k loads; keys are their numbers in the scene.
+
+    Raises:
+        ValueError: One of them is not finite; the message names load and time.
+    """
+    if not histories:
+        return np.zeros((len(times), 0))
+    values = [[history(float(time)) for history in histories.values()] for time in times]
+    factors = np.array(values, dtype=np.float64).reshape(len(times), len(histories))
+    if not np.isfinite(factors).all():
+        t, k = np.argwhere(~np.isfinite(factors))[0]
+        raise ValueError(
+            f"the history of load {list(histories)[k] + 1} is {factors[t, k]} at time {times[t]:g}"
+        )
+    return factors
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +151,11 @@ class PrescribedMotion:
 
 
 Load = PointLoad | LineLoad
+
+
+def histories(loads: Sequence[Load]) -> dict[int, History]:
+    """Those of the loads that have one, by the loads' numbers."""
+    return {k: load.history for k, load in enumerate(loads) if load.history is not None}
 
 
 def _zeros(body: Body) -> Array:

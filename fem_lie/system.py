@@ -21,6 +21,7 @@ from fem_lie.constraints import JointTable
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
+from fem_lie.loads import amplitudes, histories
 from fem_lie.nodal import (
     Inertia,
     Loads,
@@ -33,6 +34,15 @@ from fem_lie.nodal import (
 from fem_lie.numbering import Numbering
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
+
+
+def refuse_ranks() -> None:
+    """Raise ``ValueError`` if there is more than one rank."""
+    if MPI.COMM_WORLD.size > 1:
+        raise ValueError(
+            f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
+            "local_frame_forms run on any number"
+        )
 
 
 class System:
@@ -57,11 +67,7 @@ class System:
         Raises:
             ValueError: More than one rank; no body; no inertia though needed; redundant joints.
         """
-        if MPI.COMM_WORLD.size > 1:
-            raise ValueError(
-                f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
-                "local_frame_forms run on any number"
-            )
+        refuse_ranks()
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
@@ -143,13 +149,13 @@ class System:
         q[:, 0] = scene.gravity
         self._weight = np.zeros_like(q)
         inertia.multiply(*self.inertia, q, self._weight)
-        self._histories = [load.history for load in scene.loads]
+        self._histories = histories(scene.loads)
         shape = (len(scene.loads), self.count, 6)
         self._dead_cases, self._following_cases = np.zeros(shape), np.zeros(shape)
         for k, load in enumerate(scene.loads):
             target = self._following_cases if load.following else self._dead_cases
             np.add.at(target[k], self.numbering.nodes[load.body], load.nodal())
-        self.time_dependent = any(h is not None for h in self._histories) or bool(self._motions)
+        self.time_dependent = bool(self._histories) or bool(self._motions)
 
     def set_time(self, time: float, factor: float = 1.0) -> None:
         """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
@@ -157,12 +163,9 @@ class System:
         Raises:
             ValueError: A history or motion is not finite.
         """
-        amplitude = np.array(
-            [factor if h is None else h(time) for h in self._histories], dtype=float
-        )
-        if not np.isfinite(amplitude).all():
-            k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
-            raise ValueError(f"the history of load {k + 1} is {amplitude[k]} at time {time:g}")
+        amplitude = np.full(len(self.scene.loads), factor)
+        if self._histories:
+            amplitude[list(self._histories)] = amplitudes(self._histories, [time])[0]
         self.loads = Loads(
             factor * self._weight,
             np.tensordot(amplitude, self._dead_cases, 1),
