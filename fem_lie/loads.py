@@ -18,20 +18,21 @@ from fem_lie.bodies import Body, Point, vector
 History = Callable[[float], float]
 
 
-def amplitudes(histories: Mapping[int, History], times: Sequence[float] | Array) -> Array:
-    """Factors at all ``times``, shape (T, k), of k loads; keys are their numbers in the scene.
+def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
+    """Factors at ``times`` (T,), shape (T, k), of k loads; keys are their numbers in the scene.
 
     Raises:
         ValueError: One of them is not finite; the message names load and time.
     """
+    at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
     if not histories:
-        return np.zeros((len(times), 0))
-    values = [[history(float(time)) for history in histories.values()] for time in times]
-    factors = np.array(values, dtype=np.float64).reshape(len(times), len(histories))
+        return np.zeros((len(at), 0))
+    values = [[history(time) for history in histories.values()] for time in map(float, at)]
+    factors = np.array(values, dtype=np.float64).reshape(len(at), len(histories))
     if not np.isfinite(factors).all():
         t, k = np.argwhere(~np.isfinite(factors))[0]
         raise ValueError(
-            f"the history of load {list(histories)[k] + 1} is {factors[t, k]} at time {times[t]:g}"
+            f"the history of load {list(histories)[k] + 1} is {factors[t, k]} at time {at[t]:g}"
         )
     return factors
 

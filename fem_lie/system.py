@@ -165,7 +165,7 @@ class System:
         """
         amplitude = np.full(len(self.scene.loads), factor)
         if self._histories:
-            amplitude[list(self._histories)] = amplitudes(self._histories, [time])[0]
+            amplitude[list(self._histories)] = amplitudes(self._histories, time)[0]
         self.loads = Loads(
             factor * self._weight,
             np.tensordot(amplitude, self._dead_cases, 1),

@@ -244,7 +244,7 @@ class _Run:
         residual = float(np.abs(self.r).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         return scheme.failure(
-            self._index, steps, self.p, limit, self._increment, residual, tolerance
+            self._index, steps, self.p.h, limit, self._increment, residual, tolerance
         )
 
     def _step(self) -> int:

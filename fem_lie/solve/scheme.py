@@ -54,17 +54,17 @@ def parameters(radius: float, step: float, length: float) -> Scheme:
 def failure(
     index: int,
     steps: int,
-    scheme: Scheme,
+    step: float,
     limit: int,
     increment: float,
     residual: float,
-    tol: float,
+    tolerance: float,
 ) -> str:
     """What to say of a step that failed."""
     return (
-        f"step {index} of {steps} (time {index * scheme.h:g}) did not converge in {limit} "
-        f"iterations: last increment {increment:.2e}, residual {residual:.2e}, tolerance {tol:g}. "
-        "Try a smaller step, a larger tolerance, or policy=EveryIteration()"
+        f"step {index} of {steps} (time {index * step:g}) did not converge in {limit} iterations: "
+        f"last increment {increment:.2e}, residual {residual:.2e}, tolerance {tolerance:g}. Try a "
+        "smaller step, a larger tolerance, or policy=EveryIteration()"
     )
 
 
