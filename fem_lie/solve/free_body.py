@@ -120,7 +120,7 @@ def _columns(
 
 
 @compiled
-def _factorise(
+def factorise(
     parameters: tuple[float, ...],
     group: int,
     m: float,
@@ -177,7 +177,7 @@ def make_step(
         translation, turning = residual(group, m, J, f, H, H1, v1, vdot1)
         due = memory[3] >= cost if iteration == 1 else (iteration - 1) % patience == 0
         if due:
-            _factorise(parameters, group, m, J, f, H, H1, v1, d, kept)
+            factorise(parameters, group, m, J, f, H, H1, v1, d, kept)
             memory[2], memory[3] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
