@@ -27,7 +27,7 @@ and a moment of the same numbers in kN m. The paper gives neither mass nor frame
 off-diagonal entries of J. Reference: DOP853 to 11 digits, restarted at every kink of |sin|.
 
 --case dzhanibekov. J = diag(1, 2, 3) kg m2, omega = (0.01, 2, 0.01) rad/s: turning about the middle
-axis is unstable, and the body turns over every nine seconds. Reference: DOP853 to 9 digits.
+axis is unstable, and the body turns over every eleven seconds. Reference: DOP853 to 9 digits.
 """
 
 from __future__ import annotations
