@@ -6,7 +6,15 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._jit import Array, Indices
-from fem_lie.loads import History, Load, NodalLoad, PressureLoad, StrainLoad
+from fem_lie.loads import (
+    History,
+    Load,
+    NodalLoad,
+    PressureLoad,
+    StrainLoad,
+    amplitudes,
+    histories,
+)
 from fem_lie.nodal import Loads
 from fem_lie.numbering import Numbering
 from fem_lie.pressure import Pressure
@@ -43,32 +51,31 @@ class LoadCases:
             weight: Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3).
         """
         self._numbering, self._weight = numbering, weight
-        self._histories: list[History | None] = [None]
-        self._first = [0]  # number of the first load with that history, for messages
-        case_of: list[int] = []
-        for number, load in enumerate(scene.loads):
-            if load.history not in self._histories:
-                self._histories.append(load.history)
-                self._first.append(number)
-            case_of.append(self._histories.index(load.history))
+        # equal histories are one, under the number of the first load that has it
+        distinct: dict[History, int] = {}
+        for number, history in histories(scene.loads).items():
+            distinct.setdefault(history, number)
+        self._histories = {number: history for history, number in distinct.items()}
+        case = {None: 0} | {history: 1 + k for k, history in enumerate(distinct)}
+        case_of = [case[load.history] for load in scene.loads]
         count = numbering.count
-        self._cases = [_Case(count) for _ in self._histories]
+        self._cases = [_Case(count) for _ in range(1 + len(distinct))]
         self._cases[0].dead += weight
         self._strains: list[tuple[int, int, Array]] = []
         self._pushes: list[tuple[int, slice, Array]] = []
         pieces: list[Indices] = [np.empty((0, 2), dtype=np.int64)]
-        for case, load in zip(case_of, scene.loads, strict=True):
+        for number, load in zip(case_of, scene.loads, strict=True):
             if isinstance(load, NodalLoad):
-                self._add_nodal(self._cases[case], load)
+                self._add_nodal(self._cases[number], load)
             elif isinstance(load, StrainLoad):
-                self._strains.append((case, *self._in_assembly(load)))
+                self._strains.append((number, *self._in_assembly(load)))
             elif isinstance(load, PressureLoad):
                 pairs = self._pieces(load)
                 first = sum(len(p) for p in pieces)
-                self._pushes.append((case, slice(first, first + len(pairs)), load.across()))
+                self._pushes.append((number, slice(first, first + len(pairs)), load.across()))
                 pieces.append(pairs)
         self.pressure = Pressure(np.concatenate(pieces)) if self._pushes else None
-        self.time_dependent = len(self._histories) > 1
+        self.time_dependent = bool(distinct)
         self._last: Array | None = None
 
     def _add_nodal(self, case: _Case, load: NodalLoad) -> None:
@@ -110,13 +117,7 @@ class LoadCases:
         Raises:
             ValueError: A history is not finite.
         """
-        amplitude = np.array([factor if h is None else h(time) for h in self._histories])
-        amplitude = amplitude.astype(np.float64)
-        if not np.isfinite(amplitude).all():
-            k = int(np.flatnonzero(~np.isfinite(amplitude))[0])
-            raise ValueError(
-                f"the history of load {self._first[k] + 1} is {amplitude[k]} at time {time:g}"
-            )
+        amplitude = np.concatenate([[factor], amplitudes(self._histories, time)[0]])
         if self._last is None or (amplitude != self._last).any():
             self._set_strains(amplitude)
             if self.pressure is not None:

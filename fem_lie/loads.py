@@ -10,7 +10,7 @@ space is a constant force on ``q = (x, d₁, d₂, d₃)``.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,25 @@ from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, vector
 
 History = Callable[[float], float]
+
+
+def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
+    """Factors at ``times`` (T,), shape (T, k), of k loads; keys are their numbers in the scene.
+
+    Raises:
+        ValueError: One of them is not finite; the message names load and time.
+    """
+    at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
+    if not histories:
+        return np.zeros((len(at), 0))
+    values = [[history(time) for history in histories.values()] for time in map(float, at)]
+    factors = np.array(values, dtype=np.float64).reshape(len(at), len(histories))
+    if not np.isfinite(factors).all():
+        t, k = np.argwhere(~np.isfinite(factors))[0]
+        raise ValueError(
+            f"the history of load {list(histories)[k] + 1} is {factors[t, k]} at time {at[t]:g}"
+        )
+    return factors
 
 
 class Load(ABC):
@@ -336,3 +355,8 @@ class PrescribedMotion:
                 f"the motion of {self.point.label} must start at its frame\n{self.point.frame},\n"
                 f"got\n{start}"
             )
+
+
+def histories(loads: Sequence[Load]) -> dict[int, History]:
+    """Those of the loads that have one, by the loads' numbers."""
+    return {k: load.history for k, load in enumerate(loads) if load.history is not None}

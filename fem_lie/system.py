@@ -38,6 +38,15 @@ from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 
 
+def refuse_ranks() -> None:
+    """Raise ``ValueError`` if there is more than one rank."""
+    if MPI.COMM_WORLD.size > 1:
+        raise ValueError(
+            f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
+            "local_frame_forms run on any number"
+        )
+
+
 class System:
     """The equations of a scene.
 
@@ -60,11 +69,7 @@ class System:
         Raises:
             ValueError: More than one rank; no body; no inertia though needed; redundant joints.
         """
-        if MPI.COMM_WORLD.size > 1:
-            raise ValueError(
-                f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
-                "local_frame_forms run on any number"
-            )
+        refuse_ranks()
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene

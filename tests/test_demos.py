@@ -82,11 +82,45 @@ def test_double_pendulum_in_two_policies():
     np.testing.assert_allclose(tip(kept), tip(full), rtol=0, atol=1e-8)
 
 
+def test_free_rigid_body():
+    record = main("free_rigid_body", bodies=10)
+    assert record["rotation_error"] <= 1.2e-5
+    assert record["order"] >= 1.95
+    assert record["energy_error"] <= 1e-7
+    assert record["angular_momentum_error"] <= 1e-6
+    assert record["iterations_per_step"] <= 2.5
+    assert record["microseconds_per_step"] > 0
+    assert record["microseconds_per_body_and_step"] > 0
+
+
+def test_free_rigid_body_of_the_paper():
+    """Second order in spite of the kinks of its loads."""
+    coarse, fine = (main("free_rigid_body", case="paper", step=h) for h in (1e-3, 2.5e-4))
+    for name, bound in (
+        ("rotation_error", 1e-4),
+        ("angular_velocity_error", 1e-3),
+        ("velocity_error", 5e-3),
+        ("position_error", 1e-3),
+    ):
+        assert coarse[name] <= bound
+        assert fine[name] <= coarse[name] / 10.0
+
+
+def test_free_rigid_body_about_its_middle_axis():
+    record = main("free_rigid_body", case="dzhanibekov", step=1e-3)
+    assert record["rotation_error"] <= 2e-5
+    assert record["angular_velocity_error"] <= 2e-5
+    assert record["energy_error"] <= 1e-6
+    assert record["angular_momentum_error"] <= 2e-6
+
+
 def test_bad_options():
     with pytest.raises(ValueError, match="case must be 1, 2 or 3, got 4"):
         main("double_pendulum", case=4)
     with pytest.raises(ValueError, match=r"policy must be one of automatic, .*, got 'often'"):
         main("double_pendulum", policy="often")
+    with pytest.raises(ValueError, match=r"case must be symmetric, paper or .*, got 'heavy'"):
+        main("free_rigid_body", case="heavy")
 
 
 def test_command_line(tmp_path):

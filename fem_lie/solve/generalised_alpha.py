@@ -22,6 +22,7 @@ from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.results import Result
 from fem_lie.scene import Scene
+from fem_lie.solve import free_bodies, scheme
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
@@ -30,24 +31,7 @@ from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 
-ROTATION = 0.1
-"""A rotation counts in the size of an increment as a displacement of this part of the model."""
-
-_ROUND_OFF = 1e-15  # increments below are round-off, whatever their ratio
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
-
-
-class _Scheme(NamedTuple):
-    """Parameters of a run; ``mass`` and ``damping`` are ∂v̇₁/∂d and ∂v₁/∂d."""
-
-    h: float
-    am: float
-    af: float
-    gamma: float
-    beta: float
-    mass: float
-    damping: float
-    length: float
 
 
 class _State(NamedTuple):
@@ -67,46 +51,35 @@ class _State(NamedTuple):
 
 
 @compiled
-def _predict(scheme: tuple[float, ...], state: tuple[Array, ...]) -> float:
-    """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
-    h, am, _, gamma, beta, _, _, length = scheme
+def _predict(parameters: tuple[float, ...], state: tuple[Array, ...]) -> float:
+    """Start a step; returns the size of the motion, see :data:`scheme.ROTATION`."""
     H, v, vdot, a, d, H1, v1, vdot1 = state
     largest = 0.0
     for i in range(d.shape[0]):
-        for k in range(6):
-            vdot1[i, k] = vdot[i, k]
-            a1 = (vdot[i, k] - am * a[i, k]) / (1.0 - am)
-            d[i, k] = h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1)
-            v1[i, k] = v[i, k] + h * ((1.0 - gamma) * a[i, k] + gamma * a1)
-            size = abs(d[i, k])
-            largest = max(largest, size / length if k < 3 else ROTATION * size)
-        lie.retract(H[i], d[i], H1[i])
+        size = scheme.predict(
+            parameters, scheme.SE3, H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i]
+        )
+        largest = max(largest, size)
     return largest
 
 
 @compiled
 def _correct(
-    scheme: tuple[float, ...],
+    parameters: tuple[float, ...],
     state: tuple[Array, ...],
     dx: Array,
     scale: Array,
     measure: Array,
     weights: Array,
 ) -> float:
-    """Apply a Newton correction; returns its size, see :data:`ROTATION`."""
-    _, _, _, _, _, mass, damping, length = scheme
+    """Apply a Newton correction; returns its size, see :data:`scheme.ROTATION`."""
     H, _, _, _, d, H1, v1, vdot1 = state
     largest = 0.0
     for i in range(d.shape[0]):
-        for k in range(6):
-            x = dx[6 * i + k]
-            d[i, k] -= x
-            v1[i, k] -= damping * x
-            vdot1[i, k] -= mass * x
-            size = abs(x) / length if k < 3 else ROTATION * abs(x)
-            if size > largest or size != size:  # nan stays
-                largest = size
-        lie.retract(H[i], d[i], H1[i])
+        part = dx[6 * i : 6 * i + 6]
+        size = scheme.correct(parameters, scheme.SE3, part, H[i], d[i], H1[i], v1[i], vdot1[i])
+        if size > largest or size != size:  # nan stays
+            largest = size
     at = 6 * d.shape[0]
     for c in range(weights.shape[0]):
         weights[c] -= scale[c] * dx[at + c]
@@ -118,23 +91,20 @@ def _correct(
 
 
 @compiled
-def _accept(scheme: tuple[float, ...], state: tuple[Array, ...]) -> None:
+def _accept(parameters: tuple[float, ...], state: tuple[Array, ...]) -> None:
     """Make the end of the step the start of the next."""
-    _, am, af, _, _, _, _, _ = scheme
-    H, v, vdot, a, d, H1, v1, vdot1 = state
-    for i in range(d.shape[0]):
-        for k in range(6):
-            rate = (1.0 - af) * vdot1[i, k] + af * vdot[i, k]
-            a[i, k] = (rate - am * a[i, k]) / (1.0 - am)
-            v[i, k] = v1[i, k]
-            vdot[i, k] = vdot1[i, k]
-        lie.reorthonormalise(H1[i])
+    H, v, vdot, a, _, H1, v1, vdot1 = state
+    for i in range(a.shape[0]):
+        scheme.accept(parameters, scheme.SE3, H[i], v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
     H[:] = H1  # with the prescribed frames
 
 
 @dataclass(frozen=True)
 class GeneralisedAlpha:
     """Options of the scheme; :meth:`run` integrates.
+
+    Scenes of rigid bodies alone, without joints, clamps and motions, need no matrix of the scene:
+    they go through one compiled loop, see :mod:`fem_lie.solve.free_bodies`.
 
     Attributes:
         radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
@@ -190,6 +160,9 @@ class GeneralisedAlpha:
             raise ValueError(f"duration {duration} is not a multiple of the step {step}")
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
+        if free_bodies.applies(scene, self.policy):
+            _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
+            return free_bodies.Run(self, scene, step).integrate(steps, save_every, progress)
         run = _Run(self, System(scene, dynamics=True), step)
         return run.integrate(Recorder(run.system, steps, step, save_every, progress))
 
@@ -197,22 +170,17 @@ class GeneralisedAlpha:
 class _Run:
     """State of one integration."""
 
-    def __init__(self, scheme: GeneralisedAlpha, system: System, step: float) -> None:
-        rho = scheme.radius
-        am, af = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-        gamma = 0.5 + af - am
-        beta = 0.25 * (gamma + 0.5) ** 2
-        mass, damping = (1 - am) / (step**2 * beta * (1 - af)), gamma / (step * beta)
-        self.options, self.system = scheme, system
-        self.p = _Scheme(step, am, af, gamma, beta, mass, damping, system.length)
-        self.policy = scheme.policy.fresh()
+    def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
+        self.options, self.system = options, system
+        self.p = scheme.parameters(options.radius, step, system.length)
+        self.policy = options.policy.fresh()
         H, v, zero = system.frames, system.velocities, np.zeros((system.count, 6))
         self.s = _State(*(x.copy() for x in (H, v, zero, zero, zero, H, v, zero)))
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         turns = ~system.table.selection[:, :3].any(axis=1)
-        self.measure = np.where(turns, ROTATION, 1.0 / system.length)
-        self.solver = DirectSolver(system.kkt.matrix, scheme.petsc_options_prefix)
+        self.measure = np.where(turns, scheme.ROTATION, 1.0 / system.length)
+        self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
 
@@ -243,11 +211,11 @@ class _Run:
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
-        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
-        _predict(scheme, state)
+        parameters, state = self._plain[0], tuple(x.copy() for x in self.s)
+        _predict(parameters, state)
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
-        _correct(scheme, state, zero, self.scale, self.measure, weights)
-        _accept(scheme, state)
+        _correct(parameters, state, zero, self.scale, self.measure, weights)
+        _accept(parameters, state)
 
     # --- steps ---
 
@@ -273,11 +241,10 @@ class _Run:
         return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
 
     def _failure(self, steps: int) -> str:
-        return (
-            f"step {self._index} of {steps} (time {self._index * self.p.h:g}) did not converge in "
-            f"{self.options.max_iterations} iterations: last increment {self._increment:.2e}, "
-            f"residual {np.abs(self.r).max():.2e}, tolerance {self.options.tolerance:g}. Try a "
-            "smaller step, a larger tolerance, or policy=EveryIteration()"
+        residual = float(np.abs(self.r).max())
+        limit, tolerance = self.options.max_iterations, self.options.tolerance
+        return scheme.failure(
+            self._index, steps, self.p.h, limit, self._increment, residual, tolerance
         )
 
     def _step(self) -> int:
@@ -307,7 +274,7 @@ class _Run:
     def _newton(self, policy: Policy, carried: bool) -> int:
         system, s = self.system, self.s
         self._motion = max(_predict(*self._plain), self._motion)
-        tolerance = max(self.options.tolerance * self._motion, _ROUND_OFF)
+        tolerance = max(self.options.tolerance * self._motion, scheme.ROUND_OFF)
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
             system.residual(s.H1, s.v1, s.vdot1, self.weights, self.scale, self.r)
@@ -326,13 +293,13 @@ class _Run:
             # the sum of all further increments of a linearly converging iteration
             remaining = self._increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
-            if remaining <= tolerance or self._increment <= _ROUND_OFF or stagnant:
+            if remaining <= tolerance or self._increment <= scheme.ROUND_OFF or stagnant:
                 # not measured in this step: trust it less and less, until it is measured again
                 self._last_ratio = ratio if iteration > 1 else ratio**0.8
                 policy.after_step(iteration)
                 _accept(*self._plain)
                 return iteration
-            if not self._increment < 1e3:
+            if not self._increment < scheme.DIVERGED:
                 return 0
             previous = self._increment
         return 0

@@ -7,7 +7,11 @@ never on measured time, so that a run repeats bit for bit.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from math import inf
 from typing import ClassVar
+
+NEVER = 2**31
+"""More iterations than any step is given."""
 
 
 class Policy(ABC):
@@ -27,6 +31,13 @@ class Policy(ABC):
     def before_iteration(self, iteration: int) -> bool:
         """Whether to factorise before the given iteration (counted from 1) of a step."""
 
+    def rule(self) -> tuple[int, float] | None:
+        """Patience and cost as of :class:`Automatic` that decide likewise, for compiled loops.
+
+        ``None``: there are none, this policy must be asked.
+        """
+        return None
+
     def after_step(self, iterations: int) -> None:  # noqa: B027 - most policies have no memory
         """Learn how many iterations the step took."""
 
@@ -37,6 +48,10 @@ class EveryIteration(Policy):
     def fresh(self) -> Policy:
         """The same policy without memory."""
         return EveryIteration()
+
+    def rule(self) -> tuple[int, float]:
+        """Always due."""
+        return 1, 0.0
 
     def before_iteration(self, iteration: int) -> bool:
         """Always."""
@@ -60,6 +75,10 @@ class Limit(Policy):
         """The same policy without memory."""
         return Limit(self.iterations)
 
+    def rule(self) -> tuple[int, float]:
+        """Only within a step."""
+        return self.iterations, inf
+
     def before_iteration(self, iteration: int) -> bool:
         """When the limit is exceeded; again each time that as many more iterations were needed."""
         return iteration > 1 and (iteration - 1) % self.iterations == 0
@@ -73,6 +92,10 @@ class Never(Policy):
     def fresh(self) -> Policy:
         """The same policy without memory."""
         return self
+
+    def rule(self) -> tuple[int, float]:
+        """At the start of the run only."""
+        return NEVER, inf
 
     def before_iteration(self, iteration: int) -> bool:
         """Never."""
@@ -107,6 +130,10 @@ class Automatic(Policy):
     def fresh(self) -> Policy:
         """The same policy without memory."""
         return Automatic(self.cost, self.patience)
+
+    def rule(self) -> tuple[int, float]:
+        """Its own."""
+        return self.patience, self.cost
 
     def before_iteration(self, iteration: int) -> bool:
         """At the start of a step if it pays, or in the middle of a bad one."""

@@ -9,45 +9,48 @@ import numpy as np
 from tqdm import tqdm
 
 from fem_lie import inertia
-from fem_lie._jit import Array
+from fem_lie._jit import Array, Indices
+from fem_lie.info import SceneInfo
 from fem_lie.results import Result
 from fem_lie.system import System
 
 
-class Recorder:
+class History:
     """Arrays of results, and a progress bar.
 
     Attributes:
         steps: Number of steps to come.
+        every: Every so many steps are kept, and the last one.
+        row: Where the next step to be kept goes.
+        refresh: Steps between two states of the bar, ``steps`` if it is not shown.
     """
 
     def __init__(
-        self, system: System, steps: int, step: float, save_every: int, progress: bool | None
+        self, info: SceneInfo, steps: int, step: float, save_every: int, progress: bool | None
     ) -> None:
         """Allocate everything.
 
         Args:
-            system: The equations.
+            info: Bodies and joints.
             steps: Number of steps.
             step: Step size.
             save_every: Keep every so many steps, the last one in any case.
             progress: Show a bar; ``None``: if standard error is a terminal.
         """
-        self.steps, self._h, self._every, self._system = steps, step, save_every, system
+        self.steps, self.every, self._h, self._info = steps, save_every, step, info
+        n = sum(len(body.nodes) for body in info.bodies)
         rows = steps // save_every + 1 + (steps % save_every > 0)
-        n, total = system.count, system.numbering.total
-        self.frames, self.velocities = np.empty((rows, total, 4, 3)), np.empty((rows, total, 6))
-        self.joint_forces = np.empty((rows, len(system.joints), 6))
+        self.frames, self.velocities = np.empty((rows, n, 4, 3)), np.empty((rows, n, 6))
+        self.joint_forces = np.empty((rows, len(info.joints), 6))
         self.times = np.empty(rows)
-        self.invariants, self.elastic = np.empty((rows, 7)), np.empty(rows)
+        self.invariants, self.elastic = np.empty((rows, 7)), np.zeros(rows)
         self.potential, self.iterations = np.empty(rows), np.zeros(rows, dtype=np.int64)
-        self._work = np.empty((2, n, 4, 3))
-        self._row = self._count = 0
+        self.row = 0
         show = sys.stderr.isatty() if progress is None else progress
         self._bar = tqdm(total=steps, unit="step", disable=not show, mininterval=0.5)
-        self._show, self._refresh = show, max(1, steps // 200)
+        self.show, self.refresh = show, max(1, steps // 200) if show else steps
 
-    def __enter__(self) -> Recorder:
+    def __enter__(self) -> History:
         """Show the bar."""
         return self
 
@@ -60,42 +63,24 @@ class Recorder:
         """Leave the bar as it is."""
         self._bar.close()
 
-    def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
-        """Keep step ``index`` if it is one to be kept."""
-        self._count += iterations
-        if self._show and index and index % self._refresh == 0:
-            self._update_bar(index)
-        if index % self._every and index != self.steps:
-            return
-        system, row, n = self._system, self._row, self._system.count
-        self.times[row] = index * self._h
-        attachment = system.numbering.attachment
-        self.frames[row] = attachment.frames(H)
-        self.velocities[row] = attachment.twists(v)
-        self.joint_forces[row] = system.joint_forces(H, multipliers)
-        self.invariants[row] = inertia.invariants(
-            H,
-            v[:n],
-            *system.inertia,
-            self._work[0],
-            self._work[1],
-        )
-        self.elastic[row] = system.elastic.energy(H)
-        self.potential[row] = system.potential_energy(H)
-        self.iterations[row] = self._count
-        self._row += 1
+    def keep(self, indices: Indices, iterations: Indices) -> None:
+        """Count the steps ``indices``, whose values are in the next rows, as kept."""
+        rows = slice(self.row, self.row + len(indices))
+        self.times[rows], self.iterations[rows] = indices * self._h, iterations
+        self.row += len(indices)
 
-    def _update_bar(self, index: int) -> None:
-        total = self.invariants[: self._row, 0] + self.elastic[: self._row]
-        total = total + self.potential[: self._row]
-        error = abs(total[-1] - total[0]) / max(abs(total[0]), 1e-300) if self._row else 0.0
-        text = f"t={index * self._h:.3g} energy {error:.1e} it/step {self._count / index:.2f}"
+    def update_bar(self, index: int, iterations: int) -> None:
+        """Show that step ``index`` is reached after so many iterations in all."""
+        total = self.invariants[: self.row, 0] + self.elastic[: self.row]
+        total = total + self.potential[: self.row]
+        error = abs(total[-1] - total[0]) / max(abs(total[0]), 1e-300) if self.row else 0.0
+        text = f"t={index * self._h:.3g} energy {error:.1e} it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
     def result(self, factorisations: int, seconds: float) -> Result:
         """What was kept so far."""
-        keep = slice(self._row)
+        keep = slice(self.row)
         return Result(
             times=self.times[keep],
             frames=self.frames[keep],
@@ -109,5 +94,41 @@ class Recorder:
             iterations=self.iterations[keep],
             factorisations=factorisations,
             seconds=seconds,
-            info=self._system.info(),
+            info=self._info,
         )
+
+
+class Recorder(History):
+    """Takes what it keeps from the equations of a scene."""
+
+    def __init__(
+        self, system: System, steps: int, step: float, save_every: int, progress: bool | None
+    ) -> None:
+        """As :class:`History`, for the equations ``system``."""
+        super().__init__(system.info(), steps, step, save_every, progress)
+        self._system, self._count = system, 0
+        self._work = np.empty((2, system.count, 4, 3))
+
+    def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
+        """Keep step ``index`` if it is one to be kept."""
+        self._count += iterations
+        if self.show and index and index % self.refresh == 0:
+            self.update_bar(index, self._count)
+        if index % self.every and index != self.steps:
+            return
+        system, row, n = self._system, self.row, self._system.count
+        attachment = system.numbering.attachment
+        self.frames[row] = attachment.frames(H)
+        self.velocities[row] = attachment.twists(v)
+        self.joint_forces[row] = system.joint_forces(H, multipliers)
+        self.invariants[row] = inertia.invariants(
+            H,
+            v[:n],
+            *system.inertia,
+            self._work[0],
+            self._work[1],
+        )
+        self.elastic[row] = system.elastic.energy(H)
+        self.potential[row] = system.potential_energy(H)
+        self.times[row], self.iterations[row] = index * self._h, self._count
+        self.row += 1

@@ -1,0 +1,267 @@
+"""Generalised-α for rigid bodies that nothing holds: one compiled loop, no matrix of the scene.
+
+Every body has its own six equations and its own iteration (:mod:`fem_lie.solve.free_body`), which
+does not depend on what else is in the scene: each of a thousand bodies moves bit for bit as alone.
+
+Scheme, start, stopping rule and results are those of :mod:`fem_lie.solve.generalised_alpha`.
+Iterations are those of the body that takes most in a step; factorisations count those of all.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fem_lie._jit import Array, Indices
+from fem_lie.info import SceneInfo
+from fem_lie.loads import History as LoadHistory
+from fem_lie.loads import NodalLoad, amplitudes, histories
+from fem_lie.numbering import Numbering
+from fem_lie.results import Result
+from fem_lie.rigid import RigidBody
+from fem_lie.scene import Scene
+from fem_lie.solve import free_body, scheme
+from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.policies import Policy
+from fem_lie.solve.recorder import History
+from fem_lie.system import refuse_ranks
+
+if TYPE_CHECKING:
+    from fem_lie.solve.generalised_alpha import GeneralisedAlpha
+
+_CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
+
+
+def applies(scene: Scene, policy: Policy) -> bool:
+    """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
+    held = scene.joints or scene.clamps or scene.motions or scene.links
+    rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
+    return bool(scene.bodies) and rigid and not held and policy.rule() is not None
+
+
+class _Bodies(NamedTuple):
+    """What a body is.
+
+    Attributes:
+        mass: Shape (n,).
+        J: Inertia tensors about the centre of mass, shape (n, 3, 3).
+        size: Length of the tolerance, shape (n,).
+        group: :data:`scheme.SE3` or :data:`scheme.R3XSO3`, shape (n,).
+    """
+
+    mass: Array
+    J: Array
+    size: Array
+    group: Indices
+
+
+class _Loads(NamedTuple):
+    """Forces and moments, fixed in space and then following, 12 numbers.
+
+    Attributes:
+        constant: Those without history, shape (n, 12).
+        first: First of the loads with history of each body, shape (n + 1,).
+        vary: Those, shape (k, 12).
+        column: Their columns in the amplitudes, shape (k,).
+    """
+
+    constant: Array
+    first: Indices
+    vary: Array
+    column: Indices
+
+
+class _State(NamedTuple):
+    """Start of a step and what is kept between steps.
+
+    Attributes:
+        memory: Last ratio of increments, largest motion, fewest iterations with the kept matrix,
+            iterations beyond those; shape (n, 4).
+        kept: Rows of the inverse block of the rotation, columns of the block that couples it to the
+            translation, rows of the inverse block of the translation; shape (n, 9, 3).
+    """
+
+    H: Array
+    v: Array
+    vdot: Array
+    a: Array
+    memory: Array
+    kept: Array
+
+
+class _Options(NamedTuple):
+    """Of the iteration; ``patience`` and ``cost`` as of :class:`policies.Automatic`."""
+
+    tolerance: float
+    limit: int
+    patience: int
+    cost: float
+    rescue: bool
+
+
+class Run:
+    """One integration.
+
+    Attributes:
+        p: Parameters of the scheme.
+        s: State at the start of the next step.
+    """
+
+    def __init__(
+        self,
+        options: GeneralisedAlpha,
+        scene: Scene,
+        step: float,
+        groups: Indices | None = None,
+    ) -> None:
+        """Collect bodies and loads.
+
+        Args:
+            options: Of the scheme.
+            scene: One that :func:`applies`.
+            step: Step size.
+            groups: Group of each body, shape (n,); default: all :data:`scheme.SE3`.
+        """
+        refuse_ranks()
+        rule = options.policy.rule()
+        assert rule is not None
+        self.options = _Options(
+            float(options.tolerance),
+            options.max_iterations,
+            rule[0],
+            float(rule[1]),
+            options.policy.rescue,
+        )
+        self.scene, self.numbering = scene, Numbering(scene.bodies)
+        n = self.numbering.count
+        self.blocks = np.empty((n, 4, 4))
+        size = np.empty(n)
+        for body, nodes in self.numbering.nodes.items():
+            assert isinstance(body, RigidBody)
+            self.blocks[nodes], size[nodes] = body.gram, body.size
+        trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
+        J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
+        group = np.zeros(n, dtype=np.int64) if groups is None else groups
+        self.bodies = _Bodies(self.blocks[:, 0, 0].copy(), J, size, group)
+        self.loads, self.histories = self._collect(scene)
+        self.p = scheme.parameters(options.radius, step, 1.0)
+        self.s = _State(
+            self.numbering.frames.copy(),
+            self.numbering.velocities.copy(),
+            np.zeros((n, 6)),
+            np.zeros((n, 6)),
+            # no ratio and no matrix yet: the first step makes one, whatever it costs
+            np.tile([1.0, 0.0, 0.0, np.inf], (n, 1)),
+            np.zeros((n, 9, 3)),
+        )
+
+    def _collect(self, scene: Scene) -> tuple[_Loads, dict[int, LoadHistory]]:
+        constant = np.zeros((self.numbering.count, 12))
+        constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
+        vary, owner, varying = [], [], histories(scene.loads)
+        for k, given in enumerate(scene.loads):
+            assert isinstance(given, NodalLoad)  # all others need beams
+            (node,) = self.numbering.nodes[given.body]
+            twelve, at = np.zeros(12), 6 if given.following else 0
+            twelve[at : at + 6] = given.nodal()[0]
+            if k in varying:
+                vary.append(twelve)
+                owner.append(node)
+            else:
+                constant[node] += twelve
+        nodes = np.array(owner, dtype=np.int64)
+        order = np.argsort(nodes, kind="stable")
+        first = np.searchsorted(nodes[order], np.arange(self.numbering.count + 1))
+        table = np.array(vary).reshape(-1, 12)[order]
+        return _Loads(constant, first, table, order), varying
+
+    def start(self) -> None:
+        """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
+        p, s = self.p, self.s
+        bodies, loads = tuple(self.bodies), tuple(self.loads)
+        shift = (p.af - p.am) * p.h
+        amplitude = amplitudes(self.histories, [0.0, shift])
+        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.H, s.v, s.vdot)
+        d, H1, later = shift * s.v + 0.5 * shift**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
+        free_body.move_all(self.bodies.group, s.H, d, H1)
+        v1 = s.v + shift * s.vdot
+        free_body.accelerations(bodies, loads, amplitude[1], s.H, H1, v1, later)
+        s.a[:] = 2.0 * s.vdot - later
+
+    def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
+        """All steps; see :meth:`GeneralisedAlpha.run`."""
+        info = SceneInfo(self.numbering.bodies(), ())
+        history = History(info, steps, self.p.h, save_every, progress)
+        self.start()
+        history.frames[0], history.velocities[0] = self.s.H, self.s.v
+        start = np.zeros(1, dtype=np.int64)
+        self._keep(history, start, start, amplitudes(self.histories, [0.0]))
+        failed, count, factorisations = np.zeros(3), 0, 0
+        self._advance(history, range(1, 1), failed)  # compilation is not integration
+        begin = clock.perf_counter()
+        chunk = max(1, min(history.refresh, _CHUNK // self.numbering.count))
+        with history:
+            for first in range(1, steps + 1, chunk):
+                wanted = range(first, min(first + chunk, steps + 1))
+                last, count, made = self._advance(history, wanted, failed, count)
+                factorisations += made
+                if last and history.show:
+                    history.update_bar(last, count)
+                if last < wanted[-1]:
+                    result = history.result(factorisations, clock.perf_counter() - begin)
+                    raise ConvergenceError(self._failure(last + 1, steps, failed), result)
+        return history.result(factorisations, clock.perf_counter() - begin)
+
+    def _advance(
+        self, history: History, wanted: range, failed: Array, before: int = 0
+    ) -> tuple[int, int, int]:
+        """Make the steps ``wanted``, after ``before`` iterations: last step, iterations, matrices.
+
+        Counts are of all steps so far and of these steps.
+        """
+        indices = np.arange(wanted.start, wanted.stop)
+        amplitude = amplitudes(self.histories, indices * self.p.h)
+        taken = np.zeros(len(indices), dtype=np.int64)
+        last, factorisations = free_body.advance(
+            tuple(self.p),
+            tuple(self.options),
+            tuple(self.bodies),
+            tuple(self.loads),
+            amplitude,
+            tuple(self.s),
+            (wanted.start, wanted.stop - 1, history.row),
+            (history.steps, history.every),
+            history.frames,
+            history.velocities,
+            taken,
+            failed,
+        )
+        count = before + np.cumsum(taken)
+        kept = (indices <= last) & ((indices % history.every == 0) | (indices == history.steps))
+        self._keep(history, indices[kept], count[kept], amplitude[kept])
+        made = last - wanted.start + 1
+        return last, int(count[made - 1]) if made else before, factorisations
+
+    def _keep(
+        self, history: History, indices: Indices, iterations: Indices, amplitude: Array
+    ) -> None:
+        """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
+        rows = slice(history.row, history.row + len(indices))
+        free_body.observe(
+            history.frames[rows],
+            history.velocities[rows],
+            self.blocks,
+            tuple(self.loads),
+            amplitude,
+            history.invariants[rows],
+            history.potential[rows],
+        )
+        history.keep(indices, iterations)
+
+    def _failure(self, index: int, steps: int, failed: Array) -> str:
+        name = self.scene.bodies[int(failed[0])].label
+        limit, tolerance = self.options.limit, self.options.tolerance
+        text = scheme.failure(index, steps, self.p.h, limit, failed[1], failed[2], tolerance)
+        return f"{name}: {text}"
