@@ -4,6 +4,7 @@ from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, ground
 from fem_lie.elements.directors import director_strains
 from fem_lie.frames import NodalFrames, local_frame_forms
+from fem_lie.groups import Group, Parametrisation
 from fem_lie.io import from_dolfinx, read_gmsh
 from fem_lie.joints import Fixed, Joint, Revolute, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
@@ -14,7 +15,7 @@ from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 from fem_lie.section import Material, Section
-from fem_lie.solve.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
@@ -24,11 +25,13 @@ __all__ = [
     "Beam",
     "Body",
     "Clamp",
+    "Components",
     "ConvergenceError",
     "EveryIteration",
     "Fixed",
     "FrameMap",
     "GeneralisedAlpha",
+    "Group",
     "Joint",
     "Limit",
     "LineLoad",
@@ -37,6 +40,7 @@ __all__ = [
     "Material",
     "Never",
     "NodalFrames",
+    "Parametrisation",
     "Point",
     "PointLoad",
     "Policy",

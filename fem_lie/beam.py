@@ -18,6 +18,7 @@ from fem_lie.assembly import Assembly, consistent_inertia
 from fem_lie.bodies import Body, Point, vector
 from fem_lie.elements.geodesic import GEODESIC, geodesic_energy, with_bending_flexibility
 from fem_lie.frames import NodalFrames
+from fem_lie.groups import Group
 from fem_lie.kernel import LocalFrameForms
 from fem_lie.mesh import LineMesh, curve, straight
 from fem_lie.section import Section
@@ -82,6 +83,7 @@ class Beam(Body):
         *,
         up: npt.ArrayLike | None = None,
         bending_flexibility: bool = True,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> None:
         """Place nodal frames: e₁ along the line, e₃ as near as can be to ``up``.
@@ -92,6 +94,7 @@ class Beam(Body):
             up: Approximate direction of e₃; default: global z, or x if the line begins along z.
             bending_flexibility: Add the residual bending flexibility (MacNeal 1978) to the shear
                 flexibility: exact for small deflections with one element, and more accurate beyond.
+            group: On which the nodes move in time integration.
             name: For messages and results.
 
         Raises:
@@ -116,6 +119,7 @@ class Beam(Body):
             outline=sections[0].outline,
             size=float(self.lengths.sum()),
             points=named,
+            group=group,
             name=name,
         )
 
@@ -129,11 +133,19 @@ class Beam(Body):
         cells: int,
         up: npt.ArrayLike | None = None,
         bending_flexibility: bool = True,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> Beam:
         """Straight beam with ``cells`` equal elements; points "start" and "end"."""
         mesh = straight(start, end, cells)
-        return cls(mesh, section, up=up, bending_flexibility=bending_flexibility, name=name)
+        return cls(
+            mesh,
+            section,
+            up=up,
+            bending_flexibility=bending_flexibility,
+            group=group,
+            name=name,
+        )
 
     @classmethod
     def curve(
@@ -144,11 +156,19 @@ class Beam(Body):
         cells: int,
         up: npt.ArrayLike | None = None,
         bending_flexibility: bool = True,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> Beam:
         """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
         mesh = curve(function, cells)
-        return cls(mesh, section, up=up, bending_flexibility=bending_flexibility, name=name)
+        return cls(
+            mesh,
+            section,
+            up=up,
+            bending_flexibility=bending_flexibility,
+            group=group,
+            name=name,
+        )
 
     @property
     def start(self) -> Point:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array
+from fem_lie.groups import Group
 
 if TYPE_CHECKING:
     from fem_lie.assembly import Assembly
@@ -44,6 +45,7 @@ class Body:
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
+        group: On which its nodes move in time integration.
         assembly: What assembles all bodies of this kind, or ``None`` for rigid ones.
         name: How messages and results call it; the scene gives one if it is empty.
     """
@@ -59,13 +61,14 @@ class Body:
         size: float,
         points: dict[str, int],
         box: Array | None = None,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
         self.frames = np.array(frames, dtype=np.float64)
         self.velocities = np.zeros((len(self.frames), 6))
         self.cells, self.outline, self.box = cells, outline, box
-        self.size, self.name = size, name
+        self.size, self.name, self.group = size, name, Group(group)
         self._points = points
 
     def __getitem__(self, name: str) -> Point:

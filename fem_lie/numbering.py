@@ -21,6 +21,7 @@ class Numbering:
         assemblies: The nodes of each assembly, and the assembly.
         frames: Initial frames, shape (count, 4, 3).
         velocities: Initial local velocities, shape (count, 6).
+        groups: The group of each node, shape (count,).
     """
 
     def __init__(self, bodies: Sequence[Body]) -> None:
@@ -43,8 +44,10 @@ class Numbering:
             start += total
         self.count = start
         self.frames, self.velocities = np.empty((start, 4, 3)), np.empty((start, 6))
+        self.groups: Indices = np.empty(start, dtype=np.int64)
         for body, nodes in self.nodes.items():
             self.frames[nodes], self.velocities[nodes] = body.frames, body.velocities
+            self.groups[nodes] = body.group
 
     def node(self, point: Point) -> int:
         """Number of a point's node; of ground it is ``count``."""

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
+from fem_lie.groups import Parametrisation
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
@@ -29,6 +30,7 @@ from fem_lie.nodal import (
     load_potential,
     rigid_residual,
     rigid_tangent,
+    to_inertial,
 )
 from fem_lie.numbering import Numbering
 from fem_lie.rigid import RigidBody
@@ -43,16 +45,25 @@ class System:
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
         table: All joints.
+        kinds: Group and parametrisation of each moving node, shape (n,), see
+            :mod:`fem_lie.groups`.
         held: Which of the moving nodes are clamped, shape (n,).
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
 
-    def __init__(self, scene: Scene, *, dynamics: bool) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        dynamics: bool,
+        parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
+    ) -> None:
         """Number the unknowns and build what stays constant.
 
         Args:
             scene: What there is.
             dynamics: Whether inertia is needed.
+            parametrisation: What the increments of :meth:`fill_matrix` are.
 
         Raises:
             ValueError: More than one rank; no body; no inertia though needed; redundant joints.
@@ -67,6 +78,7 @@ class System:
         self.scene = scene
         self.numbering = Numbering(scene.bodies)
         self.count, self.assemblies = self.numbering.count, self.numbering.assemblies
+        self.kinds = self.numbering.groups + 2 * int(parametrisation)
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
         self.frames = np.concatenate([self.numbering.frames, fixed])
@@ -275,18 +287,22 @@ class System:
         mass: float,
         damping: float,
         joint_frames: Array | None = None,
+        inertial: bool = False,
     ) -> None:
-        """Derivative of :meth:`residual` in the increments ``d`` from ``H exp(−d)``, into the KKT.
+        """Derivative of :meth:`residual` in the increments ``d`` that led to ``H``, into the KKT.
 
         ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d; the constraints' Jacobian is taken at
-        ``joint_frames`` (default: ``H``). Call it after a residual at the same state.
+        ``joint_frames`` (default: ``H``). Call it after a residual at the same state. The matrix
+        is in components along the nodes' axes, or along fixed ones if ``inertial``.
         """
+        ahead = H if joint_frames is None else joint_frames
         self._A[:] = 0.0
         self._K[:] = 0.0
         rigid_tangent(
             H,
             v,
             a,
+            self.kinds,
             self.inertia,
             self._place_inertia,
             self._work[1],
@@ -299,9 +315,13 @@ class System:
         for (where, assembly), place in zip(self.assemblies, self._place_elastic, strict=True):
             add_blocks(self._K, place, assembly.tangent(H[where]))
         constraints.geometric(H, self.table, weights, self._place_joints, self._K)
-        constraints.jacobian(H if joint_frames is None else joint_frames, self.table, self._rows)
-        combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
-        self.kkt.fill(self._A, self._rows, scale)
+        constraints.jacobian(ahead, self.table, self._rows)
+        nodes, bind = self._per_constraint, self.kkt.indices
+        columns = self._rows.copy()
+        combine(self._A, self._K, self._rows, self.kinds, d, nodes, bind)
+        if inertial:
+            to_inertial(self._A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
+        self.kkt.fill(self._A, columns, self._rows, scale)
 
     def fill_mass_matrix(self, H: Array) -> None:
         """Mass matrix bordered by the constraints, without scaling, into the KKT."""
@@ -312,6 +332,7 @@ class System:
             H,
             still,
             still,
+            self.kinds,
             *self.inertia,
             self._place_inertia,
             1.0,
@@ -320,7 +341,7 @@ class System:
             self._K,
         )
         constraints.jacobian(H, self.table, self._rows)
-        self.kkt.fill(self._A, self._rows, np.ones(self.m))
+        self.kkt.fill(self._A, self._rows, self._rows, np.ones(self.m))
 
     def constraint_scale(self, H: Array) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` filled last, shape (m,).
