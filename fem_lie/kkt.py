@@ -5,9 +5,9 @@
     [ S      Bᵀ σ ]
     [ σ BT   0    ]
 
-with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: a body that
-turns by θ in a step converges at the rate θ/2 without it. It is filled by one compiled loop into a PETSc matrix
-that shares its memory; nodes that are held have unit rows.
+with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: with ``(BT)ᵀ``
+as columns a body that turns by θ in a step would converge at the rate θ/2. It is filled by one
+compiled loop into a PETSc matrix that shares its memory; nodes that are held have unit rows.
 """
 
 from __future__ import annotations

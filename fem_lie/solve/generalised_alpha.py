@@ -21,13 +21,13 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._jit import Array
-from fem_lie.groups import Parametrisation, move_all, turn_all, turn_all_back, twists
+from fem_lie.groups import Parametrisation, turn_all, turn_all_back, twists
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
-from fem_lie.solve.start import accelerations, check_velocities
+from fem_lie.solve.start import check_velocities, set_start
 from fem_lie.solve.steps import ROTATION, Scheme, State, accept, correct, predict
 from fem_lie.system import System
 
@@ -142,21 +142,9 @@ class _Run:
 
     def start(self) -> None:
         """Consistent accelerations and multipliers; scaling of the constraints."""
-        system, p, s, n = self.system, self.p, self.s, self.system.count
+        system, p, s = self.system, self.p, self.s
         check_velocities(system, p.h)
-        v = system.velocities.copy()
-        vdot, self.weights[:] = accelerations(system, self.solver, s.H, v, 0.0, p.h)
-        # a₀ stands for v̇ at t₀ + (α_m − α_f) h, or the start is only first order
-        # (Arnold, Brüls & Cardona, Numer. Math. 129 (2015) 149); extrapolated from t₀ + shift
-        shift = (p.af - p.am) * p.h
-        s.set_start(v[:n], vdot)
-        if shift > 0:
-            later = State.start(s.H, s.kinds)
-            later.H[:n] = lie.se3_retract(s.H[:n], shift * v[:n] + 0.5 * shift**2 * vdot)
-            v[:n] += shift * vdot
-            rate, _ = accelerations(system, self.solver, later.H, v, shift, p.h)
-            later.set_start(v[:n], rate)
-            s.a[:] += s.vdot - later.vdot
+        self.weights[:] = set_start(system, self.solver, p, s)
         system.set_time(0.0)
         system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
         self._fill(s.H, s.H, turned=False)
@@ -297,5 +285,7 @@ class _Run:
         steps = (self._index - self._born) // 2
         self._born = self._index
         s, frames = self.s, self.s.H1.copy()
-        move_all(s.kinds, s.H1, steps * self.p.h * s.v1, frames)
+        n = len(s.kinds)
+        # along a screw motion on either group: joints stay closed
+        frames[:n] = lie.se3_retract(s.H1[:n], steps * self.p.h * s.twist1)
         return frames
