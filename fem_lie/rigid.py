@@ -25,7 +25,7 @@ class RigidBody(Body):
         position: npt.ArrayLike = (0.0, 0.0, 0.0),
         rotation: npt.ArrayLike | None = None,
         *,
-        group: Group = Group.SE3,
+        group: Group = Group.R3xSO3,
         name: str = "",
     ) -> None:
         """Place the body.
@@ -36,7 +36,8 @@ class RigidBody(Body):
                 its three principal values.
             position: Centre of mass, global components.
             rotation: Body axes as columns, shape (3, 3); default: global axes.
-            group: On which it moves in time integration.
+            group: On which it moves in time integration; the default flies and spins more
+                accurately, SE3 turns more accurately about a fixed axis (docs/groups.md).
             name: For messages and results.
 
         Raises:

@@ -158,6 +158,10 @@ class _Run:
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
         correct(scheme, state, zero, self.scale, self.measure, weights)
         accept(scheme, state)
+        if self._turned:
+            self._fill(self.s.H, self.s.H, turned=True)
+            turn_all(self.s.H, zero, self.system.count)
+            turn_all_back(self.s.H, zero, self.system.count)
 
     # --- steps ---
 

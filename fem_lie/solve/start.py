@@ -138,7 +138,7 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
     later.H[:n] = lie.se3_retract(s.H[:n], ahead * v[:n] + 0.5 * ahead**2 * vdot)
     v[:n] += ahead * vdot
     later.set_start(v[:n], accelerations(system, solver, later.H, v, ahead, h)[0])
-    jerk = (later.vdot - s.vdot) / ahead
+    jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
     # waves that a step does not resolve have rates of acceleration without meaning, and huge
     bound = max(_size(s.vdot, scheme), _size(s.v, scheme) / h)
     wanted = h * _size(jerk, scheme)

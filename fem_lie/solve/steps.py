@@ -6,7 +6,7 @@ of the group; their twists in the nodes' frames, which the equations of motion w
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,7 +97,7 @@ class State(NamedTuple):
 
 
 @compiled
-def predict(scheme: tuple[float, ...], state: tuple[Array, ...]) -> float:
+def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
     """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
     h, am, _, gamma, beta, _, _, length = scheme
     H, H1, motion, kinds = state
@@ -119,7 +119,7 @@ def predict(scheme: tuple[float, ...], state: tuple[Array, ...]) -> float:
 @compiled
 def correct(
     scheme: tuple[float, ...],
-    state: tuple[Array, ...],
+    state: tuple[Any, ...],
     dx: Array,
     scale: Array,
     measure: Array,
@@ -154,7 +154,7 @@ def correct(
 
 
 @compiled
-def accept(scheme: tuple[float, ...], state: tuple[Array, ...]) -> None:
+def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
     _, am, af, _, _, _, _, _ = scheme
     H, H1, motion, _ = state
