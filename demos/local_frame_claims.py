@@ -28,13 +28,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
-
-import matplotlib.pyplot as plt
-import numpy as np
+from typing import NamedTuple
 
 import fem_lie as fl
-from fem_lie.solve.policies import Policy
 
 RESULTS = Path(__file__).parents[1] / "results"
 LOCAL, INERTIAL = fl.Components.LOCAL, fl.Components.INERTIAL
@@ -90,6 +86,8 @@ def net(group: fl.Group, meshes: int = 4) -> fl.Scene:
 
 
 class Case(NamedTuple):
+    """A scene, with the step and duration of its run."""
+
     build: Callable[[fl.Group], fl.Scene]
     step: float
     duration: float

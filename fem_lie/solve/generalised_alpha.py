@@ -76,6 +76,8 @@ class GeneralisedAlpha:
         """Check the options."""
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+        # plain numbers are welcome, others raise ValueError
+        Parametrisation(self.parametrisation), Components(self.components)
         if not self.tolerance > 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance > 0 and max_iterations ≥ 1, got "
@@ -129,7 +131,7 @@ class _Run:
         self.p = Scheme(step, am, af, gamma, beta, mass, damping, system.length)
         self.policy = scheme.policy.fresh()
         self.s = State.start(system.frames, system.kinds)
-        self._turned = scheme.components is Components.INERTIAL
+        self._turned = scheme.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         turns = ~system.table.selection[:, :3].any(axis=1)
