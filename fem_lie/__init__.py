@@ -6,6 +6,7 @@ from fem_lie.elements.directors import director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames, local_frame_forms
+from fem_lie.groups import Group, Parametrisation
 from fem_lie.io import from_dolfinx, read_gmsh
 from fem_lie.joints import Fixed, Joint, Revolute, RigidLink, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
@@ -25,7 +26,7 @@ from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 from fem_lie.section import Material, Section
-from fem_lie.solve.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
@@ -35,6 +36,7 @@ __all__ = [
     "Beam",
     "Body",
     "Clamp",
+    "Components",
     "ConvergenceError",
     "Damping",
     "Eigenstrain",
@@ -44,6 +46,7 @@ __all__ = [
     "FrameMap",
     "GeneralisedAlpha",
     "Geodesic",
+    "Group",
     "Joint",
     "Limit",
     "LineLoad",
@@ -52,6 +55,7 @@ __all__ = [
     "Material",
     "Never",
     "NodalFrames",
+    "Parametrisation",
     "Point",
     "PointLoad",
     "Policy",

@@ -15,6 +15,7 @@ from fem_lie._lie_tuples import (
     Matrix,
     Vector,
     blend,
+    cayley,
     combined,
     cross,
     dot,
@@ -29,6 +30,7 @@ from fem_lie._lie_tuples import (
     minus,
     negative,
     plus,
+    plus_outer,
     rotate,
     rotate_back,
     rotation_vector,
@@ -175,6 +177,32 @@ def tangent_inverse_transposed_derivative(d: Array, f: Array, out: Array) -> Non
 def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) -> None:
     """``G(−d, f)``: ``∂(T₆⁻ᵀ(δ) f)/∂δ`` at ``δ = −d``; the derivative is by δ, not by d."""
     _store_derivative(-1.0, d, f, out)
+
+
+# --- Cayley map ---------------------------------------------------------------------------------
+
+
+@inlined
+def cayley_se3(d: Array, out: Array) -> None:
+    """Frame ``cay(d) = (I − ½X)⁻¹(I + ½X)``, ``X = d̂``: rotation ``cay ψ`` of ``d = (u, ψ)``."""
+    p, r1, r2, r3 = cayley(load(d, 0), load(d, 3))
+    _store_frame(out, p, r1, r2, r3)
+
+
+@inlined
+def cayley_tangent_se3(d: Array, out: Array) -> None:
+    """``C₆(d) = [[A, −½ûC], [0, C]]``, ``A = (I + ½ψ̂)⁻¹``: ``H⁻¹δH = (C₆(d) δd)^``, ``H = cay d``.
+
+    From ``H⁻¹δH = (I + ½X)⁻¹ δX (I − ½X)⁻¹``; ``C(ψ)`` is that of SO(3).
+    """
+    u, ψ = load(d, 0), load(d, 3)
+    r = 1.0 / (1.0 + 0.25 * dot(ψ, ψ))
+    # −½ û (I − ½ψ̂) r, with û ψ̂ = ψ uᵀ − (u·ψ) I
+    coupling = shifted_hat(-0.25 * r * dot(u, ψ), scaled(-0.5 * r, u))
+    store_block(out, 0, 0, matrix((r, -0.5 * r, 0.25 * r), ψ))
+    store_block(out, 0, 3, plus_outer(coupling, scaled(0.25 * r, ψ), u))
+    store_block(out, 3, 0, ZERO)
+    store_block(out, 3, 3, shifted_hat(r, scaled(-0.5 * r, ψ)))
 
 
 # --- adjoints -----------------------------------------------------------------------------------

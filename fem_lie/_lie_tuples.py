@@ -259,6 +259,19 @@ def exponential(u: Vector, θ: Vector) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 @inlined
+def cayley(u: Vector, ψ: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+    """Position and columns of the rotation of ``cay(u, ψ) = (I − ½X)⁻¹(I + ½X)``, ``X = (u, ψ)^``.
+
+    The position is ``(I − ½ψ̂)⁻¹ u``.
+    """
+    x = dot(ψ, ψ)
+    r = 1.0 / (1.0 + 0.25 * x)
+    E = matrix((1.0 - 0.5 * r * x, r, 0.5 * r), ψ)
+    p = blend((r, 0.5 * r, 0.25 * r), ψ, u)
+    return p, (E[0], E[3], E[6]), (E[1], E[4], E[7]), (E[2], E[5], E[8])
+
+
+@inlined
 def rotation_vector(r1: Vector, r2: Vector, r3: Vector) -> Vector:
     """Rotation vector, ``|θ| ≤ π``, of the rotation with columns ``r1, r2, r3``.
 

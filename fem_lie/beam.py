@@ -18,6 +18,7 @@ from fem_lie.bodies import Body, Point
 from fem_lie.elements.formulation import CellData, Formulation, cellwise
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames
+from fem_lie.groups import Group
 from fem_lie.mesh import LineMesh, curve, straight
 from fem_lie.orientation import Chains, Up, cell_frames, middle_frames, shared_nodes
 from fem_lie.section import Section
@@ -148,6 +149,7 @@ class Beam(Body):
         formulation: Formulation | None = None,
         damping: Damping | None = None,
         rotary_inertia: bool = True,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> None:
         """Place nodal frames: e₁ along the line, e₃ as near as can be to ``up``.
@@ -165,6 +167,7 @@ class Beam(Body):
             damping: Default: none.
             rotary_inertia: Whether the section resists turning about e₂ and e₃; without, only about
                 e₁. Nothing is saved by it but a fast mode that is hardly ever wanted.
+            group: On which the nodes move in time integration.
             name: For messages and results.
 
         Raises:
@@ -197,6 +200,7 @@ class Beam(Body):
             size=float(self.lengths.sum()),
             points=named,
             leaders=leaders,
+            group=group,
             name=name,
         )
 
@@ -226,6 +230,7 @@ class Beam(Body):
         twist: Callable[[float], float] | None = None,
         formulation: Formulation | None = None,
         damping: Damping | None = None,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> Beam:
         """Straight beam with ``cells`` equal elements; points "start" and "end"."""
@@ -236,6 +241,7 @@ class Beam(Body):
             twist=twist,
             formulation=formulation,
             damping=damping,
+            group=group,
             name=name,
         )
 
@@ -250,6 +256,7 @@ class Beam(Body):
         twist: Callable[[float], float] | None = None,
         formulation: Formulation | None = None,
         damping: Damping | None = None,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> Beam:
         """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
@@ -260,6 +267,7 @@ class Beam(Body):
             twist=twist,
             formulation=formulation,
             damping=damping,
+            group=group,
             name=name,
         )
 

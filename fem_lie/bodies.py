@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array
+from fem_lie.groups import Group
 
 if TYPE_CHECKING:
     from fem_lie.assembly import Assembly
@@ -46,6 +47,7 @@ class Body:
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
         leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
+        group: On which its nodes move in time integration.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
@@ -59,6 +61,7 @@ class Body:
         points: dict[str, int],
         box: Array | None = None,
         leaders: npt.NDArray[np.int64] | None = None,
+        group: Group = Group.SE3,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
@@ -67,6 +70,7 @@ class Body:
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
         self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
+        self.group = Group(group)
         self._points = points
 
     @property

@@ -76,18 +76,20 @@ def _hat_minus(w, scale, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _right_factors(v, a, i, mass, damping, W, X, unit, vector):  # type: ignore[no-untyped-def]
+def _right_factors(v, a, i, kind, mass, damping, W, X, unit, vector):  # type: ignore[no-untyped-def]
     """Local derivatives of q̈ of node i: ``W[k]`` (4, 3, 6) in (a, v), ``X[k]`` (4, 3, 6) in h.
 
     ``W = mass ∂q̈/∂a + damping ∂q̈/∂v``; ``X`` is what turning the frame does to q̈, ``−ŵ_k``.
+    On R³×SO(3) (odd ``kind``) ẍ itself is in ``a``: it feels neither ω nor the turning frame.
     """
     W[:] = 0.0
     X[:] = 0.0
     u, omega = v[i, :3], v[i, 3:]
     for j in range(3):
         W[0, j, j] = mass
-    _hat_minus(omega, -damping, W[0, :, :3])
-    _hat_minus(u, damping, W[0, :, 3:])
+    if kind & 1 == 0:
+        _hat_minus(omega, -damping, W[0, :, :3])
+        _hat_minus(u, damping, W[0, :, 3:])
     for k in range(3):
         unit[:] = 0.0
         unit[k] = 1.0
@@ -98,12 +100,14 @@ def _right_factors(v, a, i, mass, damping, W, X, unit, vector):  # type: ignore[
             W[1 + k, j, 3 + j] += damping * omega[k]
             W[1 + k, k, 3 + j] -= 2.0 * damping * omega[j]
     _local_acceleration(v, a, i, vector)
-    for k in range(4):
+    for k in range(kind & 1, 4):
         _hat_minus(vector[k], 1.0, X[k, :, 3:])
 
 
 @compiled
-def tangents(H, v, a, indptr, indices, G, place, mass, damping, A, K):  # type: ignore[no-untyped-def]
+def tangents(  # type: ignore[no-untyped-def]
+    H, v, a, kinds, indptr, indices, G, place, mass, damping, A, K
+):
     """Add ``mass·∂r/∂a + damping·∂r/∂v`` to ``A`` and ``Lᵀ G ∂q̈/∂h`` to ``K``.
 
     ``r = Lᵀ G q̈`` is the inertia force.
@@ -112,6 +116,8 @@ def tangents(H, v, a, indptr, indices, G, place, mass, damping, A, K):  # type: 
         H: Frames (n, 4, 3).
         v: Local velocities (n, 6).
         a: Local accelerations (n, 6).
+        kinds: What the derivatives in accelerations and velocities are by, see
+            :mod:`fem_lie.groups`: their rates on SE(3), (ẍ, ω̇) on R³×SO(3).
         indptr: Rows of the block-sparse matrix ``G``.
         indices: Columns of its blocks.
         G: Its blocks (nnz, 4, 4).
@@ -127,7 +133,7 @@ def tangents(H, v, a, indptr, indices, G, place, mass, damping, A, K):  # type: 
     for i in range(indptr.shape[0] - 1):
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
-            _right_factors(v, a, j, mass, damping, W, X, unit, vector)
+            _right_factors(v, a, j, kinds[j], mass, damping, W, X, unit, vector)
             for k in range(3):
                 for m in range(3):
                     Q[k, m] = 0.0

@@ -41,6 +41,7 @@ T w, Tᵀw, T⁻¹w, T⁻ᵀw    apply_tangent[_inverse][_transposed]_so3
 ∂(T w)/∂θ, ∂(T⁻¹w)/∂θ   tangent[_inverse]_derivative_so3           so3_tangent[_inverse]_derivative
 cay ψ                   cayley_so3                                 so3_cayley
 its T, T⁻¹              cayley_tangent[_inverse]_so3               so3_cayley_tangent
+cay d, its T₆           cayley_se3, cayley_tangent_se3             se3_cayley, se3_cayley_tangent
 ======================  =========================================  ===========================
 
 Functions of the second column are for compiled loops: the result is the last argument, may be any
@@ -79,6 +80,8 @@ from fem_lie._lie_se3 import (
     apply_tangent_inverse_transposed,
     apply_tangent_inverse_transposed_minus,
     apply_tangent_transposed,
+    cayley_se3,
+    cayley_tangent_se3,
     coadjoint_matrix,
     compose,
     exp_se3,
@@ -132,8 +135,10 @@ __all__ = [
     "apply_tangent_so3",
     "apply_tangent_transposed",
     "apply_tangent_transposed_so3",
+    "cayley_se3",
     "cayley_so3",
     "cayley_tangent_inverse_so3",
+    "cayley_tangent_se3",
     "cayley_tangent_so3",
     "coadjoint_matrix",
     "compose",
@@ -152,6 +157,8 @@ __all__ = [
     "rotation",
     "se3_ad",
     "se3_adjoint",
+    "se3_cayley",
+    "se3_cayley_tangent",
     "se3_coadjoint",
     "se3_compose",
     "se3_exp",
@@ -351,6 +358,16 @@ def se3_ad(v: ArrayLike) -> Array:
 def se3_coadjoint(p: ArrayLike) -> Array:
     """``P(p)``, shape ``(…, 6, 6)``, of forces or momenta ``(…, 6)``: ``ad(v)ᵀ p = P(p) v``."""
     return _map(coadjoint_matrix, (6, 6), p=(p, TWIST))
+
+
+def se3_cayley(d: ArrayLike) -> Array:
+    """Frames ``cay(d)``, shape ``(…, 4, 3)``, of twists ``(…, 6)``."""
+    return _map(cayley_se3, FRAME, d=(d, TWIST))
+
+
+def se3_cayley_tangent(d: ArrayLike) -> Array:
+    """``C₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (C₆ δd)^`` for ``H = cay d``."""
+    return _map(cayley_tangent_se3, (6, 6), d=(d, TWIST))
 
 
 # --- batches ------------------------------------------------------------------------------------

@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie import constraints, inertia, lie
+from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.constraints import JointTable
 from fem_lie.frames import pull, pull_derivative, push
+from fem_lie.groups import tangent, turn
 
 
 class Inertia(NamedTuple):
@@ -125,6 +126,7 @@ def rigid_tangent(
     H: Array,
     v: Array,
     a: Array,
+    kinds: Indices,
     mass: Inertia,
     place: Indices,
     f: Array,
@@ -143,6 +145,7 @@ def rigid_tangent(
         H,
         v[:count],
         a[:count],
+        kinds,
         mass.indptr,
         mass.indices,
         mass.blocks,
@@ -167,12 +170,14 @@ def add_blocks(target: Array, place: Indices, blocks: Array) -> None:
 
 
 @compiled
-def combine(A: Array, K: Array, rows: Array, d: Array, nodes: Indices, bind: Indices) -> None:
+def combine(
+    A: Array, K: Array, rows: Array, kinds: Indices, d: Array, nodes: Indices, bind: Indices
+) -> None:
     """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
     count = d.shape[0]
     T, product = np.empty((count, 6, 6)), np.empty((6, 6))
     for i in range(count):
-        lie.tangent(d[i], T[i])
+        tangent(kinds[i], d[i], T[i])
     for b in range(bind.shape[0]):
         _multiply(K[b], T[bind[b]], product)
         for k in range(6):
@@ -188,6 +193,25 @@ def combine(A: Array, K: Array, rows: Array, d: Array, nodes: Indices, bind: Ind
                     for k in range(6):
                         row[n] += rows[c, side, k] * T[node, k, n]
                 rows[c, side] = row
+
+
+@compiled
+def to_inertial(
+    A: Array, columns: Array, rows: Array, H: Array, nodes: Indices, indptr: Indices, bind: Indices
+) -> None:
+    """Blocks ``R_i A_ij R_jᵀ`` and border ``b_j R_jᵀ``: global components at frames ``H``."""
+    for i in range(indptr.shape[0] - 1):
+        for b in range(indptr[i], indptr[i + 1]):
+            j = bind[b]
+            for n in range(6):
+                turn(H[i], A[b, :, n])
+            for k in range(6):
+                turn(H[j], A[b, k])
+    for c in range(rows.shape[0]):
+        for side in range(2):
+            if nodes[c, side] < indptr.shape[0] - 1:
+                turn(H[nodes[c, side]], columns[c, side])
+                turn(H[nodes[c, side]], rows[c, side])
 
 
 @compiled

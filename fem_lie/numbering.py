@@ -26,6 +26,7 @@ class Numbering:
         attachment: Which node follows which.
         frames: Initial frames of the leaders, shape (count, 4, 3).
         velocities: Initial local velocities of the leaders, shape (count, 6).
+        groups: The group of each leader, shape (count,).
     """
 
     def __init__(self, bodies: Sequence[Body], links: Sequence[RigidLink] = ()) -> None:
@@ -57,9 +58,11 @@ class Numbering:
 
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
+        groups: Indices = np.empty(self.total, dtype=np.int64)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
+            groups[nodes] = body.group
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(leaders, follows, strict=True)]
@@ -67,6 +70,7 @@ class Numbering:
         self.count = self.attachment.count
         self.frames = frames[self.attachment.leaders]
         self.velocities = velocities[self.attachment.leaders]
+        self.groups = groups[self.attachment.leaders]
         self._check_velocities(velocities)
 
     def _check_velocities(self, given: lie.Array) -> None:

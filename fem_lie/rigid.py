@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie.bodies import Body, Point, vector
+from fem_lie.groups import Group
 from fem_lie.inertia import gram_from_rigid
 
 
@@ -24,6 +25,7 @@ class RigidBody(Body):
         position: npt.ArrayLike = (0.0, 0.0, 0.0),
         rotation: npt.ArrayLike | None = None,
         *,
+        group: Group = Group.R3xSO3,
         name: str = "",
     ) -> None:
         """Place the body.
@@ -34,6 +36,8 @@ class RigidBody(Body):
                 its three principal values.
             position: Centre of mass, global components.
             rotation: Body axes as columns, shape (3, 3); default: global axes.
+            group: On which it moves in time integration; the default flies and spins more
+                accurately, SE3 turns more accurately about a fixed axis (docs/groups.md).
             name: For messages and results.
 
         Raises:
@@ -55,6 +59,7 @@ class RigidBody(Body):
             points={"centre": 0},
             # the box of uniform density with the same second moments, m b²/12 each
             box=np.sqrt(12.0 * np.diag(self.gram)[1:].clip(0.0) / mass),
+            group=group,
             name=name,
         )
 

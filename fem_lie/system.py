@@ -20,6 +20,7 @@ from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
+from fem_lie.groups import Parametrisation
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.kkt import KKT
@@ -32,6 +33,7 @@ from fem_lie.nodal import (
     load_potential,
     rigid_residual,
     rigid_tangent,
+    to_inertial,
 )
 from fem_lie.numbering import Numbering
 from fem_lie.rigid import RigidBody
@@ -55,16 +57,25 @@ class System:
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
         table: All joints.
+        kinds: Group and parametrisation of each moving node, shape (n,), see
+            :mod:`fem_lie.groups`.
         held: Which of the moving nodes are clamped, shape (n,).
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
 
-    def __init__(self, scene: Scene, *, dynamics: bool) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        dynamics: bool,
+        parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
+    ) -> None:
         """Number the unknowns and build what stays constant.
 
         Args:
             scene: What there is.
             dynamics: Whether inertia is needed.
+            parametrisation: What the increments of :meth:`fill_matrix` are.
 
         Raises:
             ValueError: More than one rank; no body; no inertia though needed; redundant joints.
@@ -75,6 +86,7 @@ class System:
         self.scene = scene
         self.numbering = Numbering(scene.bodies, scene.links)
         self.count = self.numbering.count
+        self.kinds = self.numbering.groups + 2 * int(parametrisation)
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
         self.frames = np.concatenate([self.numbering.frames, fixed])
@@ -290,18 +302,22 @@ class System:
         mass: float,
         damping: float,
         joint_frames: Array | None = None,
+        inertial: bool = False,
     ) -> None:
-        """Derivative of :meth:`residual` in the increments ``d`` from ``H exp(−d)``, into the KKT.
+        """Derivative of :meth:`residual` in the increments ``d`` that led to ``H``, into the KKT.
 
         ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d; the constraints' Jacobian is taken at
-        ``joint_frames`` (default: ``H``). Call it after a residual at the same state.
+        ``joint_frames`` (default: ``H``). Call it after a residual at the same state. The matrix
+        is in components along the nodes' axes, or along fixed ones if ``inertial``.
         """
+        ahead = H if joint_frames is None else joint_frames
         self._A[:] = 0.0
         self._K[:] = 0.0
         rigid_tangent(
             H,
             v,
             a,
+            self.kinds,
             self.inertia,
             self._place_inertia,
             self._work[1],
@@ -316,9 +332,13 @@ class System:
         if damping != 0.0:
             self._add_damping(H, damping)
         constraints.geometric(H, self.table, weights, self._place_joints, self._K)
-        constraints.jacobian(H if joint_frames is None else joint_frames, self.table, self._rows)
-        combine(self._A, self._K, self._rows, d, self._per_constraint, self.kkt.indices)
-        self.kkt.fill(self._A, self._rows, scale)
+        constraints.jacobian(ahead, self.table, self._rows)
+        nodes, bind = self._per_constraint, self.kkt.indices
+        columns = self._rows.copy()
+        combine(self._A, self._K, self._rows, self.kinds, d, nodes, bind)
+        if inertial:
+            to_inertial(self._A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
+        self.kkt.fill(self._A, columns, self._rows, scale)
 
     def _add_damping(self, H: Array, damping: float) -> None:
         """Add ``damping`` times the derivative of damping forces in the velocities to ``A``."""
@@ -328,7 +348,16 @@ class System:
         if self._damping is not None:
             still = np.zeros((self.count, 6))
             inertia.tangents(
-                H, still, still, *self._damping, self._place_inertia, damping, 0.0, self._A, self._K
+                H,
+                still,
+                still,
+                self.kinds,
+                *self._damping,
+                self._place_inertia,
+                damping,
+                0.0,
+                self._A,
+                self._K,
             )
 
     def fill_start_matrix(self, H: Array, stiffness: float) -> None:
@@ -344,6 +373,7 @@ class System:
             H,
             still,
             still,
+            self.kinds,
             *self.inertia,
             self._place_inertia,
             1.0,
@@ -352,7 +382,7 @@ class System:
             self._K,
         )
         constraints.jacobian(H, self.table, self._rows)
-        self.kkt.fill(self._A, self._rows, np.ones(self.m))
+        self.kkt.fill(self._A, self._rows, self._rows, np.ones(self.m))
 
     def constraint_scale(self, H: Array) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` filled last, shape (m,).

@@ -9,18 +9,26 @@ from scipy.integrate import solve_ivp
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.steps import correct
 from fem_lie.system import System
 
 G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3
 
 
-def pendulum(angle: float = 0.0, speed: float = 0.0) -> tuple[fl.Scene, fl.RigidBody]:
+groups = pytest.mark.parametrize("group", list(fl.Group))
+EXP = fl.Parametrisation.EXPONENTIAL
+maps = pytest.mark.parametrize("parametrisation", list(fl.Parametrisation))
+
+
+def pendulum(
+    angle: float = 0.0, speed: float = 0.0, group: fl.Group = fl.Group.SE3
+) -> tuple[fl.Scene, fl.RigidBody]:
     """Compound pendulum about y through the origin, at rest along the x axis."""
     scene = fl.Scene(gravity=(0, 0, -G))
     place = LENGTH * np.array([np.cos(angle), 0, -np.sin(angle)])
     R = lie.so3_exp([0, angle, 0])
-    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R))
+    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R, group=group))
     scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0), name="pivot"))
     body.turn((0, speed, 0), about=(0, 0, 0))
     return scene, body
@@ -41,14 +49,15 @@ def exact_pendulum(times: np.ndarray, angle: float, speed: float) -> tuple[np.nd
     return solution.y[0], solution.y[1]
 
 
+@groups
 @pytest.mark.parametrize("radius", [0.0, 0.6, 0.8])
-def test_start_stands_for_the_acceleration_before_the_first_step(radius):
+def test_start_stands_for_the_acceleration_before_the_first_step(radius, group):
     """``a₀`` is ``v̇`` at ``(α_m − α_f) h`` to second order; ``v̇₀`` in its place is first order."""
     angle, speed = 0.3, 1.0
     moment = MASS * G * LENGTH / (INERTIA + MASS * LENGTH**2)
     errors = []
     for step in (2e-2, 1e-2):
-        scene, _ = pendulum(angle, speed)
+        scene, _ = pendulum(angle, speed, group)
         run = _Run(fl.GeneralisedAlpha(radius=radius), System(scene, dynamics=True), step)
         run.start()
         # time runs backwards: the pendulum with the opposite speed
@@ -66,13 +75,19 @@ def pivot_force(angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
     return MASS * (np.array([0, 0, -G]) - a)
 
 
-@pytest.mark.parametrize("radius", [0.0, 0.6, 0.8, 1.0])
-def test_order_of_configuration_velocity_and_multipliers(radius):
+@groups
+@pytest.mark.parametrize(
+    ("radius", "parametrisation"),
+    [(0.0, EXP), (0.6, EXP), (0.8, EXP), (1.0, EXP), (0.8, fl.Parametrisation.CAYLEY)],
+)
+def test_order_of_configuration_velocity_and_multipliers(radius, parametrisation, group):
     angle, speed = 0.3, 1.0
     errors = []
     for step in (1e-2, 5e-3, 2.5e-3):
-        scene, body = pendulum(angle, speed)
-        scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
+        scene, body = pendulum(angle, speed, group)
+        scheme = fl.GeneralisedAlpha(
+            radius=radius, tolerance=1e-10, parametrisation=parametrisation
+        )
         result = scheme.run(scene, duration=0.6, step=step)
         phi, rate = exact_pendulum(result.times, angle, speed)
         position = LENGTH * np.stack([np.cos(phi), 0 * phi, -np.sin(phi)], 1)
@@ -84,35 +99,234 @@ def test_order_of_configuration_velocity_and_multipliers(radius):
             [
                 np.abs(result.position(body.centre) - position).max(),
                 np.abs(result.velocity(body.centre)[:, 4] - rate).max(),
+                np.abs(result.velocity(body.centre)[:, 2] + LENGTH * rate).max(),
                 np.abs(force - pivot_force(phi, rate) @ frame.T)[1:half].max(),
                 np.abs(force - pivot_force(phi, rate) @ frame.T)[half:].max(),
             ]
         )
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders.min() > 1.9, orders
+    # with radius 1 nothing damps what starts in the multipliers, and it grows like n h³: only where
+    # the joint's motions are a subgroup is there nothing (Arnold, Brüls & Cardona 2015)
+    undamped = radius == 1.0 and group is fl.Group.R3xSO3
+    assert orders[:, :3].min() > 1.9, orders
+    assert orders[:, 3:].min() > (0.9 if undamped else 1.9), orders
 
 
-@pytest.mark.parametrize(("step", "bound"), [(5e-4, 6e-3), (2.5e-4, 1.5e-3)])
-def test_fast_heavy_top_keeps_one_matrix(step, bound):
-    """Brüls & Cardona's top at 150 rad/s: in its own frame nothing turns, so nothing is renewed.
+def heavy_top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
+    """Brüls & Cardona's top at 150 rad/s, its frame at the centre of mass."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    top = scene.add(
+        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), group=group, name="top")
+    )
+    scene.add(fl.Spherical(fl.ground(), top.centre, at=(0, 0, 0), name="tip"))
+    top.turn((0, 150, -4.61538), about=(0, 0, 0))
+    return scene, top
+
+
+def force_on_ground(
+    scene: fl.Scene, result: fl.Result, step: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of the top, global components, from joint and from its path, without first and last time."""
+    x = result.position("top.centre")
+    a = (x[2:] - 2 * x[1:-1] + x[:-2]) / step**2
+    axes = scene.joints[0].frame()[1:]
+    return result.joint_force("tip")[1:-1, :3] @ axes, 15.0 * (np.array([0, 0, -G]) - a)
+
+
+@pytest.mark.parametrize(
+    ("group", "step", "bound"),
+    [
+        (fl.Group.SE3, 5e-4, 6e-3),
+        (fl.Group.SE3, 2.5e-4, 1.5e-3),
+        (fl.Group.R3xSO3, 1e-3, 2e-3),
+        (fl.Group.R3xSO3, 5e-4, 5e-4),
+    ],
+)
+def test_fast_heavy_top_keeps_one_matrix(group, step, bound):
+    """In its own frame nothing turns, so nothing is renewed.
 
     Reference: centre of mass at 0.2 s, ten digits by two formulations in coordinates. Bounds:
-    second order from 2.2e-2 at 1e-3, what SE(3) costs on a fast spin about a distant point.
+    second order from 2.2e-2 at 1e-3 on SE(3), where the velocity of the centre of mass turns with
+    150 rad/s in the body's frame, and from 1.7e-3 on R³×SO(3).
     """
-    scene = fl.Scene(gravity=(0, 0, -9.81))
-    top = scene.add(fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0)))
-    scene.add(fl.Spherical(fl.ground(), top.centre, at=(0, 0, 0)))
-    top.turn((0, 150, -4.61538), about=(0, 0, 0))
+    scene, top = heavy_top(group)
     result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.2, step=step)
     end = [0.60555056138, 0.5989576818, -0.52398302743]
     assert np.linalg.norm(result.position(top.centre)[-1] - end) < bound
     assert result.factorisations == 1
-    # the joint's force on the ground, in fixed axes: weight and inertia of the centre of mass
-    force = result.joint_force(scene.joints[0])[:, :3] @ scene.joints[0].frame()[1:]
-    x = result.position(top.centre)
-    a = (x[2:] - 2 * x[1:-1] + x[:-2]) / step**2
-    exact = 15.0 * (np.array([0, 0, -9.81]) - a)
-    assert np.abs(force[1:-1] - exact).max() < 0.05 * np.abs(exact).max()
+    # full Newton takes two as well: the kept matrix is as good as a new one
+    assert result.iterations[-1] < 2.1 * (len(result.times) - 1)
+    force, exact = force_on_ground(scene, result, step)
+    assert np.abs(force - exact).max() < 0.01 * np.abs(exact).max()
+
+
+@groups
+@maps
+def test_joint_force_of_the_top_is_of_second_order_from_the_first_step(group, parametrisation):
+    """R³×SO(3) has a transient of first order in it without ``velocity_defect``."""
+    errors = []
+    for step in (5e-4, 2.5e-4):
+        scheme = fl.GeneralisedAlpha(radius=0.9, parametrisation=parametrisation)
+        scene, _ = heavy_top(group)
+        result = scheme.run(scene, duration=0.02, step=step)
+        force, exact = force_on_ground(scene, result, step)
+        errors.append(np.abs(force - exact).max() / np.abs(exact).max())
+    assert np.log2(errors[0] / errors[1]) > 1.9, errors
+    assert errors[1] < 4e-3
+
+
+@groups
+@maps
+def test_full_newton_converges_quadratically_at_any_spin(group, parametrisation):
+    """0.15 rad in a step: with ``(BT)ᵀ`` as border the rate is 0.075, and 6 iterations."""
+    scheme = fl.GeneralisedAlpha(
+        radius=0.9, policy=fl.EveryIteration(), parametrisation=parametrisation
+    )
+    result = scheme.run(heavy_top(group)[0], duration=0.02, step=1e-3)
+    assert np.diff(result.iterations).max() <= 3
+
+
+def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
+    """A beam and a rigid body in space, the body on the other group, all turned first."""
+    R = np.eye(3) if turned is None else turned
+    other = fl.Group(1 - group)
+    section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e8, 0.3, 1000))
+    scene = fl.Scene()
+    beam = scene.add(
+        fl.Beam.straight((0, 0, 0), R[:, 0], section, cells=3, up=R[:, 2], group=group)
+    )
+    body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R, group=other))
+    scene.add(fl.Revolute(beam.end, body.centre, at=R[:, 0], axis=R @ [0, 0.6, 0.8]))
+    for item in (beam, body):
+        item.move(R @ [1, 2, 3])
+        item.turn(R @ [8, -6, 10], about=(0, 0, 0))
+    body.turn(R @ [0, 12, 16], about=R[:, 0])
+    return scene
+
+
+@groups
+@maps
+def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisation):
+    """At a random state with rotations of half a radian in the step, column by column."""
+    scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
+    system = System(mixed_scene(group), dynamics=True, parametrisation=parametrisation)
+    run = _Run(scheme, system, 1e-2)
+    run.start()
+    s, rng, epsilon = run.s, np.random.default_rng(5), 1e-6
+    s.motion[:] = rng.normal(size=s.motion.shape)
+    s.d[:] = 0.3 * rng.normal(size=s.d.shape)
+    run.weights[:] = rng.normal(size=system.m)
+
+    def residual_at(dx: np.ndarray) -> np.ndarray:
+        state = tuple(part.copy() for part in s)
+        weights = run.weights.copy()
+        correct(tuple(run.p), state, dx.copy(), run.scale, run.measure, weights)
+        r = np.empty(system.size)
+        H1, motion = state[1], state[2]
+        system.residual(H1, motion[6], motion[7], weights, run.scale, r)
+        return r
+
+    zero, weights = np.zeros(system.size), run.weights.copy()
+    correct(tuple(run.p), tuple(s), zero.copy(), run.scale, run.measure, weights)
+    system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, zero)
+    run._fill(s.H1, s.H1, turned=False)
+    matrix = system.kkt.matrix.convert("dense").getDenseArray()
+    numeric = np.empty_like(matrix)
+    for j, e in enumerate(epsilon * np.eye(system.size)):
+        numeric[:, j] = (residual_at(-e) - residual_at(e)) / (2 * epsilon)
+    size = np.abs(numeric).max(axis=1, keepdims=True)
+    # epsilon² of third derivatives, round-off over epsilon
+    assert (np.abs(matrix - numeric) < 1e-7 * size).all()
+
+
+@groups
+@maps
+def test_motion_does_not_depend_on_the_axes(group, parametrisation):
+    R = lie.so3_exp([0.7, -1.9, 2.2])
+    scheme = fl.GeneralisedAlpha(tolerance=1e-11, parametrisation=parametrisation)
+    one, two = (
+        scheme.run(mixed_scene(group, turned), duration=0.05, step=1e-3) for turned in (None, R)
+    )
+    # tolerance times the speed of errors of a stiff body over 50 steps
+    np.testing.assert_allclose(two.frames, one.frames @ R.T, atol=1e-8)
+    np.testing.assert_allclose(two.velocities, one.velocities, atol=1e-5)
+
+
+@groups
+def test_recorded_velocities_are_those_of_the_frames(group):
+    """Twists in the nodes' frames, whatever the integrator keeps; h² of third derivatives."""
+    step = 1e-4
+    result = fl.GeneralisedAlpha().run(mixed_scene(group), duration=0.02, step=step)
+    difference = lie.se3_relative(result.frames[:-2], result.frames[2:]) / (2 * step)
+    scale = np.abs(result.velocities).max()
+    assert np.abs(result.velocities[1:-1] - difference).max() < 4e-3 * scale
+    assert np.abs(result.velocities[0] - result.velocities[1]).max() < 0.02 * scale
+
+
+@maps
+def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisation):
+    """A parabola, in 20 large steps of a spinning body."""
+    scene = fl.Scene(gravity=(0, 0, -G))
+    body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25), (0, 0, 1)))
+    assert body.group is fl.Group.R3xSO3
+    body.move((1, 2, 3))
+    body.turn((0.3, 6, 0.2), about=body.centre)
+    scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
+    result = scheme.run(scene, duration=1.0, step=0.05)
+    t = result.times[:, np.newaxis]
+    parabola = [0, 0, 1] + t * [1, 2, 3] - 0.5 * G * t**2 * [0, 0, 1]
+    np.testing.assert_allclose(result.position(body.centre), parabola, atol=1e-13)
+    velocity = np.einsum(
+        "tij,ti->tj", lie.rotation(result.frames[:, 0]), [1, 2, 3] - G * t * [0, 0, 1]
+    )
+    np.testing.assert_allclose(result.velocity(body.centre)[:, :3], velocity, atol=1e-12)
+
+
+@groups
+@pytest.mark.parametrize("policy", [fl.Automatic(), fl.Limit(4)])
+def test_components_of_the_matrix_change_nothing_but_its_life(group, policy):
+    runs = [
+        fl.GeneralisedAlpha(radius=0.9, policy=policy, components=components).run(
+            heavy_top(group)[0], duration=0.1, step=5e-4
+        )
+        for components in fl.Components
+    ]
+    local, inertial = runs
+    assert np.abs(local.frames - inertial.frames).max() < 1e-6  # tolerance times 200 steps
+    assert inertial.factorisations > 20 * local.factorisations
+
+
+@groups
+def test_components_for_bodies_that_are_held(group):
+    """Clamps, joints between bodies and the rescue of a step, in both components."""
+
+    def motion(components: fl.Components) -> np.ndarray:
+        section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e9, 0.3, 1000))
+        scene = fl.Scene(gravity=(0, 0, -G))
+        one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3, group=group))
+        two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3, group=group))
+        scene.add(fl.Clamp(one.start))
+        scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
+        two.turn((20, 0, 0), about=two.start)
+        scheme = fl.GeneralisedAlpha(tolerance=1e-10, components=components)
+        return scheme.run(scene, duration=0.2, step=1e-3).frames
+
+    local, inertial = (motion(components) for components in fl.Components)
+    np.testing.assert_allclose(local, inertial, atol=1e-7)
+
+
+@groups
+@pytest.mark.parametrize("radius", [0.0, 0.8])
+def test_waves_that_no_step_resolves_do_not_spoil_the_start(group, radius):
+    """A load on steel at once, in steps of a hundred periods: extrapolated ``a₀`` was nonsense."""
+    section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e11, 0.3, 7800))
+    scene = fl.Scene(gravity=(0, 0, -G))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, group=group))
+    body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0), group=group))
+    scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+    scene.add(fl.Fixed(beam.end, body.centre, at=(1, 0, 0)))
+    result = fl.GeneralisedAlpha(radius=radius).run(scene, duration=0.1, step=4e-3)
+    assert result.energy_error < 0.05
 
 
 def flexible_pendulum(policy: fl.Policy | None = None, cells: int = 4, **options) -> fl.Result:

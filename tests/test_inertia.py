@@ -176,7 +176,9 @@ def test_tangents(seed):
     place = np.array([9, 1, 4, 0, 8, 2, 6])
     A, K = np.ones((11, 6, 6)), np.ones((11, 6, 6))
     H, v, a = body.H, body.v, body.a
-    inertia.tangents(H, v, a, *body.pattern, place, mass, damping, A, K)
+    inertia.tangents(
+        H, v, a, np.zeros(3, dtype=np.int64), *body.pattern, place, mass, damping, A, K
+    )
     untouched = np.setdiff1d(np.arange(11), place)
     assert (A[untouched] == 1).all() and (K[untouched] == 1).all()
 

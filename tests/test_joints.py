@@ -181,7 +181,7 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         run = _Run(fl.GeneralisedAlpha(), System(scene, dynamics=True), step)
         run.start()
         s = run.s
-        run.system.residual(s.H, s.v, s.vdot, run.weights, run.scale, run.r)
+        run.system.residual(s.H, s.twist1, s.rate1, run.weights, run.scale, run.r)
         run._factorise(s.H)
         matrix = run.system.kkt.matrix.convert("dense").getDenseArray()
         conditions.append(np.linalg.cond(matrix))

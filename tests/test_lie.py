@@ -364,6 +364,26 @@ def test_cayley_tangent_is_the_right_jacobian(length):
     close(lie.so3_cayley_tangent(psi), mp_columns(local_change, exact(psi)))
 
 
+@pytest.mark.parametrize("angle", [0.0, 1e-8, 1e-4, 1.0, 30.0])
+def test_cayley_of_se3(angle):
+    """``(I − ½X)⁻¹(I + ½X)``, its right Jacobian, and the group of rotations in it."""
+    d = twist(angle)
+
+    def cayley(p):
+        X = mp_hat(p)
+        return (mp.eye(4) - X / 2) ** -1 * (mp.eye(4) + X / 2)
+
+    inverse = cayley(exact(d)) ** -1
+
+    def local_change(p):
+        M = inverse * cayley(p)
+        return [M[0, 3], M[1, 3], M[2, 3], M[2, 1], M[0, 2], M[1, 0]]
+
+    close(lie.homogeneous(lie.se3_cayley(d)), as_float(cayley(exact(d))))
+    close(lie.se3_cayley_tangent(d), mp_columns(local_change, exact(d)))
+    close(lie.rotation(lie.se3_cayley(d)), lie.so3_cayley(d[3:]))
+
+
 # --- compiled loops -----------------------------------------------------------------------------
 
 

@@ -26,6 +26,7 @@ from fem_lie.solve import free_body, scheme
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.scheme import AHEAD
 from fem_lie.system import refuse_ranks
 
 if TYPE_CHECKING:
@@ -114,7 +115,6 @@ class Run:
         options: GeneralisedAlpha,
         scene: Scene,
         step: float,
-        groups: Indices | None = None,
     ) -> None:
         """Collect bodies and loads.
 
@@ -122,7 +122,6 @@ class Run:
             options: Of the scheme.
             scene: One that :func:`applies`.
             step: Step size.
-            groups: Group of each body, shape (n,); default: all :data:`scheme.SE3`.
         """
         refuse_ranks()
         rule = options.policy.rule()
@@ -143,8 +142,7 @@ class Run:
             self.blocks[nodes], size[nodes] = body.gram, body.size
         trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
         J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
-        group = np.zeros(n, dtype=np.int64) if groups is None else groups
-        self.bodies = _Bodies(self.blocks[:, 0, 0].copy(), J, size, group)
+        self.bodies = _Bodies(self.blocks[:, 0, 0].copy(), J, size, self.numbering.groups)
         self.loads, self.histories = self._collect(scene)
         self.p = scheme.parameters(options.radius, step, 1.0)
         self.s = _State(
@@ -182,13 +180,14 @@ class Run:
         p, s = self.p, self.s
         bodies, loads = tuple(self.bodies), tuple(self.loads)
         shift = (p.af - p.am) * p.h
-        amplitude = amplitudes(self.histories, [0.0, shift])
+        ahead = max(shift, AHEAD * p.h)
+        amplitude = amplitudes(self.histories, [0.0, ahead])
         free_body.accelerations(bodies, loads, amplitude[0], s.H, s.H, s.v, s.vdot)
-        d, H1, later = shift * s.v + 0.5 * shift**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
+        d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
         free_body.move_all(self.bodies.group, s.H, d, H1)
-        v1 = s.v + shift * s.vdot
+        v1 = s.v + ahead * s.vdot
         free_body.accelerations(bodies, loads, amplitude[1], s.H, H1, v1, later)
-        s.a[:] = 2.0 * s.vdot - later
+        s.a[:] = s.vdot - shift / ahead * (later - s.vdot)
 
     def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
         """All steps; see :meth:`GeneralisedAlpha.run`."""

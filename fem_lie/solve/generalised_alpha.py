@@ -1,12 +1,13 @@
-"""Generalised-α on SE(3) in local frames, index 3, with a kept iteration matrix.
+"""Generalised-α in local frames, index 3, with a kept iteration matrix.
 
 Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121. With ``d`` the increment of a step::
 
     d = h v + h² ((½ − β) a + β a₁)            H₁ = H exp(d)
     v₁ = v + h ((1 − γ) a + γ a₁)              (1 − α_m) a₁ + α_m a = (1 − α_f) v̇₁ + α_f v̇
 
-and the equations of motion at the end of the step. Constraints are scaled as in Bottasso, Bauchau &
-Cardona, SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of h.
+and the equations of motion at the end of the step. Each body moves on SE(3), as written here, or on
+R³×SO(3) (:mod:`fem_lie.groups`). Constraints are scaled as in Bottasso, Bauchau & Cardona, SIAM J.
+Sci. Comput. 29 (2007) 397, which makes the conditioning independent of h.
 """
 
 from __future__ import annotations
@@ -14,19 +15,22 @@ from __future__ import annotations
 import logging
 import time as clock
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from enum import IntEnum
 
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array
+from fem_lie.groups import Parametrisation, turn_all, turn_all_back, twists
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve import free_bodies, scheme
+from fem_lie.solve import free_bodies
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
-from fem_lie.solve.start import accelerations, check_velocities
+from fem_lie.solve.scheme import DIVERGED, ROTATION, ROUND_OFF, failure, parameters
+from fem_lie.solve.start import check_velocities, set_start
+from fem_lie.solve.steps import State, accept, correct, predict
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
@@ -34,69 +38,16 @@ _log = logging.getLogger(__name__)
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
 
 
-class _State(NamedTuple):
-    """Start of a step, and its end with index 1; ``d`` is the increment between them."""
+class Components(IntEnum):
+    """In which components the iteration matrix is kept; the solution is the same.
 
-    H: Array
-    v: Array
-    vdot: Array
-    a: Array
-    d: Array
-    H1: Array
-    v1: Array
-    vdot1: Array
+    ``LOCAL``: along the nodes' own axes, where it hardly changes. ``INERTIAL``: along fixed axes,
+    where it turns with the bodies, as in formulations with rotation vectors in the inertial frame:
+    slower, there to compare with.
+    """
 
-
-# Compiled functions take these records as plain tuples: numba is three times as fast to call so.
-
-
-@compiled
-def _predict(parameters: tuple[float, ...], state: tuple[Array, ...]) -> float:
-    """Start a step; returns the size of the motion, see :data:`scheme.ROTATION`."""
-    H, v, vdot, a, d, H1, v1, vdot1 = state
-    largest = 0.0
-    for i in range(d.shape[0]):
-        size = scheme.predict(
-            parameters, scheme.SE3, H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i]
-        )
-        largest = max(largest, size)
-    return largest
-
-
-@compiled
-def _correct(
-    parameters: tuple[float, ...],
-    state: tuple[Array, ...],
-    dx: Array,
-    scale: Array,
-    measure: Array,
-    weights: Array,
-) -> float:
-    """Apply a Newton correction; returns its size, see :data:`scheme.ROTATION`."""
-    H, _, _, _, d, H1, v1, vdot1 = state
-    largest = 0.0
-    for i in range(d.shape[0]):
-        part = dx[6 * i : 6 * i + 6]
-        size = scheme.correct(parameters, scheme.SE3, part, H[i], d[i], H1[i], v1[i], vdot1[i])
-        if size > largest or size != size:  # nan stays
-            largest = size
-    at = 6 * d.shape[0]
-    for c in range(weights.shape[0]):
-        weights[c] -= scale[c] * dx[at + c]
-        # scaled multipliers are displacements that the matrix turns into the joint's force
-        size = abs(dx[at + c]) * measure[c]
-        if size > largest or size != size:
-            largest = size
-    return largest
-
-
-@compiled
-def _accept(parameters: tuple[float, ...], state: tuple[Array, ...]) -> None:
-    """Make the end of the step the start of the next."""
-    H, v, vdot, a, _, H1, v1, vdot1 = state
-    for i in range(a.shape[0]):
-        scheme.accept(parameters, scheme.SE3, H[i], v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
-    H[:] = H1  # with the prescribed frames
+    LOCAL = 0
+    INERTIAL = 1
 
 
 @dataclass(frozen=True)
@@ -112,6 +63,8 @@ class GeneralisedAlpha:
             so far: the relative error of velocities, which is what energy and momentum feel.
         policy: When to factorise.
         max_iterations: More in one step are a failure.
+        parametrisation: The map from increments to rotations.
+        components: In which components the iteration matrix is kept.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
@@ -119,12 +72,16 @@ class GeneralisedAlpha:
     tolerance: float = 2e-8
     policy: Policy = field(default_factory=Automatic)
     max_iterations: int = 30
+    parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
+    components: Components = Components.LOCAL
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
     def __post_init__(self) -> None:
         """Check the options."""
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+        # plain numbers are welcome, others raise ValueError
+        Parametrisation(self.parametrisation), Components(self.components)
         if not self.tolerance > 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance > 0 and max_iterations ≥ 1, got "
@@ -160,10 +117,12 @@ class GeneralisedAlpha:
             raise ValueError(f"duration {duration} is not a multiple of the step {step}")
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
-        if free_bodies.applies(scene, self.policy):
+        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
+        if exponential and free_bodies.applies(scene, self.policy):
             _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
             return free_bodies.Run(self, scene, step).integrate(steps, save_every, progress)
-        run = _Run(self, System(scene, dynamics=True), step)
+        system = System(scene, dynamics=True, parametrisation=self.parametrisation)
+        run = _Run(self, system, step)
         return run.integrate(Recorder(run.system, steps, step, save_every, progress))
 
 
@@ -172,14 +131,14 @@ class _Run:
 
     def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
         self.options, self.system = options, system
-        self.p = scheme.parameters(options.radius, step, system.length)
+        self.p = parameters(options.radius, step, system.length)
         self.policy = options.policy.fresh()
-        H, v, zero = system.frames, system.velocities, np.zeros((system.count, 6))
-        self.s = _State(*(x.copy() for x in (H, v, zero, zero, zero, H, v, zero)))
+        self.s = State.start(system.frames, system.kinds)
+        self._turned = options.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         turns = ~system.table.selection[:, :3].any(axis=1)
-        self.measure = np.where(turns, scheme.ROTATION, 1.0 / system.length)
+        self.measure = np.where(turns, ROTATION, 1.0 / system.length)
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
@@ -190,32 +149,24 @@ class _Run:
         """Consistent accelerations and multipliers; scaling of the constraints."""
         system, p, s = self.system, self.p, self.s
         check_velocities(system, p.h)
-        vdot, weights = accelerations(system, self.solver, s.H, s.v, 0.0, p.h)
-        s.vdot[:], self.weights[:] = vdot, weights
-        # a₀ stands for v̇ at t₀ + (α_m − α_f) h, or the start is only first order
-        # (Arnold, Brüls & Cardona, Numer. Math. 129 (2015) 149); extrapolated from t₀ + shift
-        shift = (p.af - p.am) * p.h
-        s.a[:] = vdot
-        if shift > 0:
-            n = system.count
-            H, v = s.H.copy(), s.v.copy()
-            H[:n] = lie.se3_retract(H[:n], shift * v[:n] + 0.5 * shift**2 * vdot)
-            v[:n] += shift * vdot
-            later, _ = accelerations(system, self.solver, H, v, shift, p.h)
-            s.a[:] += vdot - later
+        self.weights[:] = set_start(system, self.solver, p, s)
         system.set_time(0.0)
-        system.residual(s.H, s.v, s.vdot, self.weights, self.scale, self.r)
-        self._fill(s.H, s.H)
+        system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
+        self._fill(s.H, s.H, turned=False)
         self.scale[:] = system.constraint_scale(s.H)
         self._warm_up()
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
-        parameters, state = self._plain[0], tuple(x.copy() for x in self.s)
-        _predict(parameters, state)
+        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
+        predict(scheme, state)
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
-        _correct(parameters, state, zero, self.scale, self.measure, weights)
-        _accept(parameters, state)
+        correct(scheme, state, zero, self.scale, self.measure, weights)
+        accept(scheme, state)
+        if self._turned:
+            self._fill(self.s.H, self.s.H, turned=True)
+            turn_all(self.s.H, zero, self.system.count)
+            turn_all_back(self.s.H, zero, self.system.count)
 
     # --- steps ---
 
@@ -224,7 +175,7 @@ class _Run:
         system, s, h = self.system, self.s, self.p.h
         self.start()
         self.solver.factorisations = 0
-        recorder.record(0, s.H, s.v, self.weights, 0)
+        recorder.record(0, s.H, s.twist1, self.weights, 0)
         begin = clock.perf_counter()
         with recorder:
             for index in range(1, recorder.steps + 1):
@@ -237,15 +188,13 @@ class _Run:
                     seconds = clock.perf_counter() - begin
                     result = recorder.result(self.solver.factorisations, seconds)
                     raise ConvergenceError(self._failure(recorder.steps), result)
-                recorder.record(index, s.H, s.v, self.weights, iterations)
+                recorder.record(index, s.H, s.twist1, self.weights, iterations)
         return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
 
     def _failure(self, steps: int) -> str:
-        residual = float(np.abs(self.r).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
-        return scheme.failure(
-            self._index, steps, self.p.h, limit, self._increment, residual, tolerance
-        )
+        residual = float(np.abs(self.r).max())
+        return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
 
     def _step(self) -> int:
         """One step; returns its iterations, 0 if it failed.
@@ -273,56 +222,65 @@ class _Run:
 
     def _newton(self, policy: Policy, carried: bool) -> int:
         system, s = self.system, self.s
-        self._motion = max(_predict(*self._plain), self._motion)
-        tolerance = max(self.options.tolerance * self._motion, scheme.ROUND_OFF)
+        self._motion = max(predict(*self._plain), self._motion)
+        tolerance = max(self.options.tolerance * self._motion, ROUND_OFF)
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
-            system.residual(s.H1, s.v1, s.vdot1, self.weights, self.scale, self.r)
+            system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
             if policy.before_iteration(iteration) or self.solver.factorisations == 0:
                 self._factorise(None if carried else s.H1)
-            self.solver.solve()
+            self._solve()
             if carried:
-                twists = lie.se3_tangent(s.d) @ -self.dx[: s.d.size].reshape(-1, 6, 1)
-                system.elastic.carry(s.H1, twists.ravel())
-            self._increment = _correct(
-                *self._plain, self.dx, self.scale, self.measure, self.weights
-            )
+                h = np.empty_like(s.d)
+                twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
+                system.elastic.carry(s.H1, h.ravel())
+            self._increment = correct(*self._plain, self.dx, self.scale, self.measure, self.weights)
             if previous < np.inf:
                 # one lucky ratio must not end the next steps too early: forget slowly
                 ratio = max(self._increment / previous, 0.7 * ratio)
             # the sum of all further increments of a linearly converging iteration
             remaining = self._increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
-            if remaining <= tolerance or self._increment <= scheme.ROUND_OFF or stagnant:
+            if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 # not measured in this step: trust it less and less, until it is measured again
                 self._last_ratio = ratio if iteration > 1 else ratio**0.8
                 policy.after_step(iteration)
-                _accept(*self._plain)
+                accept(*self._plain)
                 return iteration
-            if not self._increment < scheme.DIVERGED:
+            if not self._increment < DIVERGED:
                 return 0
             previous = self._increment
         return 0
 
+    def _solve(self) -> None:
+        """Solve; the residual and the solution are in local components."""
+        H1, n = self.s.H1, self.system.count
+        if self._turned:
+            turn_all(H1, self.r, n)
+        self.solver.solve()
+        if self._turned:
+            turn_all_back(H1, self.dx, n)
+
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
-        self._fill(stressed, self._ahead())
+        self._fill(stressed, self._ahead(), turned=self._turned)
         self.solver.factorise()
 
-    def _fill(self, stressed: Array | None, joint_frames: Array) -> None:
+    def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
         if stressed is not None:
             self.system.elastic.reset_stress(stressed)
         s = self.s
         self.system.fill_matrix(
             s.H1,
-            s.v1,
-            s.vdot1,
+            s.twist1,
+            s.rate1,
             self.weights,
             self.scale,
             s.d,
             self.p.mass,
             self.p.damping,
             joint_frames,
+            inertial=turned,
         )
 
     def _ahead(self) -> Array:
@@ -332,6 +290,8 @@ class _Run:
         """
         steps = (self._index - self._born) // 2
         self._born = self._index
-        frames, n = self.s.H1.copy(), self.system.count
-        frames[:n] = lie.se3_retract(frames[:n], steps * self.p.h * self.s.v1[:n])
+        s, frames = self.s, self.s.H1.copy()
+        n = len(s.kinds)
+        # along a screw motion on either group: joints stay closed
+        frames[:n] = lie.se3_retract(s.H1[:n], steps * self.p.h * s.twist1)
         return frames

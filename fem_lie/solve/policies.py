@@ -147,6 +147,8 @@ class Automatic(Policy):
 
     def after_step(self, iterations: int) -> None:
         """Add up what the kept matrix costs."""
-        if self._best == 0 or iterations < self._best:
-            self._best = iterations
-        self._excess += iterations - self._best
+        # one iteration is luck of the prediction, and says nothing of the matrix
+        counted = max(iterations, 2)
+        if self._best == 0 or counted < self._best:
+            self._best = counted
+        self._excess += counted - self._best

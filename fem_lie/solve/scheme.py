@@ -24,6 +24,9 @@ ROUND_OFF = 1e-15
 DIVERGED = 1e3
 """Increments above, in lengths of the model, are not those of an iteration that converges."""
 
+AHEAD = 0.1
+"""Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""
+
 SE3, R3XSO3 = 0, 1
 """Groups."""
 

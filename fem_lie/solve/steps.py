@@ -1,0 +1,183 @@
+"""One step of generalised-α on all nodes: prediction, correction, acceptance, compiled.
+
+Each node moves on its own group, see :mod:`fem_lie.groups`. Velocities and accelerations are those
+of the group; their twists in the nodes' frames, which the equations of motion want, follow them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._jit import Array, Indices, compiled
+from fem_lie._lie_tuples import load, store
+from fem_lie.groups import from_local, global_components, move, to_local
+from fem_lie.solve.scheme import ROTATION
+
+
+class State(NamedTuple):
+    """Start of a step, and its end with index 1.
+
+    Attributes:
+        H: Frames of all rows, and those of the end.
+        motion: Shape (8, n, 6), in the order of the properties; one array, because a compiled
+            function takes the longer to call the more there are.
+        kinds: Group and parametrisation of each node, shape (n,).
+    """
+
+    H: Array
+    H1: Array
+    motion: Array
+    kinds: Indices
+
+    @classmethod
+    def start(cls, frames: Array, kinds: Indices) -> State:
+        """At rest at ``frames``."""
+        return cls(frames.copy(), frames.copy(), np.zeros((8, len(kinds), 6)), kinds)
+
+    @property
+    def v(self) -> Array:
+        """Velocities of the group."""
+        return self.motion[0]
+
+    @property
+    def vdot(self) -> Array:
+        """Accelerations."""
+        return self.motion[1]
+
+    @property
+    def a(self) -> Array:
+        """Algorithmic accelerations."""
+        return self.motion[2]
+
+    @property
+    def d(self) -> Array:
+        """Increment of the step."""
+        return self.motion[3]
+
+    @property
+    def v1(self) -> Array:
+        """Velocities at the end of the step."""
+        return self.motion[4]
+
+    @property
+    def twist1(self) -> Array:
+        """Twists in the nodes' frames at the end of the step, or of the last one accepted."""
+        return self.motion[6]
+
+    @property
+    def rate1(self) -> Array:
+        """Rates of the twists at the end of the step."""
+        return self.motion[7]
+
+    def set_start(self, twist: Array, rate: Array) -> None:
+        """Set ``v`` and ``v̇ = a`` from twists and their rates in the frames ``H``, (n, 6)."""
+        from_local(self.kinds, self.H, twist, rate, self.v, self.vdot)
+        self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
+
+
+@compiled
+def extrapolate(
+    time: float, H: Array, motion: Array, kinds: Indices, later: Array, twist: Array
+) -> None:
+    """Frames and twists after ``time`` at constant accelerations, shapes (≥ n, 4, 3), (≥ n, 6)."""
+    v, vdot = motion[0], motion[1]
+    d, w, rate = np.empty(6), np.empty(6), np.empty(6)
+    for i in range(kinds.shape[0]):
+        for k in range(6):
+            d[k] = time * v[i, k] + 0.5 * time * time * vdot[i, k]
+            w[k] = v[i, k] + time * vdot[i, k]
+        move(kinds[i], H[i], d, later[i])
+        to_local(kinds[i], later[i], w, vdot[i], twist[i], rate)
+
+
+# Compiled functions take these records as plain tuples: numba is three times as fast to call so.
+
+
+@compiled
+def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
+    """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
+    h, am, _, gamma, beta, _, _, length = scheme
+    H, H1, motion, kinds = state
+    v, vdot, a, d, v1, vdot1, twist, rate = _parts(motion)
+    largest = 0.0
+    for i in range(d.shape[0]):
+        for k in range(6):
+            vdot1[i, k] = vdot[i, k]
+            a1 = (vdot[i, k] - am * a[i, k]) / (1.0 - am)
+            d[i, k] = h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1)
+            v1[i, k] = v[i, k] + h * ((1.0 - gamma) * a[i, k] + gamma * a1)
+            size = abs(d[i, k])
+            largest = max(largest, size / length if k < 3 else ROTATION * size)
+        move(kinds[i], H[i], d[i], H1[i])
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+    return largest
+
+
+@compiled
+def correct(
+    scheme: tuple[float, ...],
+    state: tuple[Any, ...],
+    dx: Array,
+    scale: Array,
+    measure: Array,
+    weights: Array,
+) -> float:
+    """Apply a Newton correction; returns its size, see :data:`ROTATION`."""
+    _, _, _, _, _, mass, damping, length = scheme
+    H, H1, motion, kinds = state
+    _, _, _, d, v1, vdot1, twist, rate = _parts(motion)
+    largest = 0.0
+    for i in range(d.shape[0]):
+        x = dx[6 * i : 6 * i + 6]
+        if kinds[i] & 1:
+            store(x, 0, global_components(H1[i], load(x, 0)))
+        for k in range(6):
+            d[i, k] -= x[k]
+            v1[i, k] -= damping * x[k]
+            vdot1[i, k] -= mass * x[k]
+            size = abs(x[k]) / length if k < 3 else ROTATION * abs(x[k])
+            if size > largest or size != size:  # nan stays
+                largest = size
+        move(kinds[i], H[i], d[i], H1[i])
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+    at = 6 * d.shape[0]
+    for c in range(weights.shape[0]):
+        weights[c] -= scale[c] * dx[at + c]
+        # scaled multipliers are displacements that the matrix turns into the joint's force
+        size = abs(dx[at + c]) * measure[c]
+        if size > largest or size != size:
+            largest = size
+    return largest
+
+
+@compiled
+def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
+    """Make the end of the step the start of the next."""
+    _, am, af, _, _, _, _, _ = scheme
+    H, H1, motion, _ = state
+    v, vdot, a, d, v1, vdot1, _, _ = _parts(motion)
+    for i in range(d.shape[0]):
+        for k in range(6):
+            rate = (1.0 - af) * vdot1[i, k] + af * vdot[i, k]
+            a[i, k] = (rate - am * a[i, k]) / (1.0 - am)
+            v[i, k] = v1[i, k]
+            vdot[i, k] = vdot1[i, k]
+        lie.reorthonormalise(H1[i])
+    H[:] = H1  # with the prescribed frames
+
+
+@compiled
+def _parts(motion):  # type: ignore[no-untyped-def]
+    return (
+        motion[0],
+        motion[1],
+        motion[2],
+        motion[3],
+        motion[4],
+        motion[5],
+        motion[6],
+        motion[7],
+    )
