@@ -161,6 +161,11 @@ class Assembly:
         self._forms.increment.x.array[:] = h
         self._forms.carry()
 
+    def clear_stress(self) -> None:
+        """Make the carried stress zero."""
+        if self._forms.stress is not None:
+            self._forms.stress.x.array[:] = 0.0
+
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""
         self.carry(H, np.zeros(6 * self.count))

@@ -107,6 +107,11 @@ class Elastic:
         for where, assembly in self._assemblies:
             assembly.carry(frames[where], twists[where].ravel())
 
+    def clear_stress(self) -> None:
+        """Make all carried stresses zero: a tangent without geometric stiffness."""
+        for _, assembly in self._assemblies:
+            assembly.clear_stress()
+
     def reset_stress(self, H: Array) -> None:
         """Make all carried stresses the true ones at frames ``H``."""
         frames = self._attachment.frames(H)

@@ -7,6 +7,7 @@ from typing import TypeVar
 import numpy.typing as npt
 
 from fem_lie.bodies import Body, vector
+from fem_lie.choices import Choices
 from fem_lie.joints import Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
 
@@ -18,16 +19,21 @@ class Scene:
 
     Attributes:
         gravity: Acceleration of free fall, global components, shape (3,).
+        choices: What is forced into or out of the iteration matrix.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
     """
 
-    def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
+    def __init__(
+        self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0), *, choices: Choices | None = None
+    ) -> None:
         """Start empty.
 
         Args:
             gravity: Acceleration of free fall, global components.
+            choices: What is forced into or out of the iteration matrix; default: nothing.
         """
         self.gravity = vector(gravity, 3, "gravity")
+        self.choices = Choices() if choices is None else choices
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self.links: list[RigidLink] = []

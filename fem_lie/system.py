@@ -18,6 +18,7 @@ import scipy.sparse as sp
 
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices
+from fem_lie.choices import Choices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
 from fem_lie.groups import Parametrisation
@@ -60,6 +61,7 @@ class System:
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
         held: Which of the moving nodes are clamped, shape (n,).
+        choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
 
@@ -110,6 +112,8 @@ class System:
         self._check_redundancy()
         self._work = np.zeros((2, self.count, 4, 3))
         self._damping_work = np.zeros_like(self._work)
+        self._still = np.zeros((self.count, 6))
+        self.choices = Choices(gyroscopic=True, geometric=True)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
 
@@ -313,10 +317,11 @@ class System:
         ahead = H if joint_frames is None else joint_frames
         self._A[:] = 0.0
         self._K[:] = 0.0
+        spinning = bool(self.choices.gyroscopic)
         rigid_tangent(
             H,
-            v,
-            a,
+            v if spinning else self._still,
+            a if spinning else self._still,
             self.kinds,
             self.inertia,
             self._place_inertia,
@@ -331,7 +336,8 @@ class System:
             add_blocks(self._K, place, blocks)
         if damping != 0.0:
             self._add_damping(H, damping)
-        constraints.geometric(H, self.table, weights, self._place_joints, self._K)
+        if self.choices.geometric:
+            constraints.geometric(H, self.table, weights, self._place_joints, self._K)
         constraints.jacobian(ahead, self.table, self._rows)
         nodes, bind = self._per_constraint, self.kkt.indices
         columns = self._rows.copy()
@@ -405,6 +411,20 @@ class System:
         constraints.wrenches(H, self.table, weights, self._reported, forces)
         return forces
 
+    def describe(self) -> str:
+        """What the scene consists of and what was chosen, in one line, for the log."""
+        total, n, flat = self.numbering.total, self.count, int((self.kinds & 1).sum())
+        parts = [
+            f"{total} nodes, {total - n} of them follow others, {self.m} constraints",
+            f"{n - flat} nodes on SE(3), {flat} on R³×SO(3), all with three rotations",
+            f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
+            f"geometric stiffness: {_yes(self.choices.geometric)}",
+            f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",
+            f"pressure: {_yes(self._loads.pressure is not None)}",
+            f"loads or motions in time: {_yes(self.time_dependent)}",
+        ]
+        return "; ".join(parts)
+
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
         leaders = self.numbering.attachment.leaders
@@ -418,3 +438,7 @@ class System:
             for k, joint in enumerate(self.joints)
         )
         return SceneInfo(self.numbering.bodies(), joints)
+
+
+def _yes(chosen: bool | None) -> str:
+    return "yes" if chosen else "no"

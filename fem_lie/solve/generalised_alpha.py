@@ -134,6 +134,9 @@ class _Run:
         self.p = parameters(options.radius, step, system.length)
         self.policy = options.policy.fresh()
         self.s = State.start(system.frames, system.kinds)
+        spin = float(np.abs(system.velocities[:, 3:]).max())
+        system.choices = system.scene.choices.resolve(spin * step)
+        _log.info("%s; matrix: %r", system.describe(), options.policy)
         self._turned = options.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
@@ -267,7 +270,9 @@ class _Run:
         self.solver.factorise()
 
     def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
-        if stressed is not None:
+        if not self.system.choices.geometric:
+            self.system.elastic.clear_stress()
+        elif stressed is not None:
             self.system.elastic.reset_stress(stressed)
         s = self.s
         self.system.fill_matrix(
