@@ -30,5 +30,5 @@ class Choices:
         )
 
 
-SPIN_PER_STEP = 0.05
+SPIN_PER_STEP = 0.01
 """Turn in a step, rad, from which gyroscopic terms count in the matrix (docs/choices.md)."""
