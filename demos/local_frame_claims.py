@@ -236,7 +236,7 @@ def draw(records: dict[str, dict[str, Any]], results: dict[str, fl.Result]) -> N
         for k, frames in enumerate(("local", "inertial")):
             values = [record[f"{what}_{frames}"] for record in records.values()]
             axes.bar(at + 0.4 * k - 0.2, values, 0.38, color=COLOURS[k], label=frames)
-        axes.set(yscale="log", title=what)
+        axes.set(yscale="log", title=what, ylim=(1 if what == "factorisations" else 0.1, None))
         axes.set_xticks(at, list(records))
         axes.grid(axis="y", color="#DDDDDD", linewidth=0.6)
     axes.legend(frameon=False)
