@@ -114,7 +114,40 @@ def test_free_rigid_body_about_its_middle_axis():
     assert record["angular_momentum_error"] <= 2e-6
 
 
+@pytest.mark.parametrize(("group", "bound"), [("SE3", 2.3e-2), ("R3xSO3", 2e-3)])
+def test_heavy_top(group, bound):
+    record = main("heavy_top", group=group, step=1e-3, duration=0.2)
+    assert record["position_error"] <= bound
+    assert record["rotation_error"] <= 1.1 * bound
+    assert record["force_error"] <= 1.2 * bound + 1e-3
+    assert record["factorisations"] == 1
+    assert record["iterations_per_step"] <= 3
+    assert record["factorisations_inertial"] > 50
+
+
+def test_heavy_top_with_the_cayley_map():
+    record = main("heavy_top", group="R3xSO3", parametrisation="cayley", step=5e-4, duration=0.5)
+    assert record["position_error"] <= 3e-3
+    assert record["factorisations"] == 1
+
+
+def test_local_frame_claims():
+    """What turns as a whole: the same motion with a fraction of the factorisations."""
+    record = main("local_frame_claims", scene="net")
+    assert record["factorisations_inertial"] >= 10 * record["factorisations_local"]
+    assert record["factorisations_inertial_limit"] >= 10 * record["factorisations_local_limit"]
+    assert record["error_local"] == pytest.approx(record["error_inertial"], rel=0.1)
+    assert record["error_local_SE3"] <= record["error_local"]
+    assert record["iterations_per_step_local"] < record["iterations_per_step_inertial"]
+
+
 def test_bad_options():
+    with pytest.raises(ValueError, match="group must be one of SE3, R3xSO3, got 'SO3'"):
+        main("heavy_top", group="SO3")
+    with pytest.raises(ValueError, match="no reference time is met"):
+        main("heavy_top", step=3e-3, duration=0.03)
+    with pytest.raises(ValueError, match=r"scene must be one of pendulum, .*, got 'rope'"):
+        main("local_frame_claims", scene="rope")
     with pytest.raises(ValueError, match="case must be 1, 2 or 3, got 4"):
         main("double_pendulum", case=4)
     with pytest.raises(ValueError, match=r"policy must be one of automatic, .*, got 'often'"):

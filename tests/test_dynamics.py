@@ -329,6 +329,31 @@ def test_waves_that_no_step_resolves_do_not_spoil_the_start(group, radius):
     assert result.energy_error < 0.05
 
 
+@groups
+def test_rigid_double_pendulum(group):
+    """Two bars falling from the horizontal on spherical joints, 1 s; the free end to 1e-9.
+
+    Reference: Runge-Kutta on the group in minimal coordinates (Pinocchio 3, h = 1e-4; MuJoCo).
+    """
+    scene, side = fl.Scene(gravity=(0, 0, -G)), 5e-3
+    bodies = []
+    for start, length in ((0.0, 0.3), (0.3, 0.5)):
+        mass = 2700 * side**2 * length
+        moments = mass / 12 * np.array([2 * side**2, length**2 + side**2, length**2 + side**2])
+        place = (start + length / 2, 0, 0)
+        bodies.append(scene.add(fl.RigidBody(mass, moments, place, group=group)))
+    one, two = bodies
+    scene.add(fl.Spherical(fl.ground(), one.centre, at=(0, 0, 0)))
+    scene.add(fl.Spherical(one.centre, two.centre, at=(0.3, 0, 0)))
+    errors = []
+    for step in (1e-3, 5e-4):
+        result = fl.GeneralisedAlpha(tolerance=1e-10).run(scene, duration=1.0, step=step)
+        x, e1 = result.frames[-1, result.info.node(two.centre), :2]
+        errors.append(np.linalg.norm(x + 0.25 * e1 - [-0.5857718307, 0.0, -0.01018573161]))
+    assert errors[1] < 2e-5
+    assert np.log2(errors[0] / errors[1]) > 1.9, errors
+
+
 def flexible_pendulum(policy: fl.Policy | None = None, cells: int = 4, **options) -> fl.Result:
     material = fl.Material(70e9, 0.3, 2700)
     section = fl.Section.rectangle(5e-3, 5e-3, material)
