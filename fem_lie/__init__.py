@@ -2,6 +2,7 @@
 
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
+from fem_lie.choices import Choices
 from fem_lie.elements.directors import director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
@@ -35,6 +36,7 @@ __all__ = [
     "Automatic",
     "Beam",
     "Body",
+    "Choices",
     "Clamp",
     "Components",
     "ConvergenceError",
