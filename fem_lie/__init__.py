@@ -2,7 +2,7 @@
 
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
-from fem_lie.elements.directors import director_strains
+from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames, local_frame_forms
@@ -37,6 +37,7 @@ __all__ = [
     "Clamp",
     "ConvergenceError",
     "Damping",
+    "Director",
     "Eigenstrain",
     "EveryIteration",
     "Fixed",
