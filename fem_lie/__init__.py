@@ -3,7 +3,7 @@
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
 from fem_lie.choices import Choices
-from fem_lie.elements.directors import director_strains
+from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames, local_frame_forms
@@ -41,6 +41,7 @@ __all__ = [
     "Components",
     "ConvergenceError",
     "Damping",
+    "Director",
     "Eigenstrain",
     "EveryIteration",
     "Fixed",

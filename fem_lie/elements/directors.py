@@ -4,14 +4,30 @@
 Vu-Quoc, CMAME 58 (1986) 79; Romero & Armero, IJNME 54 (2002) 1683). With one-point quadrature on
 two nodes, or two-point on three, there is no shear locking. Both measures are invariant under
 superposed rigid motion, as products of vectors that turn together.
+
+Interpolated directors are not orthonormal between the nodes. With three nodes that is of higher
+order than the element. With two nodes that turn by θ against each other, the middle has
+``κ ∝ sin θ`` and shrinks ``Γ`` by ``cos θ/2``: too soft. :func:`midpoint_strains` undoes it.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import basix.ufl
 import ufl
+from dolfinx import fem
 from ufl.core.expr import Expr
 
-from fem_lie.frames import NodalFrames
+from fem_lie import _compat
+from fem_lie.elements.formulation import (
+    CellData,
+    Formulation,
+    cellwise,
+    with_bending_flexibility,
+)
+from fem_lie.frames import NodalFrames, local_frame_forms
+from fem_lie.kernel import LocalFrameForms, StrainEnergy
 
 
 def arc_derivative(f: Expr, domain: ufl.Mesh) -> Expr:
@@ -38,3 +54,94 @@ def director_strains(q: NodalFrames) -> tuple[Expr, Expr]:
 
     stretch = ufl.as_vector([ufl.dot(a, dx) for a in d])
     return stretch, ufl.as_vector([turn(2, 1), turn(0, 2), turn(1, 0)])
+
+
+def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr]:
+    """The same of two-node cells in their middle, with the mean rotation and the angle.
+
+    The directors' mean is ``A = R_m (c 1 + (1 − c) n nᵀ)``, ``c = cos θ/2``, if ``R_Aᵀ R_B`` turns
+    by θ about ``n`` and ``R_m`` is half-way; their plain curvature is ``w/L`` with ``w = n sin θ``.
+    Hence, in closed form,
+
+    - ``R_mᵀ x′ = Aᵀx′/c − w (w · Aᵀx′) / (4 c³ (1 + c))``, exactly, with ``c² = (tr AᵀA − 1)/2``;
+    - ``κ L = w (1 + 2/c²)/3 = n (sin θ + 4 tan θ/2)/3``, Huygens' rule for the arc: it is nθ up to
+      ``θ⁵/120``, where ``n sin θ`` is up to ``θ³/6``.
+
+    To be evaluated in the middle alone (quadrature of degree 0 or 1), for θ below π, where c = 0.
+
+    Args:
+        q: Frames of degree 1 on a line mesh of straight cells.
+    """
+    plain, curvature = director_strains(q)
+    d = q.directors
+    w = ufl.CellVolume(q.function.function_space.mesh) * curvature
+    c2 = (sum(ufl.dot(a, a) for a in d) - 1) / 2
+    c = ufl.sqrt(c2)
+    stretch = plain / c - w * (ufl.dot(w, plain) / (4 * c * c2 * (1 + c)))
+    return stretch, curvature * ((1 + 2 / c2) / 3)
+
+
+@dataclass(frozen=True)
+class Director(Formulation):
+    """Beam element with interpolated positions and directors, ``R³ × SO(3)``.
+
+    Degree 1 has two nodes and one point, at which the strains are those of
+    :func:`midpoint_strains`; the straight chord between the nodes makes it of second order. Degree
+    2 has three nodes, two points and the plain :func:`director_strains` per length of its own
+    quadratic line; at these points the derivatives of quadratic interpolation are one order
+    better, and so is the element: the nodes are of fourth order. Nothing locks. Strains are those
+    over the values of the same expressions in the unloaded frames: unloaded there is no stress,
+    however curved and twisted the line.
+
+    Attributes:
+        degree: 1 or 2; a cell has ``degree + 1`` nodes.
+        bending_flexibility: Add the residual bending flexibility (MacNeal 1978) of degree 1, as in
+            :class:`~fem_lie.elements.geodesic.Geodesic`. Degree 2 has linear moments already, and
+            does not use it.
+
+    Raises:
+        ValueError: The degree is neither 1 nor 2.
+    """
+
+    degree: int = 1
+    bending_flexibility: bool = True
+
+    def __post_init__(self) -> None:
+        if self.degree not in (1, 2):
+            raise ValueError(f"the degree of a Director must be 1 or 2, got {self.degree!r}")
+
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """See the base class."""
+        mesh, D = nodal.function.function_space.mesh, cells.stiffness
+        points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
+        # arc per length of the mesh: strains are per arc, and so is the energy
+        if self.degree == 1:
+            if self.bending_flexibility:
+                D = with_bending_flexibility(D, cells.lengths)
+            strains = midpoint_strains(nodal)
+            arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
+        else:
+            strains = director_strains(nodal)
+            slope = arc_derivative(nodal.position, mesh)
+            arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
+        strain = ufl.as_vector([*strains[0], *strains[1]]) / arc
+        stiffness = cellwise(mesh, D)
+        energy = StrainEnergy(
+            strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
+            law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
+            dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": points}),
+            weight=arc,
+            viscosity=None if cells.viscosity is None else cellwise(mesh, cells.viscosity),
+        )
+        return local_frame_forms(energy, nodal)
+
+
+def _values(expression: Expr, nodal: NodalFrames, degree: int) -> fem.Function:
+    """Present values of an expression at the points of a quadrature."""
+    mesh = nodal.function.function_space.mesh
+    element = basix.ufl.quadrature_element(
+        _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
+    )
+    f = fem.Function(fem.functionspace(mesh, element))
+    f.interpolate(fem.Expression(expression, element.custom_quadrature()[0]))
+    return f

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import basix.ufl
 import dolfinx
+import numpy as np
 from dolfinx import fem
 
 from fem_lie._jit import Array
@@ -56,3 +57,23 @@ def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
     f = fem.Function(fem.functionspace(mesh, element))
     f.x.array[:] = values.ravel()
     return f
+
+
+def with_bending_flexibility(stiffness: Array, lengths: Array) -> Array:
+    """Section stiffness with the residual bending flexibility of elements of given length.
+
+    With a moment that varies linearly, ``M(s) = M̄ − s e₁ × N``, the complementary energy has the
+    additional shear compliance ``ℓ²/12 ê₁ᵀ C_κκ ê₁``, for a diagonal section
+    ``1/GA* = 1/GA + ℓ²/(12 EI)``. (MacNeal, Comput. Struct. 8 (1978) 175.)
+
+    Args:
+        stiffness: Section stiffness per cell, shape (m, 6, 6).
+        lengths: Length ℓ per cell, shape (m,).
+    """
+    compliance = np.linalg.inv(stiffness)
+    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    compliance[:, :3, :3] += (
+        lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
+    )
+    effective = np.linalg.inv(compliance)
+    return 0.5 * (effective + effective.transpose(0, 2, 1))

@@ -12,13 +12,16 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numba
-import numpy as np
 import ufl
 from ufl.core.expr import Expr
 
 from fem_lie import lie
-from fem_lie._jit import Array
-from fem_lie.elements.formulation import CellData, Formulation, cellwise
+from fem_lie.elements.formulation import (
+    CellData,
+    Formulation,
+    cellwise,
+    with_bending_flexibility,
+)
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy, frame_function, stack
 
@@ -122,7 +125,8 @@ def geodesic_energy(
         d: Relative motion, shape ``(6,)``, a DG0 function.
         d0: The same, unloaded.
         length: Arc length ℓ of the unloaded element.
-        D: Section stiffness, shape ``(6, 6)``, see :func:`with_bending_flexibility`.
+        D: Section stiffness, shape ``(6, 6)``, see
+            :func:`~fem_lie.elements.formulation.with_bending_flexibility`.
         domain: The line mesh.
         eigenstrain: ``ε*``, shape ``(6,)``; default: none.
         viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
@@ -135,23 +139,3 @@ def geodesic_energy(
         weight=length / ufl.CellVolume(domain),
         viscosity=viscosity,
     )
-
-
-def with_bending_flexibility(stiffness: Array, lengths: Array) -> Array:
-    """Section stiffness with the residual bending flexibility of elements of given length.
-
-    With a moment that varies linearly, ``M(s) = M̄ − s e₁ × N``, the complementary energy has the
-    additional shear compliance ``ℓ²/12 ê₁ᵀ C_κκ ê₁``, for a diagonal section
-    ``1/GA* = 1/GA + ℓ²/(12 EI)``. (MacNeal, Comput. Struct. 8 (1978) 175.)
-
-    Args:
-        stiffness: Section stiffness per cell, shape (m, 6, 6).
-        lengths: Length ℓ per cell, shape (m,).
-    """
-    compliance = np.linalg.inv(stiffness)
-    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    compliance[:, :3, :3] += (
-        lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
-    )
-    effective = np.linalg.inv(compliance)
-    return 0.5 * (effective + effective.transpose(0, 2, 1))
