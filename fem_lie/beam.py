@@ -319,10 +319,15 @@ def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list
 
 
 def _without_rotary_inertia(density: Array) -> Array:
-    """The same mass and polar inertia J₁, but J₂ = J₃ = 0: ``G_kl = ½ tr(J) δ_kl − J_kl``."""
-    polar = density[:, 2, 2] + density[:, 3, 3]
-    reduced = np.zeros_like(density)
-    reduced[:, 0, 0] = density[:, 0, 0]
+    """The same centre of mass and polar inertia J₁ about it, but J₂ = J₃ = 0.
+
+    ``G_kl = ½ tr(J) δ_kl − J_kl`` about the centre of mass.
+    """
+    mass = density[:, 0, 0]
+    centre = density[:, 0] / np.where(mass > 0, mass, 1.0)[:, np.newaxis]
+    reduced = np.einsum("m,mk,ml->mkl", mass, centre, centre)
+    about_centre = density - reduced
+    polar = about_centre[:, 2, 2] + about_centre[:, 3, 3]
     for k, factor in ((1, -0.5), (2, 0.5), (3, 0.5)):
-        reduced[:, k, k] = factor * polar
+        reduced[:, k, k] += factor * polar
     return reduced

@@ -286,17 +286,15 @@ class PreStress(StrainLoad):
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
-        strain = -np.linalg.solve(
-            self.beam.stiffness, np.asarray(self.resultant, dtype=np.float64)[:, np.newaxis]
-        )
-        chosen = np.zeros((len(strain), 1))
-        chosen[self.beam.cells_of(self.cells)] = 1.0
-        return chosen * strain[..., 0]
+        beam, resultant = self.beam, np.asarray(self.resultant, dtype=np.float64)
+        D = beam.formulation.effective_stiffness(beam.stiffness, beam.lengths)
+        return _in_cells(beam, self.cells, -np.linalg.solve(D, resultant[:, np.newaxis])[..., 0])
 
 
 def _in_cells(beam: Beam, group: str | None, strain: Array) -> Array:
-    values = np.zeros((len(beam.stiffness), 6))
-    values[beam.cells_of(group)] = strain
+    """The strain, (6,) or (m, 6), in the cells of the group, zero elsewhere."""
+    values, cells = np.zeros((len(beam.stiffness), 6)), beam.cells_of(group)
+    values[cells] = np.broadcast_to(strain, values.shape)[cells]
     return values
 
 

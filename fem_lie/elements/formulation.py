@@ -40,6 +40,10 @@ class Formulation(ABC):
 
     degree: int
 
+    def effective_stiffness(self, stiffness: Array, lengths: Array) -> Array:
+        """What the element takes for the section stiffness of cells of given length, (m, 6, 6)."""
+        return stiffness
+
     @abstractmethod
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent.

@@ -91,12 +91,14 @@ class Geodesic(Formulation):
     bending_flexibility: bool = True
     degree: ClassVar[int] = 1  # type: ignore[misc]
 
+    def effective_stiffness(self, stiffness: Array, lengths: Array) -> Array:
+        """See the base class."""
+        return with_bending_flexibility(stiffness, lengths) if self.bending_flexibility else stiffness
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
         mesh = nodal.function.function_space.mesh
-        D = cells.stiffness
-        if self.bending_flexibility:
-            D = with_bending_flexibility(D, cells.lengths)
+        D = self.effective_stiffness(cells.stiffness, cells.lengths)
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         unloaded = lie.se3_relative(ends[:, 0], ends[:, 1])
         d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
