@@ -193,7 +193,7 @@ class Beam(Body):
         super().__init__(
             frames,
             cells=cells,
-            outline=sections[0].outline,
+            outline=_outline(sections, len(cells) // len(sections)),
             size=float(self.lengths.sum()),
             points=named,
             leaders=leaders,
@@ -316,6 +316,23 @@ def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list
     if missing:
         raise ValueError(f"{len(missing)} cells have no section, the first is cell {missing[0]}")
     return [value for value in chosen if value is not None]
+
+
+def _outline(sections: Sequence[Section], pieces: int) -> Array | None:
+    """Outline of all cells, or one for each piece of them, (m, k, 2): for drawing.
+
+    Those with fewer corners repeat their last one.
+    """
+    given = [section.outline for section in sections]
+    if all(outline is given[0] for outline in given):
+        return given[0]
+    corners = max(0 if outline is None else len(outline) for outline in given)
+    outlines = np.full((len(given), corners, 2), np.nan)
+    for padded, outline in zip(outlines, given, strict=True):
+        if outline is not None:
+            padded[:] = outline[-1]
+            padded[: len(outline)] = outline
+    return np.repeat(outlines, pieces, axis=0)
 
 
 def _without_rotary_inertia(density: Array) -> Array:

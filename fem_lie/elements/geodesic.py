@@ -93,7 +93,9 @@ class Geodesic(Formulation):
 
     def effective_stiffness(self, stiffness: Array, lengths: Array) -> Array:
         """See the base class."""
-        return with_bending_flexibility(stiffness, lengths) if self.bending_flexibility else stiffness
+        return (
+            with_bending_flexibility(stiffness, lengths) if self.bending_flexibility else stiffness
+        )
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
