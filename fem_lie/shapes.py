@@ -90,7 +90,7 @@ def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
 def _outlines(body: BodyInfo, thinnest: float) -> Array:
     """Outline of each cell, shape (m, k, 2); a circle where there is none."""
     given = np.full((1, 2), np.nan) if body.outline is None else body.outline
-    none = np.isnan(given).any(axis=(-2, -1))
+    none = np.asarray(np.isnan(given).any(axis=(-2, -1)))
     corners = max(given.shape[-2], len(_CIRCLE) if none.any() else 0)
     outlines = np.empty((len(body.cells), corners, 2))
     circle = thinnest * _padded(_CIRCLE, corners)[:corners]

@@ -40,8 +40,13 @@ class Formulation(ABC):
 
     degree: int
 
-    def effective_stiffness(self, stiffness: Array, lengths: Array) -> Array:
-        """What the element takes for the section stiffness of cells of given length, (m, 6, 6)."""
+    def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
+        """What the element takes for the section stiffness of its cells, shape (m, 6, 6).
+
+        Args:
+            stiffness: Of the section, shape (m, 6, 6).
+            relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+        """
         return stiffness
 
     @abstractmethod
