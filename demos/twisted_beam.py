@@ -6,9 +6,10 @@ z at the clamp and turn about x, evenly along the beam, by +90 degrees. A force 
 fixed in space, acts on the tip. Where the weak axis lies askew to the force, the beam gives way
 sideways: a third of its deflection is along y.
 
-A twist is nothing but frames that turn along the line: two numbers more per cell. In the element's
-relative motion d_0 = log(inv(H_A) H_B) = length (1, 0, 0, pi/20, 0, 0) the twist is exact, as the
-helix of its edges is the geodesic of SE(3). What is left is the error of constant strain in a cell,
+A twist is nothing but frames that turn along the line. In the element's relative motion
+d_0 = log(inv(H_A) H_B) = length (1, 0, 0, pi/20, 0, 0) it is exact, as the edges of the bar are
+helices, the geodesics of SE(3); and so is the flexibility of the element, for small deflections.
+What is left is that curvature and twist change with the load and are constant in a cell: an error
 of second order.
 
 The reference is the solution of the differential equations of the same rod, by shooting, to nine
