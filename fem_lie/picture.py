@@ -204,9 +204,12 @@ def _frame(
 
 
 def _round_step(extent: float) -> float:
-    """Distance of grid lines, 1, 2 or 5 times a power of ten, for four to eight of them."""
+    """Distance of grid lines, 1, 2 or 5 times a power of ten, for three to seven of them.
+
+    With more of them VTK would take a distance of its own, and set our labels to the wrong places.
+    """
     power = 10.0 ** np.floor(np.log10(extent or 1.0))
-    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 8.0))
+    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))
 
 
 def _add(

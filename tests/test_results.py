@@ -16,7 +16,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies import ground
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
-from fem_lie.picture import _surfaces, draw
+from fem_lie.picture import _round_step, _surfaces, draw
 from fem_lie.plot import COLOURS, Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
@@ -384,6 +384,19 @@ def test_nodal_frames_are_drawn_before_anything_moves(tmp_path, no_display):
         assert all(share > 1e-4 for share in shares) if frames else max(shares) < 1e-5, shares
     with pytest.raises(ValueError, match="no body"):
         fl.Scene().picture(tmp_path / "scene.png")
+
+
+@pytest.mark.parametrize("extent", [0.03, 1.0, 1.3, 2.0, 3.0, 3.7, 4.0, 4.6, 6.0, 9.9, 350.0])
+def test_labels_of_axes_stand_where_they_belong(extent):
+    """VTK takes our labels in its own distances where these are larger: they never are."""
+    step = _round_step(extent)
+    for low in np.linspace(-0.95 * step, 0, 7):
+        first, last = np.floor(low / step + 0.1), np.ceil((low + extent) / step - 0.1)
+        length = step * (last - first)
+        power = 10.0 ** np.floor(np.log10(length) + 1e-9)
+        number = int(length / power + 1e-9) + 1
+        own = power / (5 if number <= 2 else 2 if number < 5 else 1)
+        assert own <= step * (1 + 1e-9)
 
 
 def test_an_animation_moves(rod, tmp_path, no_display):
