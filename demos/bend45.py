@@ -11,9 +11,11 @@ digits. (The often quoted 53.37 … 53.50 for the height of the tip are finite e
 coarse meshes, some with other shear stiffnesses.)
 
 The element lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
-second order. Within an element the moment is linear, though; the energy of that part is added as a
-flexibility in shear, 1/GA* = 1/GA + length^2 / (12 EI) (R. H. MacNeal, Comput. Struct. 8 (1978)
-175), and leaves a twentieth of the error. Both are in the table.
+second order. In equilibrium the stress varies within an element, though, as a constant force in
+space has a different lever and other components at each place. The energy of that variation is
+added to the element's flexibility (in a straight element 1/GA* = 1/GA + length^2 / (12 EI), R. H.
+MacNeal, Comput. Struct. 8 (1978) 175), which makes arcs exact for small deflections. For this
+section, as stiff in all directions, little is left at large ones, too. Both are in the table.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
 
@@ -82,17 +82,58 @@ def create_line_mesh(
     points: npt.NDArray[np.float64],
     cells: npt.NDArray[np.int64],
     degree: int = 1,
-    max_cells_at_vertex: int = 2,
 ) -> dolfinx.mesh.Mesh:
-    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``.
+    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``, each rank its part.
 
     The call is by keyword: two arguments were swapped in 0.10.
+
+    Raises:
+        ValueError: The mesh branches, there are several ranks, and this DOLFINx would cut it.
+        RuntimeError: The mesh was cut all the same.
     """
+    total = comm.allreduce(len(points))
+    valence = comm.allreduce(np.bincount(cells[:, :2].ravel(), minlength=total))
+    largest = int(valence.max())
+    _refuse_branches(comm, largest)
     element = basix.ufl.element("Lagrange", "interval", degree, shape=(3,))
     options: dict[str, Any] = {}
     if BRANCHING_IN_PARALLEL:
-        options["max_facet_to_cell_links"] = max_cells_at_vertex
-    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
+        options["max_facet_to_cell_links"] = max(2, largest)
+    mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
+    wanted, found = np.count_nonzero(valence), mesh.topology.index_map(0).size_global
+    if found != wanted:
+        raise RuntimeError(
+            f"DOLFINx cut the line mesh: {found} vertices instead of {wanted}; use one process"
+        )
+    return mesh
+
+
+def check_branches(mesh: dolfinx.mesh.Mesh) -> None:
+    """Refuse a line mesh on several ranks of which it is seen that it branches, where 0.9 may cut.
+
+    A mesh that was cut has two vertices at one place, as separate lines may have, and passes.
+
+    Raises:
+        ValueError: It branches; on every rank.
+    """
+    if mesh.comm.size == 1 or BRANCHING_IN_PARALLEL or mesh.topology.dim != 1:
+        return
+    owned = mesh.topology.index_map(1).size_local
+    vertices = mesh.topology.connectivity(1, 0).array[: 2 * owned]
+    index_map = mesh.topology.index_map(0)
+    valence = la.vector(index_map, 1, dtype=np.int64)
+    valence.array[:] = np.bincount(vertices, minlength=len(valence.array))
+    valence.scatter_reverse(la.InsertMode.add)
+    largest = int(valence.array[: index_map.size_local].max(initial=0))
+    _refuse_branches(mesh.comm, mesh.comm.allreduce(largest, MPI.MAX))
+
+
+def _refuse_branches(comm: MPI.Intracomm, valence: int) -> None:
+    if comm.size > 1 and valence > 2 and not BRANCHING_IN_PARALLEL:
+        raise ValueError(
+            f"{valence} cells meet at a vertex: DOLFINx {dolfinx.__version__} cuts branching line "
+            f"meshes on several processes, got {comm.size}; use one, or DOLFINx 0.10 or later"
+        )
 
 
 def ghost_options() -> dict[str, Any]:

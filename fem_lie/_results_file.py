@@ -12,7 +12,7 @@ import numpy as np
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 
-_FORMAT, _VERSION = "fem_lie results", 1
+_FORMAT, _VERSION = "fem_lie results", 2
 _NUMBERS = ("factorisations", "seconds")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info"))
 

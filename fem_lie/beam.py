@@ -196,7 +196,7 @@ class Beam(Body):
         super().__init__(
             frames,
             cells=cells,
-            outline=sections[0].outline,
+            outline=_outline(sections, len(cells) // len(sections)),
             size=float(self.lengths.sum()),
             points=named,
             leaders=leaders,
@@ -326,11 +326,33 @@ def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list
     return [value for value in chosen if value is not None]
 
 
+def _outline(sections: Sequence[Section], pieces: int) -> Array | None:
+    """Outline of all cells, or one for each piece of them, (m, k, 2): for drawing.
+
+    Those with fewer corners repeat their last one.
+    """
+    given = [section.outline for section in sections]
+    if all(outline is given[0] for outline in given):
+        return given[0]
+    corners = max(0 if outline is None else len(outline) for outline in given)
+    outlines = np.full((len(given), corners, 2), np.nan)
+    for padded, outline in zip(outlines, given, strict=True):
+        if outline is not None:
+            padded[:] = outline[-1]
+            padded[: len(outline)] = outline
+    return np.repeat(outlines, pieces, axis=0)
+
+
 def _without_rotary_inertia(density: Array) -> Array:
-    """The same mass and polar inertia J₁, but J₂ = J₃ = 0: ``G_kl = ½ tr(J) δ_kl − J_kl``."""
-    polar = density[:, 2, 2] + density[:, 3, 3]
-    reduced = np.zeros_like(density)
-    reduced[:, 0, 0] = density[:, 0, 0]
+    """The same centre of mass and polar inertia J₁ about it, but J₂ = J₃ = 0.
+
+    ``G_kl = ½ tr(J) δ_kl − J_kl`` about the centre of mass.
+    """
+    mass = density[:, 0, 0]
+    centre = density[:, 0] / np.where(mass > 0, mass, 1.0)[:, np.newaxis]
+    reduced = np.einsum("m,mk,ml->mkl", mass, centre, centre)
+    about_centre = density - reduced
+    polar = about_centre[:, 2, 2] + about_centre[:, 3, 3]
     for k, factor in ((1, -0.5), (2, 0.5), (3, 0.5)):
-        reduced[:, k, k] = factor * polar
+        reduced[:, k, k] += factor * polar
     return reduced

@@ -43,7 +43,8 @@ class Body:
         frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
         velocities: Initial local velocities (translation, rotation), shape (n, 6).
         cells: Pairs of nodes, for drawing, shape (m, 2).
-        outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``: for drawing.
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
+            (m, k, 2), nan where there is none; or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
         leaders: The node that each node follows rigidly, itself if it is free, shape (n,).

@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem, mesh
 from ufl.core.expr import Expr
 
-from fem_lie import lie
+from fem_lie import _compat, lie
 from fem_lie._jit import compiled
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy, frame_function
 
@@ -119,15 +119,20 @@ class NodalFrames:
     def __init__(self, msh: mesh.Mesh, degree: int = 1) -> None:
         """Place the nodes on the mesh with ``R = I``.
 
+        On several processes a line mesh must not branch up to DOLFINx 0.9, and must be made with
+        ``max_facet_to_cell_links`` from 0.10 on. Otherwise DOLFINx may have cut it without a word,
+        which cannot be seen any more: the parts are then not connected.
+
         Args:
             msh: Mesh in space (``gdim`` 3), of any cell.
             degree: Degree of the Lagrange nodes.
 
         Raises:
-            ValueError: The mesh is not in three-dimensional space.
+            ValueError: The mesh is not in three-dimensional space, or branches in spite of this.
         """
         if msh.geometry.dim != 3:
             raise ValueError(f"nodal frames need a mesh with gdim 3, got gdim {msh.geometry.dim}")
+        _compat.check_branches(msh)
         cell = msh.basix_cell()
 
         def space(size: int) -> fem.FunctionSpace:
@@ -180,7 +185,7 @@ def local_frame_forms(
 
     Args:
         energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or strain and law.
-        q: The nodal frames.
+        q: The nodal frames; see :class:`NodalFrames` for branching meshes on several processes.
         local: Element-local fields of ``W``, condensed in the kernel.
     """
     return LocalFrameForms(energy, q.function, q.increment, DIRECTORS, local=local)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from fem_lie.bodies import Point
+    from fem_lie.bodies import Body, Point
     from fem_lie.joints import Joint
 
 Array = npt.NDArray[np.float64]
@@ -26,7 +26,8 @@ class BodyInfo:
         kind: Its class.
         nodes: Its nodes, shape (n,).
         cells: Pairs of nodes, shape (m, 2); none for a rigid body.
-        outline: Outline of the section in (e₂, e₃), shape (k, 2), or ``None``.
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
+            (m, k, 2); nan where there is none. ``None``: there is none at all.
         box: Edges of a box about the body's frame, shape (3,): how a rigid body is drawn.
         points: Node of each named point.
     """
@@ -38,6 +39,19 @@ class BodyInfo:
     outline: Array | None = None
     box: Array | None = None
     points: Mapping[str, int] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, body: Body, nodes: Indices) -> BodyInfo:
+        """What there is to know of a body whose nodes have these numbers."""
+        return cls(
+            name=body.name,
+            kind=type(body).__name__,
+            nodes=nodes,
+            cells=nodes[body.cells],
+            outline=body.outline,
+            box=body.box,
+            points={key: int(nodes[node]) for key, node in body.point_names.items()},
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, vector
@@ -305,17 +307,16 @@ class PreStress(StrainLoad):
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
-        strain = -np.linalg.solve(
-            self.beam.stiffness, np.asarray(self.resultant, dtype=np.float64)[:, np.newaxis]
-        )
-        chosen = np.zeros((len(strain), 1))
-        chosen[self.beam.cells_of(self.cells)] = 1.0
-        return chosen * strain[..., 0]
+        beam, resultant = self.beam, np.asarray(self.resultant, dtype=np.float64)
+        a, b = beam.frames[beam.elements[:, :2]].transpose(1, 0, 2, 3)
+        D = beam.formulation.effective_stiffness(beam.stiffness, lie.se3_relative(a, b))
+        return _in_cells(beam, self.cells, np.linalg.solve(D, -resultant[:, np.newaxis])[..., 0])
 
 
-def _in_cells(beam: Beam, group: str | None, strain: Array) -> Array:
-    values = np.zeros((len(beam.stiffness), 6))
-    values[beam.cells_of(group)] = strain
+def _in_cells(beam: Beam, group: str | None, strain: npt.NDArray[Any]) -> Array:
+    """The strain, (6,) or (m, 6), in the cells of the group, zero elsewhere."""
+    values, cells = np.zeros((len(beam.stiffness), 6)), beam.cells_of(group)
+    values[cells] = np.broadcast_to(strain, values.shape)[cells]
     return values
 
 

@@ -95,15 +95,4 @@ class Numbering:
 
     def bodies(self) -> tuple[BodyInfo, ...]:
         """What results must know of the bodies, in the numbering of all nodes."""
-        return tuple(
-            BodyInfo(
-                name=body.name,
-                kind=type(body).__name__,
-                nodes=nodes,
-                cells=nodes[body.cells],
-                outline=body.outline,
-                box=body.box,
-                points={key: int(nodes[node]) for key, node in body.point_names.items()},
-            )
-            for body, nodes in self.nodes.items()
-        )
+        return tuple(BodyInfo.of(body, nodes) for body, nodes in self.nodes.items())

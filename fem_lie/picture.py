@@ -19,6 +19,9 @@ _PALEST = 0.25
 _AMBIENT = 0.45
 _SAME_POINT = 1e-7  # part of the body
 _BALL = 0.008  # radius of a joint, part of the scene
+_THROUGH = 0.35  # opacity of bodies with nodal frames inside
+_TRIAD = 0.04  # length of a drawn director, part of the scene
+_TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 
 
@@ -28,6 +31,7 @@ def draw(
     path: str | os.PathLike[str],
     *,
     paths: Sequence[Array] = (),
+    triads: bool = False,
     title: str = "",
     units: Units = SI,
     size: tuple[int, int] = (1600, 1200),
@@ -41,6 +45,7 @@ def draw(
         frames: One or several configurations of all nodes, shape (N, 4, 3) or (K, N, 4, 3).
         path: Name of the ``.png`` file.
         paths: Lines to draw with them, each of shape (T, 3).
+        triads: Draw the nodal frames of the last configuration, and the bodies see-through.
         title: Above the picture.
         units: For the axes.
         size: Width and height, pixels.
@@ -56,7 +61,10 @@ def draw(
         # backwards: a single configuration is the last one
         strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
         for strength, step in zip(strengths, steps, strict=True):
-            _add(plotter, info, bodies, np.asarray(step), float(strength))
+            opacity = _THROUGH if triads else 1.0
+            _add(plotter, info, bodies, np.asarray(step), float(strength), opacity)
+        if triads:
+            _add_triads(plotter, steps[-1])
         _frame(plotter, steps, paths, units, size)
         plotter.screenshot(target)
 
@@ -196,13 +204,21 @@ def _frame(
 
 
 def _round_step(extent: float) -> float:
-    """Distance of grid lines, 1, 2 or 5 times a power of ten, for four to eight of them."""
+    """Distance of grid lines, 1, 2 or 5 times a power of ten, for three to seven of them.
+
+    With more of them VTK would take a distance of its own, and set our labels to the wrong places.
+    """
     power = 10.0 ** np.floor(np.log10(extent or 1.0))
-    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 8.0))
+    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))
 
 
 def _add(
-    plotter: Any, info: SceneInfo, bodies: list[Shape], frames: Array, strength: float
+    plotter: Any,
+    info: SceneInfo,
+    bodies: list[Shape],
+    frames: Array,
+    strength: float,
+    opacity: float = 1.0,
 ) -> list[Any]:
     """Add bodies and joints in one configuration; returns their actors."""
     colours = [COLOURS[number % len(COLOURS)] for number in range(len(bodies))] + [_INK]
@@ -211,6 +227,7 @@ def _add(
         plotter.add_mesh(
             surface,
             color=_paler(colour, strength),
+            opacity=opacity,
             smooth_shading=True,
             ambient=_AMBIENT,
             diffuse=1.1 - _AMBIENT,
@@ -221,13 +238,28 @@ def _add(
     ]
 
 
+def _add_triads(plotter: Any, frames: Array) -> None:
+    """Directors of all nodes as arrows, and which is which."""
+    import pyvista
+
+    arrow = pyvista.Arrow(tip_length=0.3, tip_radius=0.08, shaft_radius=0.03)
+    for k, colour in enumerate(_TRIAD_COLOURS.values(), 1):
+        nodes = pyvista.PolyData(frames[:, 0])
+        nodes.point_data["along"] = frames[:, k]
+        arrows = nodes.glyph(
+            geom=arrow, orient="along", scale=False, factor=_TRIAD * scene_size(frames)
+        )
+        plotter.add_mesh(arrows, color=colour, ambient=_AMBIENT, reset_camera=False)
+    plotter.add_legend(list(map(list, _TRIAD_COLOURS.items())), size=(0.08, 0.1), face="-")
+
+
 def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:
     """Surfaces of all bodies, and one of all joints if there are any, with normals."""
     import pyvista
 
     surfaces = [
         pyvista.PolyData(shape.points(frames), shape.faces)
-        .clean(tolerance=_SAME_POINT)
+        .clean(tolerance=_SAME_POINT, absolute=False, polys_to_lines=False, lines_to_points=False)
         .compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
         for shape in bodies
     ]

@@ -199,6 +199,7 @@ class Result:
         times: Sequence[float] | None = None,
         *,
         trace: Sequence[Point | str | int] = (),
+        frames: bool = False,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -208,6 +209,7 @@ class Result:
             path: Name of the ``.png`` file.
             times: Default: six from the first to the last.
             trace: Points whose paths are drawn, too.
+            frames: Draw the nodal frames at the last of the times.
             title: Above the picture.
             units: For the axes.
         """
@@ -220,6 +222,7 @@ class Result:
             self.frames[rows],
             path,
             paths=self._paths(trace),
+            triads=frames,
             title=title,
             units=units,
         )

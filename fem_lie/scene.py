@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+import os
+from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
 import numpy.typing as npt
 
 from fem_lie.bodies import Body, vector
 from fem_lie.choices import Choices
 from fem_lie.joints import Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
+
+if TYPE_CHECKING:
+    from fem_lie.plot import Units
 
 Item = TypeVar("Item", bound=Body | Joint | RigidLink | Load | Clamp | PrescribedMotion)
 
@@ -73,6 +78,39 @@ class Scene:
         else:
             raise TypeError(f"a scene takes bodies, joints, links, loads, supports, got {item!r}")
         return item
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        frames: bool = False,
+        title: str = "",
+        units: Units | None = None,
+    ) -> None:
+        """Draw the bodies as they are before anything moves.
+
+        Args:
+            path: Name of the ``.png`` file.
+            frames: Draw the nodal frames.
+            title: Above the picture.
+            units: For the axes; default: SI.
+
+        Raises:
+            ValueError: The scene has no body, or the name does not end in ``.png``.
+        """
+        from fem_lie.info import BodyInfo, SceneInfo
+        from fem_lie.picture import draw
+        from fem_lie.plot import SI
+
+        if not self.bodies:
+            raise ValueError("the scene has no body")
+        ends = np.cumsum([len(body.frames) for body in self.bodies])
+        bodies = tuple(
+            BodyInfo.of(body, np.arange(end - len(body.frames), end))
+            for body, end in zip(self.bodies, ends, strict=True)
+        )
+        nodes = np.concatenate([body.frames for body in self.bodies])
+        draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units or SI)
 
     def _add_body(self, body: Body) -> None:
         if body in self.bodies:

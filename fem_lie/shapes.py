@@ -29,7 +29,7 @@ class Shape:
     Attributes:
         faces: Polygons as VTK has them: number of corners, then the corners, again and again.
         body: What it belongs to.
-        outline: Outline of the section, enlarged if it is too thin to be seen, shape (k, 2).
+        outline: Outline of each cell's section, enlarged if it is too thin to be seen, (m, k, 2).
         box: Edges of a rigid body's box, shape (3,).
         steps: Pieces in which a cell is drawn.
     """
@@ -47,7 +47,7 @@ class Shape:
             corners = np.einsum("ck,nkj->ncj", _CORNERS * self.box, centres[:, 1:])
             return np.asarray(centres[:, :1] + corners).reshape(-1, 3)
         rings = _refined(frames, self.body.cells, self.steps)
-        section = np.einsum("pk,mskj->mspj", self.outline, rings[:, :, 2:])
+        section = np.einsum("mpk,mskj->mspj", self.outline, rings[:, :, 2:])
         return np.asarray(rings[:, :, :1] + section).reshape(-1, 3)
 
 
@@ -74,20 +74,35 @@ def joint_places(info: SceneInfo, frames: Array) -> Array:
 
 
 def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
-    outline: Array = _CIRCLE * _THINNEST * size
     box: Array = np.full(3, 4.0 * _THINNEST * size)
-    if body.outline is not None:
-        radius = np.linalg.norm(body.outline, axis=1).max()
-        outline = body.outline * max(1.0, _THINNEST * size / radius)
     if body.box is not None:
         box = np.maximum(body.box, 2.0 * _THINNEST * size)
     if not len(body.cells):
         boxes = [8 * i + np.array(face) for i in range(len(body.nodes)) for face in _FACES]
-        return Shape(_polygons(np.array(boxes)), body, outline, box, 1)
+        return Shape(_polygons(np.array(boxes)), body, np.empty((0, 0, 2)), box, 1)
+    outline = _outlines(body, _THINNEST * size)
     ends = frames[:, body.cells]
     turn = np.linalg.norm(lie.se3_relative(ends[:, :, 0], ends[:, :, 1])[..., 3:], axis=-1).max()
     steps = int(np.clip(np.ceil(turn / _STEP_ANGLE), 1, _MOST_STEPS))
-    return Shape(_tube_faces(body.cells, steps, len(outline)), body, outline, box, steps)
+    return Shape(_tube_faces(body.cells, steps, outline), body, outline, box, steps)
+
+
+def _outlines(body: BodyInfo, thinnest: float) -> Array:
+    """Outline of each cell, shape (m, k, 2); a circle where there is none."""
+    given = np.full((1, 2), np.nan) if body.outline is None else body.outline
+    none = np.asarray(np.isnan(given).any(axis=(-2, -1)))
+    corners = max(given.shape[-2], len(_CIRCLE) if none.any() else 0)
+    outlines = np.empty((len(body.cells), corners, 2))
+    circle = thinnest * _padded(_CIRCLE, corners)[:corners]
+    outlines[:] = np.where(none[..., np.newaxis, np.newaxis], circle, _padded(given, corners))
+    radius = np.linalg.norm(outlines, axis=-1).max(axis=1)
+    return outlines * np.maximum(1.0, thinnest / radius)[:, np.newaxis, np.newaxis]
+
+
+def _padded(outline: Array, corners: int) -> Array:
+    """The last corner again and again, until there are so many."""
+    again = np.repeat(outline[..., -1:, :], max(0, corners - outline.shape[-2]), axis=-2)
+    return np.concatenate([outline, again], axis=-2)
 
 
 def _refined(frames: Array, cells: Indices, steps: int) -> Array:
@@ -98,17 +113,22 @@ def _refined(frames: Array, cells: Indices, steps: int) -> Array:
     return lie.se3_retract(a[:, np.newaxis], s[:, np.newaxis] * d[:, np.newaxis])
 
 
-def _tube_faces(cells: Indices, steps: int, corners: int) -> Indices:
-    """Sides of all cells, and caps where a line ends."""
+def _tube_faces(cells: Indices, steps: int, outlines: Array) -> Indices:
+    """Sides of all cells, and caps where a line ends or its outline changes."""
+    corners = outlines.shape[1]
     ring = np.arange(corners)
     following = np.roll(ring, -1)
     side = np.column_stack([ring, following, following + corners, ring + corners])
     start = corners * np.arange(steps)[:, np.newaxis, np.newaxis]
     cell = corners * (steps + 1) * np.arange(len(cells))[:, np.newaxis, np.newaxis, np.newaxis]
     sides = (side + start + cell).reshape(-1, 4)
-    free = np.bincount(cells.ravel())[cells] == 1
-    first = cell.ravel()[free[:, 0], np.newaxis] + ring[::-1]
-    last = cell.ravel()[free[:, 1], np.newaxis] + corners * steps + ring
+    _, kind = np.unique(outlines.reshape(len(cells), -1), axis=0, return_inverse=True)
+    low, high = np.full(cells.max() + 1, len(cells)), np.full(cells.max() + 1, -1)
+    np.minimum.at(low, cells, kind.reshape(-1, 1))
+    np.maximum.at(high, cells, kind.reshape(-1, 1))
+    open_ = ((np.bincount(cells.ravel()) == 1) | (low != high))[cells]
+    first = cell.ravel()[open_[:, 0], np.newaxis] + ring[::-1]
+    last = cell.ravel()[open_[:, 1], np.newaxis] + corners * steps + ring
     return np.concatenate([_polygons(sides), _polygons(np.concatenate([first, last]))])
 
 

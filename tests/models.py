@@ -181,7 +181,7 @@ def _geodesic_beam(mesh, stiffness=None, law=None, rest: bool = True) -> Model:
     d, d0, ell = (cellwise(mesh, a) for a in (relative, relative, length))
     section = np.repeat(D[np.newaxis], len(length), axis=0)
     if stiffness is not None:
-        section = stiffness(section, length)
+        section = stiffness(section, relative)
     energy = geodesic_energy(d, d0, ell, cellwise(mesh, section), mesh)
     if law is not None:
         energy = StrainEnergy(energy.strain, law, energy.dx, energy.weight)

@@ -41,6 +41,38 @@ def test_rollup(stiffness_ratio):
     assert not record["plain_converged"] or record["plain_failed_iterations"] > 0
 
 
+def test_twisted_beam():
+    record = main("twisted_beam")
+    reference = np.array([-1.141526, -1.718053346, -3.59321324])
+    assert np.linalg.norm(tip(record) - reference) <= 1e-3 * np.linalg.norm(reference)
+    assert record["tip_error"] <= 1e-3
+    assert 1.9 <= record["order"] <= 2.1
+
+
+def test_elastica():
+    """Against the table that was computed apart from the demo, to its ten digits."""
+    elastica = importlib.import_module("demos.elastica").elastica
+    for factor, shortening, deflection in (
+        (0.05, 0.02646548341, 0.6636448214),
+        (0.5, 1.606417208, 4.934574804),
+        (1.0, 3.289412422, 6.699641813),
+    ):
+        np.testing.assert_allclose(elastica(4 * factor), [-shortening, 0, deflection], rtol=5e-10)
+    record = main("elastica")
+    assert np.linalg.norm(tip(record) - elastica(4.0)) <= 1e-6 * np.linalg.norm(tip(record))
+    assert record["tip_error"] <= record["path_error"] <= 1e-6
+    assert record["order"] >= 1.9
+    assert record["iterations"] <= 3 * record["load_steps"]
+
+
+def test_branching_frame():
+    """One mesh and beams with joints are the same; the tip where it was found to be."""
+    record = main("branching_frame", elements=2)
+    assert record["difference"] <= 1e-12
+    assert record["iterations"] == record["iterations_with_joints"] <= 5
+    assert np.linalg.norm(tip(record)) > 0.05
+
+
 def test_own_energy():
     record = main("own_energy")
     assert record["gradient_error"] <= 1e-7

@@ -142,7 +142,7 @@ def single_element(section, length, flexible):
     relative, ell = np.array([[length, 0, 0, 0, 0, 0]]), np.array([length])
     stiffness = section[np.newaxis]
     if flexible:
-        stiffness = with_bending_flexibility(stiffness, ell)
+        stiffness = with_bending_flexibility(stiffness, relative)
     d, d0, L, C = (models.cellwise(mesh, a) for a in (relative, relative, ell, stiffness))
     energy = geodesic_energy(d, d0, L, C, mesh)
     return q, LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
@@ -192,7 +192,7 @@ def test_linear_moments_are_the_bending_flexibility():
     rest = np.array([1.0, 0, 0, 0, 0, 0])
     mixed = hellinger_reissner_linear(mesh, D, rest)
     q = NodalFrames(mesh)
-    C = with_bending_flexibility(D[np.newaxis], np.array([length / count]))[0]
+    C = with_bending_flexibility(D[np.newaxis], length / count * np.eye(1, 6))[0]
     stretch, curvature = director_strains(q)
     strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(rest.tolist())
     energy = 0.5 * ufl.inner(strain, ufl.as_matrix(C.tolist()) * strain) * models.measure(mesh, 1)

@@ -2,11 +2,6 @@
 
 import itertools
 import json
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 from mpi4py import MPI
 
@@ -23,6 +18,7 @@ from dolfinx import fem
 from hypothesis import given
 from hypothesis import strategies as st
 from models import CARRIED, STRAIN_0, D, Model, built, few
+from ranks import on_ranks
 
 from fem_lie import lie
 from fem_lie.elements.geodesic import GEODESIC
@@ -385,14 +381,6 @@ def newton(model: Model, load: np.ndarray, free: np.ndarray) -> list[float]:
 # --- ranks ----------------------------------------------------------------------------------------
 
 
-def mpirun() -> list[str]:
-    command = shutil.which("mpirun")
-    if command is None:
-        pytest.skip("no mpirun here")
-    open_mpi = "Open MPI" in MPI.Get_library_version()
-    return [command, *(["--oversubscribe"] if open_mpi else [])]
-
-
 @pytest.fixture(scope="module")
 def alone() -> dict:
     return parallel_forms.results(MPI.COMM_SELF)
@@ -401,18 +389,8 @@ def alone() -> dict:
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_ranks_give_the_same_vectors(ranks, alone, tmp_path):
     """Residual, action of the tangent with carried stress, energy: by coordinates of the nodes."""
-    # this process is an MPI process itself, which mpirun must not take for its parent
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
-    environment |= {
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
-        "OMP_NUM_THREADS": "1",
-    }
-    script, out = Path(parallel_forms.__file__), tmp_path / "ranks.json"
-    command = [*mpirun(), "-n", str(ranks), sys.executable, "-W", "error", str(script), str(out)]
-    run = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
-    assert run.returncode == 0, run.stdout + run.stderr
+    out = tmp_path / "ranks.json"
+    on_ranks(parallel_forms, ranks, out)
     together = json.loads(out.read_text())
     assert together.keys() == alone.keys()
     for key, expected in alone.items():

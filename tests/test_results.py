@@ -12,10 +12,11 @@ import pytest
 import pyvista
 from PIL import Image
 
+import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies import ground
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
-from fem_lie.picture import draw
+from fem_lie.picture import _round_step, _surfaces, draw
 from fem_lie.plot import COLOURS, Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
@@ -197,7 +198,7 @@ def test_other_files_are_refused(rod, tmp_path):
     rod.save(tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
-    with pytest.raises(ValueError, match=r"of version 1: format 'fem_lie results', version 0"):
+    with pytest.raises(ValueError, match=r"of version 2: format 'fem_lie results', version 0"):
         Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0
@@ -261,11 +262,66 @@ def test_shapes_move_with_their_frames(rod):
     np.testing.assert_allclose(joint_places(rod.info, frames)[1], frames[NODES - 1, 0], atol=1e-15)
 
 
+def _surface(scene):
+    """Surface of the only body of a scene as the pictures have it, closed at all its edges."""
+    (body,) = scene.bodies
+    info = SceneInfo((BodyInfo.of(body, np.arange(len(body.frames))),))
+    (shape,) = shapes(info, body.frames[np.newaxis])
+    (surface,) = _surfaces(info, [shape], body.frames)
+    return surface.clean().triangulate()
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_every_cell_has_its_own_section_whatever_its_corners(size):
+    """A square, a slimmer rectangle, a tube and a cell without outline: their volumes."""
+    m = fl.Material(1.0, 0.3, 1.0)
+    sections = [
+        fl.Section.rectangle(0.2 * size, 0.2 * size, m),
+        fl.Section.rectangle(0.1 * size, 0.2 * size, m),
+        fl.Section.circle(0.1 * size, m),
+        fl.Section.from_stiffness([1.0] * 6),
+    ]
+    mesh = fl.LineMesh.from_cells(
+        [(k * size, 0, 0) for k in range(5)],
+        [(k, k + 1) for k in range(4)],
+        groups={str(k): [k] for k in range(4)},
+    )
+    scene = fl.Scene()
+    scene.add(fl.Beam(mesh, {str(k): section for k, section in enumerate(sections)}))
+    surface = _surface(scene)
+    assert surface.is_manifold
+    # polygons of 32 and of 16 corners; what has no outline gets a circle of 0.004 of the scene
+    circle, thin = (0.5 * n * np.sin(2 * np.pi / n) * r**2 for n, r in ((32, 0.1), (16, 0.016)))
+    assert surface.volume / size**3 == pytest.approx(0.04 + 0.02 + circle + thin, rel=1e-4)
+
+
+def test_tapered_and_twisted_beams_are_drawn_so():
+    """Steps of sections have the volume of the taper, and twist keeps it."""
+    m, cells = fl.Material(1.0, 0.3, 1.0), 4
+    for twist in (None, lambda s: 0.5 * np.pi * s):
+        scene = fl.Scene()
+        scene.add(
+            fl.Beam.straight(
+                (0, 0, 0),
+                (1, 0, 0),
+                lambda s: fl.Section.rectangle(0.2 - 0.1 * s, 0.1, m),
+                cells=cells,
+                twist=twist,
+            )
+        )
+        # sides of a twisted piece are folded outward: a third of its angle, 4 degrees at most
+        tolerance = 1e-4 if twist is None else 0.025
+        assert _surface(scene).volume == pytest.approx(0.15 * 0.1, rel=tolerance)
+        if twist is not None:
+            frame = scene.bodies[0].end.frame
+            np.testing.assert_allclose(frame[1:], [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
+
+
 def test_thin_members_stay_visible_and_thick_ones_true():
     for thickness, drawn in ((1e-5, 0.004), (1.0, 0.02 * np.sqrt(2))):
         info, frames = _arc(0.0, 2, SQUARE * thickness)
         (shape,) = shapes(info, frames[np.newaxis])
-        assert np.linalg.norm(shape.outline, axis=1).max() == pytest.approx(drawn)
+        assert np.linalg.norm(shape.outline, axis=-1).max() == pytest.approx(drawn)
 
 
 # --- diagrams ------------------------------------------------------------------------------------
@@ -314,6 +370,33 @@ def test_a_picture_without_a_display_shows_all_bodies(rod, tmp_path, no_display)
     assert all(1e-3 < _share(image, colour) < 0.1 for colour in COLOURS[:2])
     assert _share(image, COLOURS[2]) < 1e-4, "there is no third body"
     assert "DISPLAY" not in os.environ
+
+
+def test_nodal_frames_are_drawn_before_anything_moves(tmp_path, no_display):
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.05, 0.1, fl.Material(1.0, 0.3, 1.0))
+    scene.add(fl.Beam.straight((0, 0, 0), (1, 0.5, 0.2), section, cells=4))
+    for frames in (False, True):
+        scene.picture(tmp_path / "scene.png", frames=frames)
+        image = Image.open(tmp_path / "scene.png")
+        shares = [_share(image, colour) for colour in ("#CC0000", "#008800", "#0000CC")]
+        # five arrows of a 25th of the picture's length each, or nothing in these colours
+        assert all(share > 1e-4 for share in shares) if frames else max(shares) < 1e-5, shares
+    with pytest.raises(ValueError, match="no body"):
+        fl.Scene().picture(tmp_path / "scene.png")
+
+
+@pytest.mark.parametrize("extent", [0.03, 1.0, 1.3, 2.0, 3.0, 3.7, 4.0, 4.6, 6.0, 9.9, 350.0])
+def test_labels_of_axes_stand_where_they_belong(extent):
+    """VTK takes our labels in its own distances where these are larger: they never are."""
+    step = _round_step(extent)
+    for low in np.linspace(-0.95 * step, 0, 7):
+        first, last = np.floor(low / step + 0.1), np.ceil((low + extent) / step - 0.1)
+        length = step * (last - first)
+        power = 10.0 ** np.floor(np.log10(length) + 1e-9)
+        number = int(length / power + 1e-9) + 1
+        own = power / (5 if number <= 2 else 2 if number < 5 else 1)
+        assert own <= step * (1 + 1e-9)
 
 
 def test_an_animation_moves(rod, tmp_path, no_display):

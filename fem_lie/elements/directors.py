@@ -15,11 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import basix.ufl
+import numpy as np
 import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
 from fem_lie import _compat
+from fem_lie._jit import Array
 from fem_lie.elements.formulation import (
     CellData,
     Formulation,
@@ -110,14 +112,19 @@ class Director(Formulation):
         if self.degree not in (1, 2):
             raise ValueError(f"the degree of a Director must be 1 or 2, got {self.degree!r}")
 
+    def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
+        """See the base class."""
+        if self.degree == 2 or not self.bending_flexibility:
+            return stiffness
+        lengths = np.linalg.norm(relative[:, :3], axis=1, keepdims=True)
+        return with_bending_flexibility(stiffness, lengths * np.eye(1, 6))
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
-        mesh, D = nodal.function.function_space.mesh, cells.stiffness
+        mesh = nodal.function.function_space.mesh
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy
         if self.degree == 1:
-            if self.bending_flexibility:
-                D = with_bending_flexibility(D, cells.lengths)
             strains = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
@@ -125,7 +132,9 @@ class Director(Formulation):
             slope = arc_derivative(nodal.position, mesh)
             arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
         strain = ufl.as_vector([*strains[0], *strains[1]]) / arc
-        stiffness = cellwise(mesh, D)
+        # the mesh is straight from node to node
+        straight = cells.lengths[:, np.newaxis] * np.eye(1, 6)
+        stiffness = cellwise(mesh, self.effective_stiffness(cells.stiffness, straight))
         energy = StrainEnergy(
             strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),

@@ -10,6 +10,7 @@ import dolfinx
 import numpy as np
 from dolfinx import fem
 
+from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
@@ -41,6 +42,15 @@ class Formulation(ABC):
 
     degree: int
 
+    def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
+        """What the element takes for the section stiffness of its cells, shape (m, 6, 6).
+
+        Args:
+            stiffness: Of the section, shape (m, 6, 6).
+            relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+        """
+        return stiffness
+
     @abstractmethod
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent.
@@ -59,21 +69,30 @@ def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
     return f
 
 
-def with_bending_flexibility(stiffness: Array, lengths: Array) -> Array:
-    """Section stiffness with the residual bending flexibility of elements of given length.
+def with_bending_flexibility(stiffness: Array, relative: Array) -> Array:
+    """Section stiffness with which elements are exact for small deflections, whatever their shape.
 
-    With a moment that varies linearly, ``M(s) = M̄ − s e₁ × N``, the complementary energy has the
-    additional shear compliance ``ℓ²/12 ê₁ᵀ C_κκ ê₁``, for a diagonal section
-    ``1/GA* = 1/GA + ℓ²/(12 EI)``. (MacNeal, Comput. Struct. 8 (1978) 175.)
+    In equilibrium without loads a force and moment σ̄ in the middle is ``Ad(exp(s d₀))ᵀ σ̄`` at
+    ``−½ ≤ s ≤ ½``, so that the complementary energy of the mean stress has the compliance::
+
+        S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ,    A(s) = Ad(exp(s d₀)),    S = ∫ A(s) ds.
+
+    For a straight element of a diagonal section this is ``1/GA* = 1/GA + ℓ²/(12 EI)``, the residual
+    bending flexibility of MacNeal, Comput. Struct. 8 (1978) 175; for others it is that of arcs and
+    helices.
 
     Args:
         stiffness: Section stiffness per cell, shape (m, 6, 6).
-        lengths: Length ℓ per cell, shape (m,).
+        relative: Relative motion ``d₀`` of its ends, unloaded, shape (m, 6).
     """
-    compliance = np.linalg.inv(stiffness)
-    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    compliance[:, :3, :3] += (
-        lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
-    )
-    effective = np.linalg.inv(compliance)
-    return 0.5 * (effective + effective.transpose(0, 2, 1))
+    along, twice = np.polynomial.legendre.leggauss(6)
+    weights = 0.5 * twice
+    A = lie.se3_adjoint(lie.se3_exp(0.5 * along[:, np.newaxis, np.newaxis] * relative))
+    mean = np.linalg.inv(np.einsum("p,pmij->mij", weights, A))
+    compliance = np.einsum("p,pmij->mij", weights, A @ np.linalg.inv(stiffness) @ _transposed(A))
+    effective = np.linalg.inv(mean @ compliance @ _transposed(mean))
+    return np.asarray(0.5 * (effective + _transposed(effective)))
+
+
+def _transposed(matrices: Array) -> Array:
+    return matrices.swapaxes(-1, -2)

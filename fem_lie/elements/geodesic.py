@@ -16,6 +16,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fem_lie import lie
+from fem_lie._jit import Array
 from fem_lie.elements.formulation import (
     CellData,
     Formulation,
@@ -87,21 +88,26 @@ class Geodesic(Formulation):
     """The SE(3) geodesic element: the default for beams.
 
     Attributes:
-        bending_flexibility: Add the residual bending flexibility (MacNeal 1978) to the shear
-            flexibility: exact for small deflections with one element, more accurate beyond.
+        bending_flexibility: Count the stress that varies within an element, see
+            :func:`with_bending_flexibility`: exact for small deflections with one element that is
+            straight, an arc or a helix, twisted or not, and more accurate beyond.
     """
 
     bending_flexibility: bool = True
     degree: ClassVar[int] = 1  # type: ignore[misc]
 
+    def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
+        """See the base class."""
+        if not self.bending_flexibility:
+            return stiffness
+        return with_bending_flexibility(stiffness, relative)
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
         mesh = nodal.function.function_space.mesh
-        D = cells.stiffness
-        if self.bending_flexibility:
-            D = with_bending_flexibility(D, cells.lengths)
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         unloaded = lie.se3_relative(ends[:, 0], ends[:, 1])
+        D = self.effective_stiffness(cells.stiffness, unloaded)
         d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         energy = geodesic_energy(

@@ -136,7 +136,7 @@ class _Run:
         self.s = State.start(system.frames, system.kinds)
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
-        _log.info("%s; matrix: %r", system.describe(), options.policy)
+        _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
         self._turned = options.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)

@@ -94,6 +94,7 @@ class StaticResult:
         path: str | os.PathLike[str],
         *,
         trace: Sequence[Point | str] = (),
+        frames: bool = False,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -102,14 +103,15 @@ class StaticResult:
         Args:
             path: Name of the ``.png`` file.
             trace: Points whose paths are drawn, too.
+            frames: Draw the nodal frames of the last state.
             title: Above the picture.
             units: For the axes.
         """
         from fem_lie.picture import draw
 
-        frames = np.concatenate([self.initial[np.newaxis], self.frames])
-        paths = [frames[:, self.info.node(point), 0] for point in trace]
-        draw(self.info, frames, path, paths=paths, title=title, units=units)
+        states = np.concatenate([self.initial[np.newaxis], self.frames])
+        paths = [states[:, self.info.node(point), 0] for point in trace]
+        draw(self.info, states, path, paths=paths, triads=frames, title=title, units=units)
 
 
 def statics(

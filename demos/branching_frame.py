@@ -1,0 +1,100 @@
+"""A space frame that branches, in one mesh: against the same frame of beams with joints.
+
+meshes/frame.geo has two columns, a girder with a kink at both ends, and an outrigger that branches
+off its middle; three sections belong to its named groups. A heavy body is linked to the end of the
+outrigger, beside and below it. It hangs there while the girder is warmed, more at its top than at
+its bottom, and wind presses on the columns.
+
+In one mesh all that meets at a point is rigidly connected. Each direction has a node with frames of
+its own, e1 along the line, but only the first node of a point has unknowns; the others have the
+frame H C with a constant C. The same goes for both sides of a RigidLink. Nothing is linearised, and
+there are no constraints. Made of separate beams, each of these connections is a Fixed joint: six
+unknowns more at each node, and six multipliers. The solutions are the same.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import fem_lie as fl
+
+HERE = Path(__file__).parent
+RESULTS = HERE.parent / "results"
+STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
+SECTIONS = {
+    "columns": fl.Section.tube(0.04, 0.05, STEEL),
+    "girder": fl.Section.rectangle(0.06, 0.12, STEEL),
+    "outrigger": fl.Section.rectangle(0.06, 0.08, STEEL),
+}
+UP = {"columns": (1, 0, 0), "girder": (0, 0, 1), "outrigger": (0, 0, 1)}
+JOINTS = [
+    ("left corner", "columns", "girder"),
+    ("right corner", "columns", "girder"),
+    ("middle", "girder", "outrigger"),
+]
+
+
+def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.Point]:
+    """The scene and the end of the outrigger; of one mesh, or of parts with ``joints``."""
+    mesh = fl.read_gmsh(HERE.parent / "meshes" / "frame.geo", {"cells": elements})
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    if joints:
+        parts = {
+            group: scene.add(fl.Beam(mesh.part(group), section, up=UP[group], name=group))
+            for group, section in SECTIONS.items()
+        }
+        for point, first, second in JOINTS:
+            scene.add(fl.Fixed(parts[first][point], parts[second][point], name=point))
+    else:
+        parts = dict.fromkeys(SECTIONS, scene.add(fl.Beam(mesh, SECTIONS, up=UP, name="frame")))
+    end = parts["outrigger"]["end"]
+    place = end.position + np.array([0.3, 0.3, -0.5])
+    weight = scene.add(fl.RigidBody(300.0, (10, 10, 10), place))
+    if joints:
+        scene.add(fl.Fixed(end, weight.centre, at=end.position, name="weight"))
+    else:
+        scene.add(fl.RigidLink(end, weight.centre))
+    for foot in ("left foot", "right foot"):
+        scene.add(fl.Clamp(parts["columns"][foot]))
+    scene.add(fl.Temperature(parts["girder"], 40.0, 1.2e-5, gradient=(0.0, 300.0), cells="girder"))
+    scene.add(fl.PressureLoad(parts["columns"], 800.0, (0, 1, 0), cells="columns"))
+    return scene, end
+
+
+def main(elements: int = 4, load_steps: int = 1, pictures: bool = True) -> dict[str, Any]:
+    tips, rounds = [], []
+    for joints in (False, True):
+        scene, end = frame(elements, joints)
+        result = fl.statics(scene, load_steps=load_steps)
+        tips.append(result.position(end)[-1] - end.position)
+        rounds.append(int(result.iterations.sum()) + result.failed_iterations)
+        what = "beams with joints" if joints else "one mesh, no joints"
+        shown = "  ".join(f"{1e3 * u:.6f}" for u in tips[-1])
+        print(f"{what:19}: end of the outrigger moves by {shown} mm, {rounds[-1]} iterations")
+        if not joints:
+            drawn, bent = scene, result
+    gap = float(np.linalg.norm(tips[1] - tips[0]) / np.linalg.norm(tips[0]))
+    print(f"difference {gap:.1e} of the displacement")
+    if pictures:
+        RESULTS.mkdir(exist_ok=True)
+        names = RESULTS / "branching_frame.png", RESULTS / "branching_frame_frames.png"
+        bent.picture(names[0], title="Frame with a branch and a weight")
+        drawn.picture(names[1], frames=True, title="Nodal frames at kinks and branches")
+        print(f"pictures: {names[0]}, {names[1]}")
+    return {
+        "elements": elements,
+        "load_steps": load_steps,
+        **{f"tip_{axis}": float(u) for axis, u in zip("xyz", tips[0], strict=True)},
+        "difference": gap,
+        "iterations": rounds[0],
+        "iterations_with_joints": rounds[1],
+    }
+
+
+if __name__ == "__main__":
+    from command_line import run
+
+    run(main)

@@ -1,0 +1,67 @@
+"""What test_branches.py asks of several ranks: ``mpirun -n 2 parallel_branches.py OUT``."""
+
+import faulthandler
+import json
+import sys
+from pathlib import Path
+
+from mpi4py import MPI
+
+import basix.ufl
+import dolfinx
+import numpy as np
+
+from fem_lie import NodalFrames, _compat
+
+
+def lines(comm, arms: int, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
+    """Lines that start at the origin; all of them are given on rank 0."""
+    points, pairs = [(0.0, 0.0, 0.0)], []
+    for arm in range(arms):
+        angle = 2 * np.pi * arm / arms
+        for k in range(cells):
+            pairs.append((len(points) - 1 if k else 0, len(points)))
+            points.append(((k + 1) * np.cos(angle), (k + 1) * np.sin(angle), 0.0))
+    here = slice(None if comm.rank == 0 else 0)
+    return np.array(points)[here], np.array(pairs, dtype=np.int64)[here]
+
+
+def outcome(comm, make) -> str:
+    """Number of vertices, or the error; the same on all ranks, or it says so."""
+    try:
+        told = str(make().topology.index_map(0).size_global)
+    except ValueError as error:
+        told = str(error)
+    everywhere = comm.allgather(told)
+    return told if len(set(everywhere)) == 1 else f"not the same: {everywhere}"
+
+
+def of_dolfinx(comm, arms: int) -> dolfinx.mesh.Mesh:
+    """A user's mesh, made as users make it."""
+    points, cells = lines(comm, arms)
+    element = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
+    mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element)
+    NodalFrames(mesh)
+    return mesh
+
+
+def results(comm) -> dict:
+    """Meshes of two and of three lines, ours and a user's."""
+    return {
+        f"{make.__name__} {arms}": outcome(comm, lambda make=make, arms=arms: make(comm, arms))
+        for make in (ours, of_dolfinx)
+        for arms in (2, 3)
+    }
+
+
+def ours(comm, arms: int) -> dolfinx.mesh.Mesh:
+    """The library's mesh."""
+    return _compat.create_line_mesh(comm, *lines(comm, arms))
+
+
+if __name__ == "__main__":
+    # a rank that fails leaves the others waiting for it
+    faulthandler.dump_traceback_later(60, exit=True)
+    record = results(MPI.COMM_WORLD)
+    if MPI.COMM_WORLD.rank == 0:
+        Path(sys.argv[1]).write_text(json.dumps(record))

@@ -1,0 +1,33 @@
+"""How tests run a script on several ranks."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+from mpi4py import MPI
+
+import pytest
+
+
+def on_ranks(script: ModuleType, ranks: int, out: Path) -> None:
+    """``mpirun -n ranks script out``; the script has to end well and without warnings."""
+    command = shutil.which("mpirun")
+    if command is None:
+        pytest.skip("no mpirun here")
+    # this process is an MPI process itself, which mpirun must not take for its parent
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
+    environment |= {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
+        "OMP_NUM_THREADS": "1",
+    }
+    many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
+    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), str(out)]
+    run = subprocess.run(
+        [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stdout + run.stderr

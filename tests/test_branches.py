@@ -1,0 +1,31 @@
+"""Branching line meshes on several ranks: whole, or refused on every rank."""
+
+import json
+
+from mpi4py import MPI
+
+import parallel_branches
+import pytest
+from ranks import on_ranks
+
+from fem_lie import _compat
+
+
+def test_branches_on_one_rank_are_whole():
+    numbers = parallel_branches.results(MPI.COMM_SELF)
+    assert {numbers[f"{kind} 2"] for kind in ("ours", "of_dolfinx")} == {"17"}
+    assert {numbers[f"{kind} 3"] for kind in ("ours", "of_dolfinx")} == {"25"}
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_branches_on_several_ranks_are_whole_or_refused(ranks, tmp_path):
+    on_ranks(parallel_branches, ranks, tmp_path / "out.json")
+    told = json.loads((tmp_path / "out.json").read_text())
+    assert told["ours 2"] == told["of_dolfinx 2"] == "17"
+    if _compat.BRANCHING_IN_PARALLEL:
+        assert told["ours 3"] == "25"
+        return
+    assert told["ours 3"].startswith("3 cells meet at a vertex: DOLFINx 0.9")
+    assert told["ours 3"].endswith(f"got {ranks}; use one, or DOLFINx 0.10 or later")
+    # DOLFINx has cut a user's mesh into one more vertex, or has not, and then it is refused
+    assert told["of_dolfinx 3"] in ("26", told["ours 3"])
