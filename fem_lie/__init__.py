@@ -20,6 +20,7 @@ from fem_lie.loads import (
     Temperature,
 )
 from fem_lie.mesh import LineMesh
+from fem_lie.modes import Modes
 from fem_lie.plot import Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
@@ -29,6 +30,7 @@ from fem_lie.solve.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.vibrations import vibrations
 
 __all__ = [
     "Automatic",
@@ -50,6 +52,7 @@ __all__ = [
     "LineMesh",
     "LocalFrameForms",
     "Material",
+    "Modes",
     "Never",
     "NodalFrames",
     "Point",
@@ -75,4 +78,5 @@ __all__ = [
     "local_frame_forms",
     "read_gmsh",
     "statics",
+    "vibrations",
 ]
