@@ -99,7 +99,11 @@ class Geodesic(Formulation):
             D = with_bending_flexibility(D, cells.lengths)
         unloaded = _relative(nodal)
         d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
-        viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
+        viscosity = None
+        if cells.viscosity is not None:
+            # the residual flexibility swings as the rest of the section does
+            root = np.sqrt(_diagonal(cells.viscosity) / _diagonal(cells.stiffness))
+            viscosity = cellwise(mesh, D * root[:, :, np.newaxis] * root[:, np.newaxis])
         energy = geodesic_energy(
             d, d0, length, cellwise(mesh, D), mesh, cells.eigenstrain, viscosity
         )
@@ -109,6 +113,10 @@ class Geodesic(Formulation):
         """See the base class; :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
         slope = _relative(nodal)[:, :3] / cells.lengths[:, np.newaxis]
         return smooth_inertia(cells.density, cells.stiffness, cells.lengths, slope)
+
+
+def _diagonal(A: Array) -> Array:
+    return np.diagonal(A, axis1=1, axis2=2)
 
 
 def _relative(nodal: NodalFrames) -> Array:
