@@ -82,9 +82,7 @@ class BeamAssembly(Assembly):
         if any(body.damping.factors().any() for body in bodies):
             viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
             viscosity = viscosity[permutation]
-        data = CellData(
-            lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity
-        )
+        data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
         if all(body.has_mass for body in bodies):

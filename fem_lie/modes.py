@@ -30,7 +30,7 @@ class Modes:
             any displacement, as in torsion.
         frames: The equilibrium, shape (n, 4, 3); in steady rotation in the turning frame.
         size: Length of the model.
-        residuals: ``|Q(s) φ|`` over the sum of the sizes of its parts, shape (k,).
+        residuals: ``|Q(s) φ|`` over the size of what cancels in it, shape (k,).
         info: Bodies and joints.
     """
 
@@ -53,7 +53,7 @@ class Modes:
     @property
     def hertz(self) -> Array:
         """Cycles per time, shape (k,)."""
-        return self.frequencies / (2 * np.pi)
+        return np.asarray(self.frequencies / (2 * np.pi))
 
     @property
     def damping_ratios(self) -> Array:

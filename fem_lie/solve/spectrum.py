@@ -24,8 +24,11 @@ from fem_lie.solve.linear import ConvergenceError
 
 Complex = npt.NDArray[np.complex128]
 
-_SHIFT = 1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
-_ROUND_OFF = 1e-12  # eigenvalues s² below this times that ratio are zero
+_SHIFT = (
+    1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
+)
+_ROUND_OFF = 1e-12  # squares below this part of that ratio, and of what cancels in them, are zero
+_SPLIT = 1e-7  # of the unit of s: round-off parts a double zero by its root
 _SYMMETRIC = 1e-9
 _SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
 _TOLERANCE = 1e-9
@@ -59,15 +62,21 @@ class Pencil:
             ConvergenceError: SLEPc found less.
         """
         fast = self._fastest()
-        zero = np.sqrt(_ROUND_OFF) * fast
         if self.C is None:
-            squares, vectors = self._linear(count, _SHIFT * fast**2 or 1.0, prefix)
+            shift = _SHIFT * fast**2 or 1.0
+            squares, vectors = self._linear(count, shift, prefix)
+            wanted = np.sort(np.abs(squares))[:count].max(initial=0.0)
+            if 0.0 < wanted < shift:
+                # seen from so far away, multiple eigenvalues are hard to tell apart
+                squares, vectors = self._linear(count, 0.1 * wanted, prefix)
             s = np.sqrt(-squares.astype(np.complex128))
             s = np.where(s.imag < 0, -s, s)
         else:
-            s, vectors = self._quadratic(count, max(np.sqrt(_SHIFT) * fast, floor) or 1.0, prefix)
-            s, vectors = _one_of_each_pair(s, vectors, zero)
-        s = np.where(np.abs(s) <= zero, 0.0, s)
+            rate = max(np.sqrt(_SHIFT) * fast, floor) or 1.0
+            s, vectors = self._quadratic(count, rate, prefix)
+            still = np.abs(s) <= np.maximum(self._noise(vectors, fast), _SPLIT * rate)
+            s, vectors = _one_of_each_pair(s, vectors, still)
+        s = np.where(np.abs(s) <= self._noise(vectors, fast), 0.0, s)
         order = np.argsort(np.abs(s), kind="stable")[:count]
         if len(order) < count:
             raise ConvergenceError(
@@ -82,6 +91,14 @@ class Pencil:
         mass, stiffness = self.M.diagonal(), np.abs(self.K.diagonal())
         ratio = stiffness[mass > 0] / mass[mass > 0]
         return float(np.sqrt(ratio.max(initial=0.0)))
+
+    def _noise(self, vectors: Complex, fast: float) -> Array:
+        """Rates that round-off can make of zero, for each vector."""
+        size = np.abs(vectors)
+        cancels = (size * (abs(self.K) @ size.T).T).sum(axis=1)
+        mass = (vectors.conj() * (self.M @ vectors.T).T).sum(axis=1).real
+        ratio = np.divide(cancels, mass, out=np.full(len(size), np.inf), where=mass > 0)
+        return np.sqrt(_ROUND_OFF * np.minimum(ratio, fast**2))
 
     def _linear(self, count: int, shift: float, prefix: str) -> tuple[Complex, Complex]:
         """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
@@ -125,8 +142,9 @@ class Pencil:
             gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
             pushed = self.B @ total
             total = total - self.B.T @ (gram.solve(pushed.real) + 1j * gram.solve(pushed.imag))
-        size = sum(np.linalg.norm(part, axis=0) for part in parts)
-        return np.asarray(np.linalg.norm(total, axis=0) / np.where(size > 0, size, 1.0))
+        absolute = np.abs(vectors.T)
+        size = abs(self.K) @ absolute + np.abs(s) ** 2 * (abs(self.M) @ absolute)
+        return np.asarray(np.linalg.norm(total, axis=0) / np.linalg.norm(size, axis=0).clip(1e-300))
 
 
 def _padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
@@ -170,9 +188,10 @@ def _pairs(solver: Any, K: sp.csr_matrix, n: int) -> tuple[Complex, Complex]:
     return values, vectors
 
 
-def _one_of_each_pair(s: Complex, vectors: Complex, zero: float) -> tuple[Complex, Complex]:
+def _one_of_each_pair(
+    s: Complex, vectors: Complex, still: npt.NDArray[np.bool_]
+) -> tuple[Complex, Complex]:
     """Of conjugates the one with ``Im s > 0``; real ones all; of double zeros one each."""
-    still = np.abs(s) <= zero
     turning = ~still & (s.imag > -1e-9 * np.abs(s))
     rigid = vectors[still]
     span = np.concatenate([rigid.real, rigid.imag])

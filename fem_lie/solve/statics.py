@@ -57,7 +57,7 @@ class StaticResult:
         failed_iterations: Linear solves of steps that were given up.
         info: Bodies and joints.
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
-        rotation: Of the frame in which this is an equilibrium, at load factor 1.
+        steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
     """
 
     factors: Array
@@ -67,7 +67,7 @@ class StaticResult:
     failed_iterations: int
     info: SceneInfo
     initial: Array
-    rotation: Rotation
+    steady_rotation: Rotation
 
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""

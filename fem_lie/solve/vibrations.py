@@ -68,7 +68,7 @@ def vibrations(
     if at is not None:
         if rotation:
             raise ValueError("the rotation comes with at=...; do not give spin, too")
-        rotation = at.rotation
+        rotation = at.steady_rotation
     system = System(scene, dynamics=True)
     free = 6 * int((~system.held).sum()) - system.m
     if not 1 <= count <= free:
