@@ -22,6 +22,7 @@ from fem_lie.loads import (
     Temperature,
 )
 from fem_lie.mesh import LineMesh
+from fem_lie.modes import Modes
 from fem_lie.plot import Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
@@ -31,6 +32,7 @@ from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.vibrations import vibrations
 
 __all__ = [
     "Automatic",
@@ -56,6 +58,7 @@ __all__ = [
     "LineMesh",
     "LocalFrameForms",
     "Material",
+    "Modes",
     "Never",
     "NodalFrames",
     "Parametrisation",
@@ -82,4 +85,5 @@ __all__ = [
     "local_frame_forms",
     "read_gmsh",
     "statics",
+    "vibrations",
 ]

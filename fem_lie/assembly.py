@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import dolfinx
 import numpy as np
 import numpy.typing as npt
-import ufl
-from dolfinx import fem, la
+from dolfinx import fem
 
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.frames import NodalFrames
@@ -121,6 +120,15 @@ class Assembly:
             self._viscous = _Packed(forms.viscous, cells)
             self._velocity_at = forms.velocity_at
 
+    def summed(self, elements: Array) -> Array:
+        """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
+        cells = self._residual.cells.astype(np.int64)
+        key = np.repeat(np.arange(self.count), np.diff(self.indptr)) * self.count + self.indices
+        pairs = self.count * cells[:, :, np.newaxis] + cells[:, np.newaxis]
+        blocks = np.zeros((len(key), elements.shape[2], elements.shape[2]))
+        np.add.at(blocks, np.searchsorted(key, pairs), elements.transpose(0, 1, 3, 2, 4))
+        return blocks
+
     def add_forces(self, H: Array, out: Array) -> None:
         """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, shape (6 count,)."""
         self._residual.add_vector(H, out)
@@ -169,20 +177,3 @@ class Assembly:
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""
         self.carry(H, np.zeros(6 * self.count))
-
-
-def consistent_inertia(
-    density: fem.Function, weight: ufl.core.expr.Expr, degree: int = 1
-) -> la.MatrixCSR:
-    """Consistent matrix ``∫ weight density N_i N_j dx`` of (x, d₁, d₂, d₃), blocks of 4.
-
-    Args:
-        density: Gram matrix per length of each cell, a DG0 function of shape (4, 4).
-        weight: Factor of the measure, e.g. arc length over chord.
-        degree: Of the interpolation.
-    """
-    mesh = density.function_space.mesh
-    V = fem.functionspace(mesh, ("Lagrange", degree, (4,)))
-    u, w = ufl.TrialFunction(V), ufl.TestFunction(V)
-    matrix = fem.assemble_matrix(fem.form(weight * ufl.inner(density * u, w) * ufl.dx))
-    return matrix

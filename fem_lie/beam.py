@@ -9,11 +9,10 @@ from mpi4py import MPI
 
 import numpy as np
 import numpy.typing as npt
-import ufl
 
 from fem_lie import _compat, lie
 from fem_lie._jit import Array, Indices
-from fem_lie.assembly import Assembly, NodalInertia, consistent_inertia
+from fem_lie.assembly import Assembly, NodalInertia
 from fem_lie.bodies import Body, Point
 from fem_lie.elements.formulation import CellData, Formulation, cellwise
 from fem_lie.elements.geodesic import Geodesic
@@ -84,21 +83,15 @@ class BeamAssembly(Assembly):
         if any(body.damping.factors().any() for body in bodies):
             viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
             viscosity = viscosity[permutation]
-        data = CellData(lengths, gathered("stiffness"), eigenstrain, viscosity)
+        data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
         if all(body.has_mass for body in bodies):
-            per_chord = cellwise(mesh, lengths) / ufl.CellVolume(mesh)
-
-            def assembled(density: Array) -> Array:
-                matrix = consistent_inertia(cellwise(mesh, density), per_chord, formulation.degree)
-                assert (matrix.indices == self.indices).all()
-                return np.asarray(matrix.data.reshape(-1, 4, 4).copy())
-
+            elements = formulation.inertia(nodal, data)
             rates = np.concatenate([np.full(len(b.lengths), b.damping.mass) for b in bodies])
-            density, rates = gathered("density"), rates[permutation, np.newaxis, np.newaxis]
-            damping = assembled(rates * density) if rates.any() else None
-            self.inertia = NodalInertia(assembled(density), damping)
+            rates = rates[permutation].reshape(-1, 1, 1, 1, 1)
+            damping = self.summed(rates * elements) if rates.any() else None
+            self.inertia = NodalInertia(self.summed(elements), damping)
 
 
 def _place(

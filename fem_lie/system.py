@@ -335,7 +335,7 @@ class System:
         for place, blocks in zip(self._place_elastic, self.elastic.tangents(H), strict=True):
             add_blocks(self._K, place, blocks)
         if damping != 0.0:
-            self._add_damping(H, damping)
+            self._add_damping(H, v, damping)
         if self.choices.geometric:
             constraints.geometric(H, self.table, weights, self._place_joints, self._K)
         constraints.jacobian(ahead, self.table, self._rows)
@@ -346,25 +346,87 @@ class System:
             to_inertial(self._A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
         self.kkt.fill(self._A, columns, self._rows, scale)
 
-    def _add_damping(self, H: Array, damping: float) -> None:
+    def _add_damping(self, H: Array, v: Array, damping: float) -> None:
         """Add ``damping`` times the derivative of damping forces in the velocities to ``A``."""
         if self._viscous:
-            for k, blocks in self.elastic.viscous_tangents(H):
-                add_blocks(self._A, self._place_elastic[k], damping * blocks)
+            self._add_viscosity(H, damping)
         if self._damping is not None:
-            still = np.zeros((self.count, 6))
-            inertia.tangents(
-                H,
-                still,
-                still,
-                self.kinds,
-                *self._damping,
-                self._place_inertia,
-                damping,
-                0.0,
-                self._A,
-                self._K,
-            )
+            self._add_mass_damping(H, v, damping)
+
+    def _add_viscosity(self, H: Array, damping: float) -> None:
+        for k, blocks in self.elastic.viscous_tangents(H):
+            add_blocks(self._A, self._place_elastic[k], damping * blocks)
+
+    def _add_mass_damping(self, H: Array, v: Array, damping: float) -> None:
+        """Also ``Lᵀ D ∂(L v)/∂h`` to ``K``: ``L v`` is the acceleration ``v`` of a body at rest."""
+        assert self._damping is not None
+        still, place = np.zeros((self.count, 6)), self._place_inertia
+        rate = v[: self.count]
+        local = np.zeros(self.count, dtype=np.int64)
+        inertia.tangents(
+            H, still, rate, local, *self._damping, place, damping, 0.0, self._A, self._K
+        )
+
+    def linearised(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
+        """Mass, damping and stiffness of small motions about steady motion, blocks of ``kkt``.
+
+        All nodes move with constant local velocities ``v``, those of one rigid motion, and a
+        little aside: ``H exp(h)``. Then ``δv = ḣ + ad(v) h``, ``δv̇ = ḧ + ad(v) ḣ`` and
+
+            M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    M = ∂r/∂a, C = ∂r/∂v.
+
+        Viscous stress does not feel the rigid motion and enters with ``ḣ`` alone. Elastic stress is
+        the carried one: see ``elastic.reset_stress``.
+
+        Args:
+            H: Frames of all rows.
+            v: Local velocities of the moving nodes, shape (n, 6).
+            weights: Multipliers, shape (m,).
+
+        Returns:
+            Three arrays of shape (nnz, 6, 6).
+        """
+        none = np.zeros_like(v)
+        scale, r = np.ones(self.m), np.empty(self.size)
+        self.residual(H, v, none, weights, scale, r)
+        ad = lie.se3_ad(v)[self.kkt.indices]
+        self._add_rigid_tangent(H, v, (1.0, 0.0))
+        M = self._A.copy()
+        self._add_rigid_tangent(H, v, (0.0, 1.0))
+        if self._damping is not None:
+            self._add_mass_damping(H, v, 1.0)
+        for place, blocks in zip(self._place_elastic, self.elastic.tangents(H), strict=True):
+            add_blocks(self._K, place, blocks)
+        constraints.geometric(H, self.table, weights, self._place_joints, self._K)
+        K = self._K + self._A @ ad
+        if self._viscous:
+            self._add_viscosity(H, 1.0)
+        return M, self._A + M @ ad, K
+
+    def fill_steady(self, H: Array, v: Array, weights: Array, scale: Array) -> None:
+        """Stiffness of :meth:`linearised`, bordered by the scaled constraints, into the KKT."""
+        _, _, K = self.linearised(H, v, weights)
+        constraints.jacobian(H, self.table, self._rows)
+        self.kkt.fill(K, self._rows, self._rows, scale)
+
+    def _add_rigid_tangent(self, H: Array, v: Array, factors: tuple[float, float]) -> None:
+        """Start ``A`` and ``K`` anew, without acceleration; see :func:`rigid_tangent`."""
+        self._A[:] = 0.0
+        self._K[:] = 0.0
+        rigid_tangent(
+            H,
+            v,
+            np.zeros_like(v),
+            np.zeros(self.count, dtype=np.int64),  # derivatives in rates of twists, on any group
+            self.inertia,
+            self._place_inertia,
+            self._work[1],
+            self.loads.moment,
+            self._diagonal,
+            factors,
+            self._A,
+            self._K,
+        )
 
     def fill_start_matrix(self, H: Array, stiffness: float) -> None:
         """``M + stiffness · K_elastic`` bordered by the unscaled constraints, into the KKT."""

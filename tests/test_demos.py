@@ -225,3 +225,12 @@ def test_readme_example(tmp_path, monkeypatch, capsys):
     assert np.linalg.norm(names["tip"]) <= 1e-9 * 10.0
     assert "iterations [3 3 3 3 3 3]" in capsys.readouterr().out
     assert (tmp_path / "rollup.png").stat().st_size > 10_000
+
+
+def test_rotating_beam():
+    record = main("rotating_beam")
+    assert record["frequency_error"] <= 4e-4
+    # Kane, Ryan & Banerjee 1987, Simo & Vu-Quoc 1986: the tip lags by 0.57 and is then 5.14e-4 out
+    assert abs(record["largest_lag"] - 0.574) <= 2e-3
+    assert record["final_swing"] <= 5e-3
+    assert abs(record["extension"] / record["extension_exact"] - 1) <= 1e-3

@@ -23,12 +23,14 @@ class CellData:
     Attributes:
         lengths: Arc length of each unloaded cell, shape (m,).
         stiffness: Section stiffness on (Γ, κ), shape (m, 6, 6).
+        density: Gram matrix of inertia per length, shape (m, 4, 4), zero without mass.
         eigenstrain: Strain without stress, a DG0 function of shape (6,) that changes with time.
         viscosity: Stress per strain rate (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
     """
 
     lengths: Array
     stiffness: Array
+    density: Array
     eigenstrain: fem.Function
     viscosity: Array | None
 
@@ -59,6 +61,26 @@ class Formulation(ABC):
             nodal: Frames of ``degree`` on a line mesh, in the unloaded configuration.
             cells: What the cells are made of.
         """
+
+    def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4).
+
+        The default is consistent with the interpolation of all four by the Lagrange polynomials of
+        the formulation's degree, 1 or 2.
+
+        Args:
+            nodal: As for :meth:`forms`.
+            cells: What the cells are made of.
+        """
+        weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
+        return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
+
+
+_LAGRANGE = {
+    1: np.array([[2.0, 1], [1, 2]]) / 6,
+    2: np.array([[4.0, -1, 2], [-1, 4, 2], [2, 2, 16]]) / 30,
+}
+"""Integrals of products of the shape functions on a cell of unit length, ends first."""
 
 
 def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:

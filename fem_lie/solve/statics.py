@@ -19,6 +19,7 @@ from fem_lie.joints import Joint
 from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.rotation import Rotation
 from fem_lie.system import System
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ class StaticResult:
         failed_iterations: Linear solves of steps that were given up.
         info: Bodies and joints.
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
+        steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
     """
 
     factors: Array
@@ -65,6 +67,7 @@ class StaticResult:
     failed_iterations: int
     info: SceneInfo
     initial: Array
+    steady_rotation: Rotation
 
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
@@ -117,6 +120,8 @@ class StaticResult:
 def statics(
     scene: Scene,
     *,
+    spin: npt.ArrayLike = (0.0, 0.0, 0.0),
+    about: npt.ArrayLike = (0.0, 0.0, 0.0),
     load_steps: int = 1,
     carried_stress: bool = True,
     tolerance: float = 1e-10,
@@ -129,8 +134,15 @@ def statics(
     Loads without history grow with the load factor from 0 to 1; histories and prescribed motions
     are evaluated at the load factor. A step that fails is halved; later steps grow back.
 
+    With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
+    frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
+    motions then belong to the turning frame: they are the hub. Centrifugal forces grow with the
+    load factor, the angular velocity with its root. Damping in space (``Damping.mass``) drags.
+
     Args:
         scene: What there is.
+        spin: Angular velocity of that frame, global components, rad per time.
+        about: A place on the axis of rotation.
         load_steps: Number of equal steps to begin with.
         carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
             converges in a few iterations at any slenderness; otherwise plain Newton.
@@ -141,7 +153,8 @@ def statics(
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or options.
+        ValueError: Bad scene or options; no inertia, or gravity or forces fixed in space that are
+            not parallel to the axis, with ``spin``.
         ConvergenceError: The smallest step failed; its ``result`` holds the states before.
     """
     if load_steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
@@ -149,7 +162,11 @@ def statics(
             "wanted load_steps ≥ 1, tolerance > 0, max_iterations ≥ 1, 0 < smallest_step ≤ 1; got "
             f"{load_steps}, {tolerance}, {max_iterations}, {smallest_step}"
         )
-    newton = _Newton(scene, carried_stress, tolerance, max_iterations, petsc_options_prefix)
+    rotation = Rotation.of(spin, about)
+    rotation.check(scene)
+    newton = _Newton(
+        scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
+    )
     reached, step = 0.0, 1.0 / load_steps
     while reached < 1.0:
         target = min(1.0, reached + step)
@@ -176,9 +193,16 @@ class _Newton:
     """Newton's method from one accepted state to the next; it keeps those that were accepted."""
 
     def __init__(
-        self, scene: Scene, carried: bool, tolerance: float, max_iterations: int, prefix: str
+        self,
+        scene: Scene,
+        rotation: Rotation,
+        carried: bool,
+        tolerance: float,
+        max_iterations: int,
+        prefix: str,
     ) -> None:
-        self.system = system = System(scene, dynamics=False)
+        self.system = system = System(scene, dynamics=bool(rotation))
+        self._rotation = rotation
         self._carried, self._tolerance, self._max = carried, tolerance, max_iterations
         self.H: Array = system.frames.copy()
         self.multipliers: Array = np.zeros(system.m)
@@ -210,6 +234,7 @@ class _Newton:
             self._failed,
             system.info(),
             system.numbering.attachment.frames(system.frames).copy(),
+            self._rotation,
         )
 
     def advice(self) -> str:
@@ -237,7 +262,7 @@ class _Newton:
         while self.iterations < self._max:
             self.iterations += 1
             try:
-                self._iterate()
+                self._iterate(factor)
             except SingularMatrixError:
                 self.last = np.inf
             if not np.isfinite(self.last) or self.last > 1e3:
@@ -256,13 +281,18 @@ class _Newton:
         system.elastic.reset_stress(H)
         return False
 
-    def _iterate(self) -> None:
+    def _iterate(self, factor: float) -> None:
         system, H, zero = self.system, self.H, self._zero
         if not self._carried:
             system.elastic.reset_stress(H)
-        system.residual(H, zero, zero, self.multipliers, self._scale, self._r)
+        # centrifugal forces grow as the loads do
+        v = self._rotation.velocities(H[: system.count], np.sqrt(factor))
+        system.residual(H, v, zero, self.multipliers, self._scale, self._r)
         self.residual = float(np.abs(self._r).max(initial=0.0))
-        self._fill()
+        if self._rotation:
+            system.fill_steady(H, v, self.multipliers, self._scale)
+        else:
+            self._fill()
         self._solver.factorise()
         self._solver.solve()
         if self._carried:

@@ -1,0 +1,201 @@
+"""The eigenvalues of least absolute value of a constrained quadratic problem, by SLEPc.
+
+``(s² M + s C + K) φ + Bᵀ μ = 0``, ``B φ = 0``. Bordered by ``B`` the problem has infinite
+eigenvalues; shift-and-invert makes them zero, and Krylov methods do not see them. (V. Hernandez,
+J. E. Roman & V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; C. Campos & J. E. Roman, SIAM J. Sci.
+Comput. 38 (2016) S385.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import scipy.sparse.linalg
+from slepc4py import SLEPc
+
+from fem_lie._jit import Array
+from fem_lie.solve.linear import ConvergenceError
+
+Complex = npt.NDArray[np.complex128]
+
+_SHIFT = (
+    1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
+)
+_ROUND_OFF = 1e-12  # squares below this part of that ratio, and of what cancels in them, are zero
+_SPLIT = 1e-7  # of the unit of s: round-off parts a double zero by its root
+_SYMMETRIC = 1e-9
+_SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
+_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """Matrices of the free unknowns, all in the unit of energy (times powers of time).
+
+    Attributes:
+        M: Mass, shape (n, n).
+        C: Damping and gyroscopic coupling, or ``None``.
+        K: Stiffness.
+        B: Constraints, shape (m, n).
+    """
+
+    M: sp.csr_matrix
+    C: sp.csr_matrix | None
+    K: sp.csr_matrix
+    B: sp.csr_matrix
+
+    def smallest(self, count: int, floor: float, prefix: str) -> tuple[Complex, Complex, Array]:
+        """Eigenvalues with ``Im s ≥ 0``, vectors (count, n) and relative residuals.
+
+        Args:
+            count: How many.
+            floor: A rate that matters, such as that of a rotation; 0 if there is none.
+            prefix: Of SLEPc's options.
+
+        Raises:
+            ConvergenceError: SLEPc found less.
+        """
+        fast = self._fastest()
+        if self.C is None:
+            shift = _SHIFT * fast**2 or 1.0
+            squares, vectors = self._linear(count, shift, prefix)
+            wanted = np.sort(np.abs(squares))[:count].max(initial=0.0)
+            if 0.0 < wanted < shift:
+                # seen from so far away, multiple eigenvalues are hard to tell apart
+                squares, vectors = self._linear(count, 0.1 * wanted, prefix)
+            s = np.sqrt(-squares.astype(np.complex128))
+            s = np.where(s.imag < 0, -s, s)
+        else:
+            rate = max(np.sqrt(_SHIFT) * fast, floor) or 1.0
+            s, vectors = self._quadratic(count, rate, prefix)
+            still = np.abs(s) <= np.maximum(self._noise(vectors, fast), _SPLIT * rate)
+            s, vectors = _one_of_each_pair(s, vectors, still)
+        s = np.where(np.abs(s) <= self._noise(vectors, fast), 0.0, s)
+        order = np.argsort(np.abs(s), kind="stable")[:count]
+        if len(order) < count:
+            raise ConvergenceError(
+                f"SLEPc found {len(order)} of {count} modes; ask for fewer, or see its options "
+                f"under the prefix {prefix!r}"
+            )
+        s, vectors = s[order], vectors[order]
+        return s, vectors, self._residuals(s, vectors)
+
+    def _fastest(self) -> float:
+        """Largest ratio of stiffness to mass of one unknown, square root: a rate."""
+        mass, stiffness = self.M.diagonal(), np.abs(self.K.diagonal())
+        ratio = stiffness[mass > 0] / mass[mass > 0]
+        return float(np.sqrt(ratio.max(initial=0.0)))
+
+    def _noise(self, vectors: Complex, fast: float) -> Array:
+        """Rates that round-off can make of zero, for each vector."""
+        size = np.abs(vectors)
+        cancels = (size * (abs(self.K) @ size.T).T).sum(axis=1)
+        mass = (vectors.conj() * (self.M @ vectors.T).T).sum(axis=1).real
+        ratio = np.divide(cancels, mass, out=np.full(len(size), np.inf), where=mass > 0)
+        return np.sqrt(_ROUND_OFF * np.minimum(ratio, fast**2))
+
+    def _linear(self, count: int, shift: float, prefix: str) -> tuple[Complex, Complex]:
+        """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
+        K, M = self._bordered(self.K, shift), _padded(self.M, self.B)
+        solver = SLEPc.EPS().create(PETSc.COMM_SELF)
+        solver.setOperators(_petsc(K), _petsc(M))
+        asymmetry = abs(self.K - self.K.T).max()
+        symmetric = asymmetry <= _SYMMETRIC * abs(self.K).max()
+        types = SLEPc.EPS.ProblemType
+        solver.setProblemType(types.GHEP if symmetric else types.GNHEP)
+        solver.setTarget(-shift)
+        _set_up(solver, min(count + _SPARE, K.shape[0]), SLEPc.EPS, prefix)
+        return _pairs(solver, K, self.M.shape[0])
+
+    def _quadratic(self, count: int, rate: float, prefix: str) -> tuple[Complex, Complex]:
+        """Eigenvalues ``s``, scaled by a rate so that those wanted are about one."""
+        assert self.C is not None
+        shift = 1e-2
+        K = self._bordered(self.K, rate**2)
+        C, M = (_padded(rate**k * part, self.B) for k, part in ((1, self.C), (2, self.M)))
+        solver = SLEPc.PEP().create(PETSc.COMM_SELF)
+        solver.setOperators([_petsc(K), _petsc(C), _petsc(M)])
+        solver.setTarget(shift)
+        _set_up(solver, min(2 * count + _SPARE, K.shape[0]), SLEPc.PEP, prefix)
+        s, vectors = _pairs(solver, K, self.M.shape[0])
+        return rate * s, vectors
+
+    def _bordered(self, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
+        """``[[K, Bᵀ], [B, 0]]`` with constraints about as large as the stiffness."""
+        size = np.abs(K.diagonal()) + shift * self.M.diagonal()
+        B = np.mean(size) * self.B
+        return sp.bmat([[K, B.T], [B, None]], format="csr") if B.shape[0] else K
+
+    def _residuals(self, s: Complex, vectors: Complex) -> Array:
+        """Out of the directions in which joints can push."""
+        parts = [self.K @ vectors.T, (self.M @ vectors.T) * s**2]
+        if self.C is not None:
+            parts.append((self.C @ vectors.T) * s)
+        total = sum(parts)
+        if self.B.shape[0]:
+            gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
+            pushed = self.B @ total
+            total = total - self.B.T @ (gram.solve(pushed.real) + 1j * gram.solve(pushed.imag))
+        absolute = np.abs(vectors.T)
+        size = abs(self.K) @ absolute + np.abs(s) ** 2 * (abs(self.M) @ absolute)
+        return np.asarray(np.linalg.norm(total, axis=0) / np.linalg.norm(size, axis=0).clip(1e-300))
+
+
+def _padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
+    """Zero rows and columns for the multipliers."""
+    return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
+
+
+def _petsc(A: sp.csr_matrix) -> PETSc.Mat:
+    # a direct solver wants a diagonal, even if it is zero
+    A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
+    A.sort_indices()
+    pointers = (A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data)
+    return PETSc.Mat().createAIJ(A.shape, csr=pointers, comm=PETSc.COMM_SELF)
+
+
+def _set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
+    solver.setOptionsPrefix(prefix)
+    solver.setWhichEigenpairs(kind.Which.TARGET_MAGNITUDE)
+    solver.setDimensions(wanted)
+    solver.setTolerances(_TOLERANCE, 200)
+    transform = solver.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    if kind is SLEPc.PEP:
+        transform.setTransform(True)
+    linear = transform.getKSP()
+    linear.setType(PETSc.KSP.Type.PREONLY)
+    linear.getPC().setType(PETSc.PC.Type.LU)
+    linear.getPC().setFactorSolverType("mumps")
+    solver.setFromOptions()
+    solver.solve()
+
+
+def _pairs(solver: Any, K: sp.csr_matrix, n: int) -> tuple[Complex, Complex]:
+    """All converged eigenvalues and vectors, without multipliers."""
+    found = solver.getConverged()
+    real, imaginary = (PETSc.Vec().createSeq(K.shape[0]) for _ in range(2))
+    values, vectors = np.empty(found, dtype=np.complex128), np.empty((found, n), np.complex128)
+    for k in range(found):
+        values[k] = solver.getEigenpair(k, real, imaginary)
+        vectors[k] = real.array[:n] + 1j * imaginary.array[:n]
+    return values, vectors
+
+
+def _one_of_each_pair(
+    s: Complex, vectors: Complex, still: npt.NDArray[np.bool_]
+) -> tuple[Complex, Complex]:
+    """Of conjugates the one with ``Im s > 0``; real ones all; of double zeros one each."""
+    turning = ~still & (s.imag > -1e-9 * np.abs(s))
+    rigid = vectors[still]
+    span = np.concatenate([rigid.real, rigid.imag])
+    if len(rigid):
+        span = np.linalg.svd(span, full_matrices=False)[2][: (len(rigid) + 1) // 2]
+    rates = np.concatenate([np.zeros(len(span)), s[turning]])
+    return rates, np.concatenate([span.astype(np.complex128), vectors[turning]])

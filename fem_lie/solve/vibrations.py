@@ -1,0 +1,180 @@
+"""Small vibrations about any equilibrium: unloaded, loaded, or in steady rotation.
+
+With ``H exp(h)`` beside the equilibrium ``H`` the linear equations are, without any further
+assumption on what is in the scene (:meth:`fem_lie.system.System.linearised`)::
+
+    M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    B h = 0
+
+with ``v`` the local velocities of the steady rotation. The stiffness holds geometric stiffness of
+stress, loads and joints and centrifugal softening, the damping the Coriolis terms.
+"""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+from fem_lie._jit import Array
+from fem_lie.modes import Modes
+from fem_lie.scene import Scene
+from fem_lie.solve.rotation import Rotation
+from fem_lie.solve.spectrum import Complex, Pencil
+from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.system import System
+
+_log = logging.getLogger(__name__)
+
+_BALANCED = 1e-9
+_SHIFTS = 0.05  # displacement over size per rotation: below, a mode is one of rotations
+
+
+def vibrations(
+    scene: Scene,
+    count: int = 6,
+    *,
+    at: StaticResult | None = None,
+    spin: npt.ArrayLike = (0.0, 0.0, 0.0),
+    about: npt.ArrayLike = (0.0, 0.0, 0.0),
+    load_steps: int = 1,
+    petsc_options_prefix: str = "fem_lie_vibrations_",
+) -> Modes:
+    """Frequencies, damping and shapes of the slowest small vibrations.
+
+    The equilibrium is the initial configuration if that is one under the full loads (unloaded
+    bodies, or a top that stands upright), or else what :func:`~fem_lie.solve.statics.statics`
+    finds. Bodies may be free: rigid motions have eigenvalues zero. An unstable equilibrium is no
+    error: see ``Modes.unstable``.
+
+    Args:
+        scene: What there is; initial velocities do not matter.
+        count: Number of modes.
+        at: Equilibrium of this scene, the last state of it; its rotation is taken with it.
+        spin: Angular velocity of the frame in which there is equilibrium, global components, rad
+            per time; frequencies and shapes are those seen in it.
+        about: A place on its axis.
+        load_steps: For statics.
+        petsc_options_prefix: Prefix for the choice of SLEPc's solver.
+
+    Raises:
+        ValueError: Bad scene or options; no inertia; more modes than degrees of freedom.
+        ConvergenceError: No equilibrium, or not all modes were found.
+    """
+    rotation = Rotation.of(spin, about)
+    rotation.check(scene)
+    if at is not None:
+        if rotation:
+            raise ValueError("the rotation comes with at=...; do not give spin, too")
+        rotation = at.steady_rotation
+    system = System(scene, dynamics=True)
+    free = 6 * int((~system.held).sum()) - system.m
+    if not 1 <= count <= free:
+        raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+    state = _Linear(system, rotation)
+    if at is not None:
+        state.move(at)
+    elif not state.balanced():
+        result = statics(scene, spin=spin, about=about, load_steps=load_steps)
+        state.move(result)
+    s, vectors, residuals = state.pencil().smallest(count, state.rate, petsc_options_prefix)
+    shapes = np.array([state.shape(vector) for vector in vectors])
+    frames = system.numbering.attachment.frames(state.H).copy()
+    modes = Modes(s, shapes, frames, system.length, residuals, system.info())
+    if modes.unstable.any():
+        _log.warning("the equilibrium is unstable: eigenvalues %s", s[modes.unstable])
+    return modes
+
+
+class _Linear:
+    """Linear equations of a system in one state; translations are measured in its length."""
+
+    def __init__(self, system: System, rotation: Rotation) -> None:
+        self.system, self.rotation = system, rotation
+        self.rate = float(np.linalg.norm(rotation.spin))
+        self.weight = np.tile([system.length] * 3 + [1.0] * 3, system.count)
+        system.set_time(1.0)
+        self.H = system.frames.copy()
+        self.H[system.count + 1 :] = system.prescribed_frames(1.0)
+        self._evaluate()
+
+    def move(self, result: StaticResult) -> None:
+        """Take over an equilibrium.
+
+        Raises:
+            ValueError: It is none of this scene.
+        """
+        system, attachment = self.system, self.system.numbering.attachment
+        last = result.frames[-1:]
+        if last.shape[1:] != (system.numbering.total, 4, 3):
+            raise ValueError(
+                f"at=... must be an equilibrium of this scene with {system.numbering.total} nodes, "
+                f"got frames of shape {result.frames.shape}"
+            )
+        self.H[: system.count] = last[0, attachment.leaders]
+        self._evaluate()
+        if not self.balanced(1e-5):
+            raise ValueError("at=... is no equilibrium of this scene under its full loads")
+
+    def _evaluate(self) -> None:
+        """Joint forces that balance the rest as well as they can, and what is left."""
+        system = self.system
+        n = 6 * system.count
+        self.v = self.rotation.velocities(self.H[: system.count])
+        none, r = np.zeros_like(self.v), np.empty(system.size)
+        system.residual(self.H, self.v, none, np.zeros(system.m), np.ones(system.m), r)
+        self.gap = float(np.abs(r[n:]).max(initial=0.0)) / max(1.0, system.length)
+        self.B = system.jacobian(self.H) @ sp.diags(self.weight)
+        force = self.weight * r[:n]
+        self.multipliers: Array = np.zeros(system.m)
+        if system.m:
+            gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
+            self.multipliers = -gram.solve(self.B @ force)
+        self.force = float(np.abs(force).max(initial=0.0))
+        self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
+        system.elastic.reset_stress(self.H)
+        self.blocks = system.linearised(self.H, self.v, self.multipliers)
+
+    def balanced(self, tolerance: float = _BALANCED) -> bool:
+        """Whether joints can balance all other forces."""
+        M, _, K = (self._matrix(blocks) for blocks in self.blocks)
+        inertia = abs(M).max() * self.rate**2
+        # the state of an iteration is known to a part of the model's size
+        stiffness = 1e-12 * abs(K).max()
+        return self.gap <= tolerance and self.left <= (
+            tolerance * max(self.force, inertia) + stiffness
+        )
+
+    def _matrix(self, blocks: Array) -> sp.csr_matrix:
+        """Of the free unknowns, in units of energy."""
+        kkt, held = self.system.kkt, np.repeat(self.system.held, 6)
+        size = (len(held), len(held))
+        A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
+        weights = sp.diags(self.weight)
+        A = (weights @ A @ weights).tocsr()[~held][:, ~held]
+        A.eliminate_zeros()
+        return A
+
+    def pencil(self) -> Pencil:
+        """The eigenvalue problem."""
+        M, C, K = (self._matrix(blocks) for blocks in self.blocks)
+        free = ~np.repeat(self.system.held, 6)
+        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free])
+
+    def shape(self, vector: Complex) -> Complex:
+        """Increments of all nodes, see :class:`~fem_lie.modes.Modes`, shape (n, 6)."""
+        system = self.system
+        h = np.zeros((system.count, 6), dtype=np.complex128)
+        h[~system.held] = vector.reshape(-1, 6)
+        h *= self.weight.reshape(-1, 6)
+        twists = system.numbering.attachment.twists
+        shape = twists(np.ascontiguousarray(h.real)) + 1j * twists(np.ascontiguousarray(h.imag))
+        shift = np.linalg.norm(shape[:, :3], axis=1) / system.length
+        turn = np.linalg.norm(shape[:, 3:], axis=1)
+        chosen = shift if shift.max() >= _SHIFTS * turn.max() else turn
+        node = int(chosen.argmax())
+        part = shape[node, :3] if chosen is shift else shape[node, 3:]
+        largest = part[np.abs(part).argmax()]
+        return np.asarray(shape * (np.abs(largest) / largest) / chosen[node])
