@@ -174,7 +174,7 @@ def draw(speeds: Array, found: Array, modes: fl.Modes, times: Array, tip: Array)
     left.plot(fine, fine, ":", color="#777777", label="once per turn")
     left.set(xlabel="angular velocity", ylabel="frequency", title="Campbell diagram")
     left.set_ylim(0.0, 1.08 * found.max())
-    left.legend(frameon=False)
+    left.legend(frameon=False, loc="center left", bbox_to_anchor=(0.0, 0.7))
     right.plot(times, tip[:, 1], color=COLOURS[0])
     right.set(xlabel="time [s]", ylabel="tip across the hub's axis [m]", title="Spin-up")
     for axes in (left, right):

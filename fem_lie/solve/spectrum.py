@@ -174,7 +174,13 @@ def _set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
     linear.getPC().setType(PETSc.PC.Type.LU)
     linear.getPC().setFactorSolverType("mumps")
     solver.setFromOptions()
-    solver.solve()
+    try:
+        solver.solve()
+    except PETSc.Error as error:
+        raise ConvergenceError(
+            f"SLEPc failed (PETSc error {error.ierr}): the shifted matrix may be singular; see its "
+            f"options under the prefix {prefix!r}"
+        ) from error
 
 
 def _pairs(solver: Any, K: sp.csr_matrix, n: int) -> tuple[Complex, Complex]:
