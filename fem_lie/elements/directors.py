@@ -18,6 +18,7 @@ import basix.ufl
 import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
+from ufl.variable import Variable
 
 from fem_lie import _compat
 from fem_lie.elements.formulation import (
@@ -56,7 +57,7 @@ def director_strains(q: NodalFrames) -> tuple[Expr, Expr]:
     return stretch, ufl.as_vector([turn(2, 1), turn(0, 2), turn(1, 0)])
 
 
-def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr]:
+def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
     """The same of two-node cells in their middle, with the mean rotation and the angle.
 
     The directors' mean is ``A = R_m (c 1 + (1 − c) n nᵀ)``, ``c = cos θ/2``, if ``R_Aᵀ R_B`` turns
@@ -64,21 +65,40 @@ def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr]:
     Hence, in closed form,
 
     - ``R_mᵀ x′ = Aᵀx′/c − w (w · Aᵀx′) / (4 c³ (1 + c))``, exactly, with ``c² = (tr AᵀA − 1)/2``;
-    - ``κ L = w (1 + 2/c²)/3 = n (sin θ + 4 tan θ/2)/3``, Huygens' rule for the arc: it is nθ up to
-      ``θ⁵/120``, where ``n sin θ`` is up to ``θ³/6``.
+    - ``κ L = n θ = (w/c) F(sin² θ/4)``, ``sin² θ/4 = (1 − c)/2``, where ``F(sin² φ/2) = φ/sin φ``
+      is cut off Gauss' continued fraction: relative error 1e-12 for θ = 45°, 6e-9 for 90°. (The
+      rule of Huygens, ``n (sin θ + 4 tan θ/2)/3``, errs by θ⁵/120, but the moment by θ⁵/20, which
+      is 2 % for 45°.)
 
     To be evaluated in the middle alone (quadrature of degree 0 or 1), for θ below π, where c = 0.
 
     Args:
         q: Frames of degree 1 on a line mesh of straight cells.
+
+    Returns:
+        Both strains, and the plain quantities ``(Aᵀx′, w/L, c²)`` in which they are written, for
+        ``through`` of :class:`~fem_lie.kernel.StrainEnergy`.
     """
-    plain, curvature = director_strains(q)
-    d = q.directors
-    w = ufl.CellVolume(q.function.function_space.mesh) * curvature
-    c2 = (sum(ufl.dot(a, a) for a in d) - 1) / 2
-    c = ufl.sqrt(c2)
-    stretch = plain / c - w * (ufl.dot(w, plain) / (4 * c * c2 * (1 + c)))
-    return stretch, curvature * ((1 + 2 / c2) / 3)
+    c2 = (sum(ufl.dot(d, d) for d in q.directors) - 1) / 2
+    stretch, curvature = director_strains(q)
+    z = ufl.variable(ufl.as_vector([*stretch, *curvature, c2]))
+    stretch, curvature = (ufl.as_vector([z[i + k] for i in range(3)]) for k in (0, 3))
+    c2 = z[6]
+    L, c = ufl.CellVolume(q.function.function_space.mesh), ufl.sqrt(c2)
+    lever = L**2 * ufl.dot(curvature, stretch) / (4 * c * c2 * (1 + c))
+    return stretch / c - lever * curvature, curvature * (_angle_over_sine((1 - c) / 2) / c), z
+
+
+def _angle_over_sine(u: Expr) -> Expr:
+    """``φ/sin φ`` of ``u = sin² φ/2``, by five terms of Gauss' continued fraction.
+
+    ``arcsin x / √(1 − x²) = x/(1 − 1·2 x²/(3 − 1·2 x²/(5 − 3·4 x²/(7 − 3·4 x²/(9 − 5·6 x²/(11 …``,
+    without a singularity at zero. (Abramowitz & Stegun 4.4.44.)
+    """
+    fraction: Expr | float = 11.0
+    for odd, factor in ((9, 30), (7, 12), (5, 12), (3, 2), (1, 2)):
+        fraction = odd - factor * u / fraction
+    return 1 / fraction
 
 
 @dataclass(frozen=True)
@@ -118,10 +138,10 @@ class Director(Formulation):
         if self.degree == 1:
             if self.bending_flexibility:
                 D = with_bending_flexibility(D, cells.lengths)
-            strains = midpoint_strains(nodal)
+            *strains, through = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
-            strains = director_strains(nodal)
+            strains, through = director_strains(nodal), None
             slope = arc_derivative(nodal.position, mesh)
             arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
         strain = ufl.as_vector([*strains[0], *strains[1]]) / arc
@@ -132,6 +152,7 @@ class Director(Formulation):
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": points}),
             weight=arc,
             viscosity=None if cells.viscosity is None else cellwise(mesh, cells.viscosity),
+            through=through,
         )
         return local_frame_forms(energy, nodal)
 
