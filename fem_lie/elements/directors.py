@@ -108,10 +108,10 @@ class Director(Formulation):
     Degree 1 has two nodes and one point, at which the strains are those of
     :func:`midpoint_strains`; the straight chord between the nodes makes it of second order. Degree
     2 has three nodes, two points and the plain :func:`director_strains` per length of its own
-    quadratic line; at these points the derivatives of quadratic interpolation are one order
-    better, and so is the element: the nodes are of fourth order. Nothing locks. Strains are those
-    over the values of the same expressions in the unloaded frames: unloaded there is no stress,
-    however curved and twisted the line.
+    quadratic line: at these points the derivatives of quadratic interpolation gain an order, and
+    the nodes are of fourth. Nothing locks. From the strains those of the unloaded frames by the
+    same expressions are subtracted: unloaded there is no stress, however curved and twisted the
+    line.
 
     Attributes:
         degree: 1 or 2; a cell has ``degree + 1`` nodes.
@@ -138,13 +138,13 @@ class Director(Formulation):
         if self.degree == 1:
             if self.bending_flexibility:
                 D = with_bending_flexibility(D, cells.lengths)
-            *strains, through = midpoint_strains(nodal)
+            stretch, curvature, through = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
-            strains, through = director_strains(nodal), None
+            (stretch, curvature), through = director_strains(nodal), None
             slope = arc_derivative(nodal.position, mesh)
             arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
-        strain = ufl.as_vector([*strains[0], *strains[1]]) / arc
+        strain = ufl.as_vector([*stretch, *curvature]) / arc
         stiffness = cellwise(mesh, D)
         energy = StrainEnergy(
             strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
