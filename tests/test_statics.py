@@ -142,6 +142,51 @@ def test_curved_and_twisted_beam_is_free_of_stress_unloaded(formulation):
 
 
 @every_formulation
+def test_viscous_forces_are_those_of_the_tangent(formulation):
+    """Kelvin and Voigt: τ K v while unloaded; nothing in rigid motion, however deformed."""
+    tau, rng = 0.1, np.random.default_rng(1)
+    beam = fl.Beam.curve(
+        helix, stiffness(), cells=3, formulation=formulation, damping=fl.Damping(stiffness=tau)
+    )
+    assembly = fl.Beam.assemble([beam])
+    count = len(beam.frames)
+    H, v = np.empty_like(beam.frames), rng.normal(size=(count, 6))
+    H[assembly.order] = beam.frames
+    assembly.reset_stress(H)
+    rows = np.repeat(np.arange(count), np.diff(assembly.indptr))
+    expected, forces = np.zeros((count, 6)), np.zeros(6 * count)
+    products = np.einsum("kij,kj->ki", assembly.tangent(H), v[assembly.indices])
+    np.add.at(expected, rows, tau * products)
+    assembly.add_viscous_forces(H, v, forces)
+    scale = np.abs(forces).max()
+    assert np.abs(forces - expected.ravel()).max() < 1e-12 * scale
+    H = lie.se3_retract(H, 0.2 * v)
+    w, velocity = rng.normal(size=(2, 3))
+    rigid = np.concatenate([velocity + np.cross(w, H[:, 0]), np.tile(w, (count, 1))]).reshape(
+        2, -1, 3
+    )
+    local = np.einsum("nai,kni->nka", H[:, 1:], rigid).reshape(count, 6)
+    forces[:] = 0
+    assembly.add_viscous_forces(H, local, forces)
+    assert np.abs(forces).max() < 1e-11 * scale
+
+
+@every_formulation
+def test_consistent_inertia_of_a_curved_beam(formulation):
+    """Momentum of a beam that moves without turning: all its mass, m = ρA times the arc."""
+    beam = fl.Beam.curve(helix, SECTION, cells=5, formulation=formulation)
+    assembly = fl.Beam.assemble([beam])
+    mass = assembly.inertia.mass
+    assert abs(mass[:, 0, 0].sum() / (SECTION.inertia[0, 0] * beam.lengths.sum()) - 1) < 1e-12
+    # and the shares of a line load are the row sums of the mass
+    rows = np.repeat(np.arange(len(beam.frames)), np.diff(assembly.indptr))
+    nodal = np.bincount(rows, mass[:, 0, 0])[assembly.order]
+    elements, shares = beam.consistent_shares()
+    carried = np.bincount(elements.ravel(), shares.ravel())
+    np.testing.assert_allclose(nodal, SECTION.inertia[0, 0] * carried, rtol=1e-12)
+
+
+@every_formulation
 def test_eigenstrain_bends_to_a_circle(formulation):
     """κ₃ = 1/r without stress: the tip of an arc of length L and angle L/r."""
     L, cells, curvature = 10.0, 8, 0.1

@@ -25,7 +25,7 @@ from fem_lie.elements.formulation import (
     CellData,
     Formulation,
     cellwise,
-    with_bending_flexibility,
+    flexible_cells,
 )
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
@@ -132,12 +132,12 @@ class Director(Formulation):
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
-        mesh, D = nodal.function.function_space.mesh, cells.stiffness
+        mesh = nodal.function.function_space.mesh
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy
         if self.degree == 1:
             if self.bending_flexibility:
-                D = with_bending_flexibility(D, cells.lengths)
+                cells = flexible_cells(cells)
             stretch, curvature, through = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
@@ -145,7 +145,7 @@ class Director(Formulation):
             slope = arc_derivative(nodal.position, mesh)
             arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
         strain = ufl.as_vector([*stretch, *curvature]) / arc
-        stiffness = cellwise(mesh, D)
+        stiffness = cellwise(mesh, cells.stiffness)
         energy = StrainEnergy(
             strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import basix.ufl
 import dolfinx
@@ -70,10 +70,31 @@ def with_bending_flexibility(stiffness: Array, lengths: Array) -> Array:
         stiffness: Section stiffness per cell, shape (m, 6, 6).
         lengths: Length ℓ per cell, shape (m,).
     """
-    compliance = np.linalg.inv(stiffness)
-    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    compliance[:, :3, :3] += (
-        lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
-    )
-    effective = np.linalg.inv(compliance)
+    effective = _inverse(_with_lever(_inverse(stiffness), lengths))
     return 0.5 * (effective + effective.transpose(0, 2, 1))
+
+
+def flexible_cells(cells: CellData) -> CellData:
+    """The cells with the residual bending flexibility in stiffness and viscosity.
+
+    Parts in series add their compliances ``C`` and, for slow motion, the products ``C η C`` with
+    their viscosities; a viscosity ``τ D`` of the section becomes τ times the new stiffness.
+    """
+    stiffness = with_bending_flexibility(cells.stiffness, cells.lengths)
+    viscosity = cells.viscosity
+    if viscosity is not None:
+        C = _inverse(cells.stiffness)
+        viscosity = stiffness @ _with_lever(C @ viscosity @ C, cells.lengths) @ stiffness
+    return replace(cells, stiffness=stiffness, viscosity=viscosity)
+
+
+def _inverse(matrices: Array) -> Array:
+    return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
+
+
+def _with_lever(compliance: Array, lengths: Array) -> Array:
+    """Add ``ℓ²/12 ê₁ᵀ C_κκ ê₁`` to the shear compliance."""
+    lever = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    added = lengths[:, np.newaxis, np.newaxis] ** 2 / 12 * (lever.T @ compliance[:, 3:, 3:] @ lever)
+    compliance[:, :3, :3] += added
+    return compliance

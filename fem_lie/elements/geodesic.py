@@ -20,7 +20,7 @@ from fem_lie.elements.formulation import (
     CellData,
     Formulation,
     cellwise,
-    with_bending_flexibility,
+    flexible_cells,
 )
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy, frame_function, stack
@@ -97,15 +97,14 @@ class Geodesic(Formulation):
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """See the base class."""
         mesh = nodal.function.function_space.mesh
-        D = cells.stiffness
         if self.bending_flexibility:
-            D = with_bending_flexibility(D, cells.lengths)
+            cells = flexible_cells(cells)
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         unloaded = lie.se3_relative(ends[:, 0], ends[:, 1])
         d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         energy = geodesic_energy(
-            d, d0, length, cellwise(mesh, D), mesh, cells.eigenstrain, viscosity
+            d, d0, length, cellwise(mesh, cells.stiffness), mesh, cells.eigenstrain, viscosity
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
