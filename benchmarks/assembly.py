@@ -1,7 +1,7 @@
 """What it costs to assemble beams: residual and tangent of 20 and of 20 000 cells.
 
-- geodesic: the SE(3) element of ``fem_lie.Beam``, as the integrators call it, with coefficients
-  packed once
+- geodesic, director1, director2: the elements of ``fem_lie.Beam``, as the integrators call
+  them, with coefficients packed once
 - directors: an energy in positions and directors, in local frames, through ``dolfinx.fem``, which
   packs coefficients anew in every call
 - plain: the derivative of the same energy as FFCx makes it, 12 unknowns per node, no local frames;
@@ -13,6 +13,7 @@ Best of several runs, on one core.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from time import perf_counter
 
 from mpi4py import MPI
@@ -28,6 +29,11 @@ from demos.own_energy import line
 from fem_lie.beam import BeamAssembly
 
 CELLS = (20, 20_000)
+FORMULATIONS = {
+    "geodesic": fl.Geodesic(),
+    "director1": fl.Director(1),
+    "director2": fl.Director(2),
+}
 STIFFNESS = np.array([1e4, 4e3, 4e3, 1.0, 1.0, 1.0])
 
 
@@ -43,16 +49,17 @@ def best(function: Callable[[], object], repetitions: int, runs: int = 7) -> flo
     return min(times)
 
 
-def geodesic(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
+def beam(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
     section = fl.Section.from_stiffness(STIFFNESS)
-    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells)
-    assembly = BeamAssembly([beam])
-    H, out = np.empty_like(beam.frames), np.zeros(6 * (cells + 1))
-    H[assembly.order] = beam.frames
-    yield "geodesic, residual", lambda: assembly.add_forces(H, out)
-    yield "geodesic, energy", lambda: assembly.energy(H)
-    yield "geodesic, tangent", lambda: assembly.tangent(H)
-    yield "geodesic, carried stress", lambda: assembly.reset_stress(H)
+    for name, formulation in FORMULATIONS.items():
+        line = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, formulation=formulation)
+        assembly = BeamAssembly([line])
+        H, out = np.empty_like(line.frames), np.zeros(6 * len(line.frames))
+        H[assembly.order] = line.frames
+        yield f"{name}, residual", partial(assembly.add_forces, H, out)
+        yield f"{name}, energy", partial(assembly.energy, H)
+        yield f"{name}, tangent", partial(assembly.tangent, H)
+        yield f"{name}, carried stress", partial(assembly.reset_stress, H)
 
 
 def directors(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
@@ -90,7 +97,7 @@ def _filled_petsc(A: PETSc.Mat, form: fem.Form) -> None:
 def main() -> None:
     times: dict[str, list[float]] = {}
     for cells in CELLS:
-        for family in (geodesic, directors):
+        for family in (beam, directors):
             for name, call in family(cells):
                 times.setdefault(name, []).append(best(call, 2000 if cells == 20 else 2))
     print("                           20 cells      20 000 cells")

@@ -10,12 +10,20 @@ The reference is the solution of the differential equations of the same rod, by 
 digits. (The often quoted 53.37 … 53.50 for the height of the tip are finite element solutions of
 coarse meshes, some with other shear stiffnesses.)
 
-The element lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
-second order. In equilibrium the stress varies within an element, though, as a constant force in
-space has a different lever and other components at each place. The energy of that variation is
-added to the element's flexibility (in a straight element 1/GA* = 1/GA + length^2 / (12 EI), R. H.
-MacNeal, Comput. Struct. 8 (1978) 175), which makes arcs exact for small deflections. For this
-section, as stiff in all directions, little is left at large ones, too. Both are in the table.
+Three elements can be chosen, by --formulation:
+
+- geodesic lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
+  second order. In equilibrium the stress varies within an element, though, as a constant force in
+  space has a different lever and other components at each place. The energy of that variation is
+  added to the element's flexibility (in a straight element 1/GA* = 1/GA + length^2 / (12 EI), R. H.
+  MacNeal, Comput. Struct. 8 (1978) 175), which makes arcs exact for small deflections. For this
+  section, as stiff in all directions, little is left at large ones, too.
+- director1 has the strains of R3 x SO(3) in its middle, with the same curvature, and the
+  flexibility of a straight element; its axis is a straight chord, and the error of that remains.
+- director2 interpolates positions and directors by three nodes, with two points: of fourth order at
+  the nodes, with twice the unknowns.
+
+The table has all of them, and the geodesic element without the flexibility ("plain").
 """
 
 from __future__ import annotations
@@ -33,10 +41,16 @@ HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
 REFERENCE = np.array([47.15043857, 15.68480053, 53.47485879])
 UNITS = Units(length="length")
+FORMULATIONS: dict[str, fl.Formulation] = {
+    "geodesic": fl.Geodesic(),
+    "director1": fl.Director(1),
+    "director2": fl.Director(2),
+    "plain": fl.Geodesic(bending_flexibility=False),
+}
 
 
 def solve(
-    elements: int, load_steps: int, flexibility: bool = True
+    elements: int, load_steps: int, formulation: fl.Formulation
 ) -> tuple[dict[str, Any], fl.StaticResult]:
     """Load it; a record of numbers, and the equilibrium states."""
     mesh = fl.read_gmsh(HERE.parent / "meshes" / "bend45.geo", {"cells": elements})
@@ -44,7 +58,7 @@ def solve(
     square = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # for the picture only
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI], outline=square)
     scene = fl.Scene()
-    beam = scene.add(fl.Beam(mesh, section, formulation=fl.Geodesic(flexibility), name="bend"))
+    beam = scene.add(fl.Beam(mesh, section, formulation=formulation, name="bend"))
     scene.add(fl.Clamp(beam["clamp"]))
     scene.add(fl.PointLoad(beam["tip"], force=(0, 0, 600)))
     result = fl.statics(scene, load_steps=load_steps)
@@ -61,39 +75,45 @@ def solve(
     return record, result
 
 
-def main(elements: int = 8, load_steps: int = 3, pictures: bool = True) -> dict[str, Any]:
-    print("elements  tip x      y        z         error  iterations  without flexibility")
-    errors = {}
-    for count in sorted({4, 8, 16, 32, elements}):
-        numbers, result = solve(count, load_steps)
-        plain, _ = solve(count, load_steps, flexibility=False)
-        errors[count] = numbers["tip_error"], plain["tip_error"]
-        print(
-            f"{count:8}  {numbers['tip_x']:.4f}  {numbers['tip_y']:.4f}  {numbers['tip_z']:.4f}"
-            f"  {numbers['tip_error']:.1e} {numbers['iterations']:11}"
-            f"  {plain['tip_error']:.1e}, {plain['iterations']} iterations"
-        )
-        if count == elements:
-            chosen, record = result, numbers
-            record |= {f"plain_{key}": value for key, value in plain.items()}
+def main(
+    elements: int = 8, load_steps: int = 3, formulation: str = "geodesic", pictures: bool = True
+) -> dict[str, Any]:
+    if formulation not in FORMULATIONS:
+        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
+    print("error of the tip (iterations)")
+    print("elements" + "".join(f"{name:>16}" for name in FORMULATIONS))
+    counts = sorted({4, 8, 16, 32, elements})
+    errors: dict[str, list[float]] = {name: [] for name in FORMULATIONS}
+    for count in counts:
+        print(f"{count:8}", end="")
+        for name, element in FORMULATIONS.items():
+            numbers, result = solve(count, load_steps, element)
+            errors[name].append(numbers["tip_error"])
+            print(f"{numbers['tip_error']:11.1e} ({numbers['iterations']:2})", end="")
+            if (count, name) == (elements, formulation):
+                chosen, record = result, numbers
+        print()
+    print(f"{formulation}, {elements} elements: ", end="")
+    print("tip {tip_x:.4f}  {tip_y:.4f}  {tip_z:.4f}".format(**record))
     print("reference {:.4f}  {:.4f}  {:.4f}".format(*REFERENCE))
     if pictures:
         RESULTS.mkdir(exist_ok=True)
         picture, diagram = RESULTS / "bend45.png", RESULTS / "bend45_convergence.png"
         chosen.picture(picture, trace=["bend.tip"], title="45° bend", units=UNITS)
-        plot_errors(errors, diagram)
+        plot_errors(np.array(counts), errors, diagram)
         print(f"pictures: {picture}, {diagram}")
     return record
 
 
-def plot_errors(errors: dict[int, tuple[float, float]], path: Path) -> None:
-    """Error over elements, with and without the bending flexibility."""
+def plot_errors(count: np.ndarray, errors: dict[str, list[float]], path: Path) -> None:
+    """Error over elements of each formulation."""
     figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
     axes = figure.subplots()
-    count, (with_, without) = np.array(list(errors)), np.array(list(errors.values())).T
-    axes.loglog(count, without, "s-", color=COLOURS[1], label="geodesic element")
-    axes.loglog(count, with_, "o-", color=COLOURS[0], label="with bending flexibility")
-    axes.loglog(count, 0.4 * without[0] * (count[0] / count) ** 2, "k:", label="second order")
+    for (name, values), colour, marker in zip(errors.items(), COLOURS, "os^v", strict=False):
+        axes.loglog(count, values, f"{marker}-", color=colour, label=name)
+    for name, order, style in (("plain", 2, "k:"), ("director2", 4, "k--")):
+        line = 0.4 * errors[name][0] * (count[0] / count) ** order
+        axes.loglog(count, line, style, label=f"order {order}")
     axes.set(xlabel="elements", ylabel="error of the tip, relative", title="45° bend")
     axes.set_xticks(count, [str(n) for n in count])
     axes.minorticks_off()

@@ -31,6 +31,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
+from ufl.variable import Variable
 
 from fem_lie import _compat, ufcx
 from fem_lie._wrapping import CompiledForm, Wrapping, packed_size
@@ -57,6 +58,10 @@ class StrainEnergy:
         weight: Factor of the density, without dependence on ``y``.
         viscosity: Stress per strain rate, a matrix of shape ``(n, n)``: Kelvin and Voigt's damping
             ``σ(ε) + η ε̇``; or ``None``.
+        through: A vector ``z(y)`` made by :func:`ufl.variable`, if ``strain`` is written in it and
+            depends on ``y`` by it alone. Derivatives then go by the chain rule, ``ε'(z) z'(y)``,
+            instead of being written out in ``y``: the compiled tangent of an intricate ``ε(z)``
+            with a simple ``z(y)`` shrinks by an order of magnitude.
     """
 
     strain: Expr
@@ -64,6 +69,28 @@ class StrainEnergy:
     dx: ufl.Measure
     weight: Expr | float = 1.0
     viscosity: Expr | None = None
+    through: Variable | None = None
+
+    def change(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
+        """``ε'(y) dy``."""
+        z = self.through
+        if z is None:
+            return ufl.derivative(self.strain, y, dy)
+        return ufl.dot(ufl.diff(self.strain, z), _derivative(z, y, dy))
+
+    def stiffness(
+        self, stress: Expr, moduli: Expr, y: fem.Function, dy: ufl.Argument, by: ufl.Argument
+    ) -> Expr:
+        """``ε'(y) dy · C ε'(y) by + N · ε''(y)[dy, by]`` for moduli ``C`` and a stress ``N``."""
+        z = self.through
+        if z is None:
+            change = self.change(y, dy)
+            geometric = ufl.derivative(ufl.inner(stress, change), y, by)
+            return ufl.inner(change, moduli * self.change(y, by)) + geometric
+        slope, force = ufl.diff(self.strain, z), ufl.diff(ufl.inner(stress, self.strain), z)
+        matrix = ufl.transpose(slope) * moduli * slope + ufl.diff(force, z)
+        dz, bz = _derivative(z, y, dy), _derivative(z, y, by)
+        return ufl.inner(dz, matrix * bz) + ufl.inner(force, ufl.derivative(dz, y, by))
 
     def form(self) -> ufl.Form:
         """The energy as a UFL form."""
@@ -92,6 +119,12 @@ class StrainEnergy:
             scheme=metadata.get("quadrature_rule", "default"),
             degree=metadata["quadrature_degree"],
         )
+
+
+def _derivative(z: Variable, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
+    """``z'(y) dy``."""
+    (expression, _) = z.ufl_operands
+    return ufl.derivative(expression, y, dy)
 
 
 class LocalFrameForms:
@@ -189,21 +222,18 @@ class LocalFrameForms:
         strain = ufl.variable(energy.strain)
         sigma = ufl.diff(energy.law(strain), strain)
         moduli = ufl.diff(sigma, strain)
-        variation = ufl.derivative(energy.strain, y, test)
-        weight, dx = energy.weight, energy.dx
-        force = weight * ufl.inner(self.stress, variation) * dx
-        change = moduli * ufl.derivative(energy.strain, y, trial)
-        stiffness = weight * ufl.inner(variation, change) * dx + ufl.derivative(force, y, trial)
+        variation, weight, dx = energy.change(y, test), energy.weight, energy.dx
+        stiffness = energy.stiffness(self.stress, moduli, y, test, trial)
         self._wrap(
             CompiledForm(energy.form()),
-            CompiledForm(ufl.derivative(energy.form(), y, test)),
-            CompiledForm(stiffness),
-            CompiledForm(force),
+            CompiledForm(weight * ufl.inner(sigma, variation) * dx),
+            CompiledForm(weight * stiffness * dx),
+            CompiledForm(weight * ufl.inner(self.stress, variation) * dx),
         )
         if energy.viscosity is not None:
             self._build_viscous(energy, y)
         dy, tau = fem.Function(space), ufl.TestFunction(self.stress.function_space)
-        new = sigma + moduli * ufl.derivative(energy.strain, y, dy)
+        new = sigma + moduli * energy.change(y, dy)
         self._carry = self._wrapping.form(
             ufcx.stress_kernel,
             [self.stress.function_space],
@@ -221,11 +251,10 @@ class LocalFrameForms:
         self.velocity = fem.Function(V, name="velocity")
         self.velocity_at = self._wrapping.extra_at
         test, rate = ufl.TestFunction(space), fem.Function(space)
-        variation = ufl.derivative(energy.strain, y, test)
 
         def work(change: fem.Function | ufl.Argument) -> ufl.Form:
-            stress = energy.viscosity * ufl.derivative(energy.strain, y, change)
-            return energy.weight * ufl.inner(variation, stress) * energy.dx
+            stress = energy.viscosity * energy.change(y, change)
+            return energy.weight * ufl.inner(energy.change(y, test), stress) * energy.dx
 
         self.viscous = self._wrapping.form(
             ufcx.viscous_kernel, [V], [CompiledForm(work(rate))], extra=[self.velocity, rate]

@@ -17,8 +17,9 @@ from dolfinx import fem
 from hypothesis import Phase, settings
 
 from fem_lie import _compat, lie
-from fem_lie.elements.directors import director_strains
-from fem_lie.elements.geodesic import GEODESIC, geodesic_energy, with_bending_flexibility
+from fem_lie.elements.directors import director_strains, midpoint_strains
+from fem_lie.elements.formulation import with_bending_flexibility
+from fem_lie.elements.geodesic import GEODESIC, geodesic_energy
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
 
@@ -162,6 +163,16 @@ def director_beam_2_carried(comm=MPI.COMM_SELF) -> Model:
     return _director_beam(comm, 2, True)
 
 
+def director_beam_midpoint(comm=MPI.COMM_SELF) -> Model:
+    """Strains of the middle, by the chain rule."""
+    q = NodalFrames(line(comm, 1))
+    stretch, curvature, through = midpoint_strains(q)
+    strain = ufl.as_vector([*stretch, *curvature]) - ufl.as_vector(STRAIN_0.tolist())
+    dx = measure(q.function.function_space.mesh, 1)
+    energy = StrainEnergy(strain, nonlinear_law, dx, through=through)
+    return Model(q, local_frame_forms(energy, q), energy)
+
+
 def cellwise(mesh, values: np.ndarray) -> fem.Function:
     element = basix.ufl.element("DG", mesh.basix_cell(), 0, shape=values.shape[1:])
     f = fem.Function(fem.functionspace(mesh, element))
@@ -289,6 +300,7 @@ BEAMS = [
     director_beam_2,
     director_beam_1_carried,
     director_beam_2_carried,
+    director_beam_midpoint,
     geodesic_beam,
     geodesic_beam_flexible,
     geodesic_beam_nonlinear,
@@ -297,7 +309,13 @@ BEAMS = [
 ]
 SHELLS = [shell_triangles, shell_quadrilaterals, shell_quadrilaterals_2]
 ELEMENTS = BEAMS + SHELLS
-CARRIED = [director_beam_1_carried, director_beam_2_carried, geodesic_beam, geodesic_beam_nonlinear]
+CARRIED = [
+    director_beam_1_carried,
+    director_beam_2_carried,
+    director_beam_midpoint,
+    geodesic_beam,
+    geodesic_beam_nonlinear,
+]
 
 
 @cache

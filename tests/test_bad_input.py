@@ -68,6 +68,7 @@ CASES = {
         lambda: fl.LineMesh.from_cells([(0, 0, 0), (0, 0, 0), (1, 0, 0)], [(0, 1), (1, 2)]),
         "length",
     ),
+    "director element of degree 3": (lambda: fl.Director(3), r"1 or 2, got 3"),
     "no cells": (lambda: fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=0), "0"),
     "unknown group of cells": (
         lambda: fl.Beam(

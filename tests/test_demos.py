@@ -31,6 +31,17 @@ def test_bend45(elements, bound):
     assert record["iterations"] <= 20
 
 
+@pytest.mark.parametrize(
+    ("formulation", "bound"), [("geodesic", 2e-4), ("director1", 5e-3), ("director2", 2e-4)]
+)
+def test_bend45_by_other_elements(formulation, bound):
+    record = main("bend45", formulation=formulation)
+    reference = np.array([47.1504, 15.6848, 53.4749])
+    assert np.linalg.norm(tip(record) - reference) <= bound * np.linalg.norm(reference)
+    assert record["steps"] == 3
+    assert record["iterations"] <= 20
+
+
 @pytest.mark.parametrize("stiffness_ratio", [1e4, 1e8])
 def test_rollup(stiffness_ratio):
     record = main("rollup", stiffness_ratio=stiffness_ratio, plain_newton=True)
@@ -182,6 +193,8 @@ def test_bad_options():
         main("local_frame_claims", scene="rope")
     with pytest.raises(ValueError, match="case must be 1, 2 or 3, got 4"):
         main("double_pendulum", case=4)
+    with pytest.raises(ValueError, match=r"formulation must be one of geodesic, .*, got ancf"):
+        main("bend45", formulation="ancf")
     with pytest.raises(ValueError, match=r"policy must be one of automatic, .*, got 'often'"):
         main("double_pendulum", policy="often")
     with pytest.raises(ValueError, match=r"case must be symmetric, paper or .*, got 'heavy'"):

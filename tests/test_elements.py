@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from models import BEAMS, ELEMENTS, D, built, few, hellinger_reissner_linear, straight, superpose
 
 from fem_lie import lie
-from fem_lie.elements.directors import director_strains
-from fem_lie.elements.geodesic import GEODESIC, geodesic_energy, with_bending_flexibility
+from fem_lie.elements.directors import director_strains, midpoint_strains
+from fem_lie.elements.formulation import with_bending_flexibility
+from fem_lie.elements.geodesic import GEODESIC, geodesic_energy
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.kernel import LocalFrameForms
 
@@ -133,6 +134,26 @@ def test_director_strains_of_an_arc():
     values = values.reshape(count, 6)  # DOLFINx 0.11 keeps the axis of the points
     # θ²/12 of the angle θ of one element
     np.testing.assert_allclose(values, [[1, 0, 0, 0, 0, angle]] * count, atol=2e-4)
+
+
+@pytest.mark.parametrize(("angle", "tolerance"), [(1e-7, 1e-15), (np.pi / 4, 2e-12), (2.0, 2e-7)])
+def test_midpoint_strains_are_mean_rotation_and_angle(angle, tolerance):
+    """``R_mᵀ Δx / L`` to round-off, and the rotation vector over L but for a cut-off fraction."""
+    L, rng = 1.5, np.random.default_rng(2)
+    axis, way = rng.normal(size=(2, 3))
+    turn = angle * axis / np.linalg.norm(axis)
+    q = NodalFrames(straight(MPI.COMM_SELF, L, 1))
+    first = np.argmin(q.frames[:, 0, 0])
+    q.frames[first] = lie.se3_exp(rng.normal(size=6))
+    R = lie.rotation(q.frames[first])
+    q.frames[1 - first] = lie.frame(q.frames[first, 0] + way, R @ lie.so3_exp(turn))
+    stretch, curvature, _ = midpoint_strains(q)
+    strain = fem.Expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    values = strain.eval(q.function.function_space.mesh, np.zeros(1, dtype=np.int32)).ravel()
+    middle = R @ lie.so3_exp(turn / 2)
+    # sums of a few products of order one
+    np.testing.assert_allclose(values[:3], middle.T @ way / L, atol=1e-14)
+    np.testing.assert_allclose(values[3:], turn / L, atol=tolerance)
 
 
 def single_element(section, length, flexible):

@@ -19,6 +19,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
+from ufl.variable import Variable
 
 from fem_lie import _compat
 from fem_lie._jit import Array
@@ -26,6 +27,7 @@ from fem_lie.elements.formulation import (
     CellData,
     Formulation,
     cellwise,
+    flexible_cells,
     with_bending_flexibility,
 )
 from fem_lie.frames import NodalFrames, local_frame_forms
@@ -58,7 +60,7 @@ def director_strains(q: NodalFrames) -> tuple[Expr, Expr]:
     return stretch, ufl.as_vector([turn(2, 1), turn(0, 2), turn(1, 0)])
 
 
-def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr]:
+def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
     """The same of two-node cells in their middle, with the mean rotation and the angle.
 
     The directors' mean is ``A = R_m (c 1 + (1 − c) n nᵀ)``, ``c = cos θ/2``, if ``R_Aᵀ R_B`` turns
@@ -66,21 +68,40 @@ def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr]:
     Hence, in closed form,
 
     - ``R_mᵀ x′ = Aᵀx′/c − w (w · Aᵀx′) / (4 c³ (1 + c))``, exactly, with ``c² = (tr AᵀA − 1)/2``;
-    - ``κ L = w (1 + 2/c²)/3 = n (sin θ + 4 tan θ/2)/3``, Huygens' rule for the arc: it is nθ up to
-      ``θ⁵/120``, where ``n sin θ`` is up to ``θ³/6``.
+    - ``κ L = n θ = (w/c) F(sin² θ/4)``, ``sin² θ/4 = (1 − c)/2``, where ``F(sin² φ/2) = φ/sin φ``
+      is cut off Gauss' continued fraction: relative error 1e-12 for θ = 45°, 6e-9 for 90°. (The
+      rule of Huygens, ``n (sin θ + 4 tan θ/2)/3``, errs by θ⁵/120, but the moment by θ⁵/20, which
+      is 2 % for 45°.)
 
     To be evaluated in the middle alone (quadrature of degree 0 or 1), for θ below π, where c = 0.
 
     Args:
         q: Frames of degree 1 on a line mesh of straight cells.
+
+    Returns:
+        Both strains, and the plain quantities ``(Aᵀx′, w/L, c²)`` in which they are written, for
+        ``through`` of :class:`~fem_lie.kernel.StrainEnergy`.
     """
-    plain, curvature = director_strains(q)
-    d = q.directors
-    w = ufl.CellVolume(q.function.function_space.mesh) * curvature
-    c2 = (sum(ufl.dot(a, a) for a in d) - 1) / 2
-    c = ufl.sqrt(c2)
-    stretch = plain / c - w * (ufl.dot(w, plain) / (4 * c * c2 * (1 + c)))
-    return stretch, curvature * ((1 + 2 / c2) / 3)
+    c2 = (sum(ufl.dot(d, d) for d in q.directors) - 1) / 2
+    stretch, curvature = director_strains(q)
+    z = ufl.variable(ufl.as_vector([*stretch, *curvature, c2]))
+    stretch, curvature = (ufl.as_vector([z[i + k] for i in range(3)]) for k in (0, 3))
+    c2 = z[6]
+    L, c = ufl.CellVolume(q.function.function_space.mesh), ufl.sqrt(c2)
+    lever = L**2 * ufl.dot(curvature, stretch) / (4 * c * c2 * (1 + c))
+    return stretch / c - lever * curvature, curvature * (_angle_over_sine((1 - c) / 2) / c), z
+
+
+def _angle_over_sine(u: Expr) -> Expr:
+    """``φ/sin φ`` of ``u = sin² φ/2``, by five terms of Gauss' continued fraction.
+
+    ``arcsin x / √(1 − x²) = x/(1 − 1·2 x²/(3 − 1·2 x²/(5 − 3·4 x²/(7 − 3·4 x²/(9 − 5·6 x²/(11 …``,
+    without a singularity at zero. (Abramowitz & Stegun 4.4.44.)
+    """
+    fraction: Expr | float = 11.0
+    for odd, factor in ((9, 30), (7, 12), (5, 12), (3, 2), (1, 2)):
+        fraction = odd - factor * u / fraction
+    return 1 / fraction
 
 
 @dataclass(frozen=True)
@@ -90,10 +111,10 @@ class Director(Formulation):
     Degree 1 has two nodes and one point, at which the strains are those of
     :func:`midpoint_strains`; the straight chord between the nodes makes it of second order. Degree
     2 has three nodes, two points and the plain :func:`director_strains` per length of its own
-    quadratic line; at these points the derivatives of quadratic interpolation are one order
-    better, and so is the element: the nodes are of fourth order. Nothing locks. Strains are those
-    over the values of the same expressions in the unloaded frames: unloaded there is no stress,
-    however curved and twisted the line.
+    quadratic line: at these points the derivatives of quadratic interpolation gain an order, and
+    the nodes are of fourth. Nothing locks. From the strains those of the unloaded frames by the
+    same expressions are subtracted: unloaded there is no stress, however curved and twisted the
+    line.
 
     Attributes:
         degree: 1 or 2; a cell has ``degree + 1`` nodes.
@@ -125,22 +146,24 @@ class Director(Formulation):
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy
         if self.degree == 1:
-            strains = midpoint_strains(nodal)
+            if self.bending_flexibility:
+                # the mesh is straight from node to node
+                cells = flexible_cells(cells, cells.lengths[:, np.newaxis] * np.eye(1, 6))
+            stretch, curvature, through = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
-            strains = director_strains(nodal)
+            (stretch, curvature), through = director_strains(nodal), None
             slope = arc_derivative(nodal.position, mesh)
             arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
-        strain = ufl.as_vector([*strains[0], *strains[1]]) / arc
-        # the mesh is straight from node to node
-        straight = cells.lengths[:, np.newaxis] * np.eye(1, 6)
-        stiffness = cellwise(mesh, self.effective_stiffness(cells.stiffness, straight))
+        strain = ufl.as_vector([*stretch, *curvature]) / arc
+        stiffness = cellwise(mesh, cells.stiffness)
         energy = StrainEnergy(
             strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": points}),
             weight=arc,
             viscosity=None if cells.viscosity is None else cellwise(mesh, cells.viscosity),
+            through=through,
         )
         return local_frame_forms(energy, nodal)
 

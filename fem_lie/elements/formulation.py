@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import basix.ufl
 import dolfinx
@@ -107,13 +107,39 @@ def with_bending_flexibility(stiffness: Array, relative: Array) -> Array:
         stiffness: Section stiffness per cell, shape (m, 6, 6).
         relative: Relative motion ``d₀`` of its ends, unloaded, shape (m, 6).
     """
+    effective = _inverse(_of_the_mean(_inverse(stiffness), relative))
+    return np.asarray(0.5 * (effective + _transposed(effective)))
+
+
+def flexible_cells(cells: CellData, relative: Array) -> CellData:
+    """The cells as :func:`with_bending_flexibility` has them, the viscosity likewise.
+
+    Parts in series add their compliances ``C`` and, for slow motion, the products ``C η C`` with
+    their viscosities; a viscosity ``τ D`` of the section becomes τ times the new stiffness.
+
+    Args:
+        cells: With the stiffness and viscosity of the section.
+        relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+    """
+    stiffness, viscosity = with_bending_flexibility(cells.stiffness, relative), cells.viscosity
+    if viscosity is not None:
+        C = _inverse(cells.stiffness)
+        viscosity = stiffness @ _of_the_mean(C @ viscosity @ C, relative) @ stiffness
+    return replace(cells, stiffness=stiffness, viscosity=viscosity)
+
+
+def _of_the_mean(compliance: Array, relative: Array) -> Array:
+    """``S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ``, see :func:`with_bending_flexibility`."""
     along, twice = np.polynomial.legendre.leggauss(6)
     weights = 0.5 * twice
     A = lie.se3_adjoint(lie.se3_exp(0.5 * along[:, np.newaxis, np.newaxis] * relative))
     mean = np.linalg.inv(np.einsum("p,pmij->mij", weights, A))
-    compliance = np.einsum("p,pmij->mij", weights, A @ np.linalg.inv(stiffness) @ _transposed(A))
-    effective = np.linalg.inv(mean @ compliance @ _transposed(mean))
-    return np.asarray(0.5 * (effective + _transposed(effective)))
+    total = np.einsum("p,pmij->mij", weights, A @ compliance @ _transposed(A))
+    return np.asarray(mean @ total @ _transposed(mean))
+
+
+def _inverse(matrices: Array) -> Array:
+    return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
 
 
 def _transposed(matrices: Array) -> Array:

@@ -22,6 +22,7 @@ from fem_lie.elements.formulation import (
     CellData,
     Formulation,
     cellwise,
+    flexible_cells,
     with_bending_flexibility,
 )
 from fem_lie.frames import NodalFrames
@@ -107,15 +108,12 @@ class Geodesic(Formulation):
         """See the base class."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
-        D = self.effective_stiffness(cells.stiffness, unloaded)
+        if self.bending_flexibility:
+            cells = flexible_cells(cells, unloaded)
         d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
-        viscosity = None
-        if cells.viscosity is not None:
-            # the residual flexibility swings as the rest of the section does
-            root = np.sqrt(_diagonal(cells.viscosity) / _diagonal(cells.stiffness))
-            viscosity = cellwise(mesh, D * root[:, :, np.newaxis] * root[:, np.newaxis])
+        viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         energy = geodesic_energy(
-            d, d0, length, cellwise(mesh, D), mesh, cells.eigenstrain, viscosity
+            d, d0, length, cellwise(mesh, cells.stiffness), mesh, cells.eigenstrain, viscosity
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
@@ -123,10 +121,6 @@ class Geodesic(Formulation):
         """See the base class; :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
         slope = _relative(nodal)[:, :3] / cells.lengths[:, np.newaxis]
         return smooth_inertia(cells.density, cells.stiffness, cells.lengths, slope)
-
-
-def _diagonal(A: Array) -> Array:
-    return np.diagonal(A, axis1=1, axis2=2)
 
 
 def _relative(nodal: NodalFrames) -> Array:
