@@ -227,7 +227,7 @@ class System:
         # within one rigid body both sides cancel up to round-off
         norms[self._per_constraint[:, 0] == self._per_constraint[:, 1]] = 0.0
         empty = np.flatnonzero(norms == 0.0)
-        unit = sp.diags(np.where(norms == 0, 0.0, 1.0 / np.where(norms == 0, 1.0, norms))) @ B
+        unit = sp.diags(np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)) @ B
         gram = (unit @ unit.T).toarray()
         # a pivot is the squared distance of a row from the span of those before it
         _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=1e-10)
