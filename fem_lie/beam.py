@@ -62,7 +62,7 @@ class Damping:
 
 
 class BeamAssembly(Assembly):
-    """All beams of one formulation, on one line mesh without branches."""
+    """All beams of one formulation, on one line mesh."""
 
     def __init__(self, bodies: Sequence[Beam]) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
