@@ -62,7 +62,7 @@ class Damping:
 
 
 class BeamAssembly(Assembly):
-    """All beams of one formulation, on one line mesh without branches."""
+    """All beams of one formulation, on one line mesh."""
 
     def __init__(self, bodies: Sequence[Beam]) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
@@ -81,7 +81,7 @@ class BeamAssembly(Assembly):
         lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
         viscosity = None
         if any(body.damping.factors().any() for body in bodies):
-            viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
+            viscosity = np.concatenate([b.damping.viscosity(b.element_stiffness) for b in bodies])
             viscosity = viscosity[permutation]
         data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
         forms = formulation.forms(nodal, data)
@@ -283,6 +283,12 @@ class Beam(Body):
     def end(self) -> Point:
         """The point named "end"."""
         return self["end"]
+
+    @property
+    def element_stiffness(self) -> Array:
+        """What the formulation makes of the section stiffness of each element, (m, 6, 6)."""
+        a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
+        return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, vector
@@ -308,9 +307,8 @@ class PreStress(StrainLoad):
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
         beam, resultant = self.beam, np.asarray(self.resultant, dtype=np.float64)
-        a, b = beam.frames[beam.elements[:, :2]].transpose(1, 0, 2, 3)
-        D = beam.formulation.effective_stiffness(beam.stiffness, lie.se3_relative(a, b))
-        return _in_cells(beam, self.cells, np.linalg.solve(D, -resultant[:, np.newaxis])[..., 0])
+        strain = np.linalg.solve(beam.element_stiffness, -resultant[:, np.newaxis])
+        return _in_cells(beam, self.cells, strain[..., 0])
 
 
 def _in_cells(beam: Beam, group: str | None, strain: npt.NDArray[Any]) -> Array:

@@ -245,8 +245,10 @@ class System:
         weight = np.tile([1.0, 1, 1] + [1.0 / self.length] * 3, self.count)
         B = B @ sp.diags(weight)
         norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        # within one rigid body both sides cancel up to round-off
+        norms[self._per_constraint[:, 0] == self._per_constraint[:, 1]] = 0.0
         empty = np.flatnonzero(norms == 0.0)
-        unit = sp.diags(1.0 / np.where(norms == 0, 1.0, norms)) @ B
+        unit = sp.diags(np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)) @ B
         gram = (unit @ unit.T).toarray()
         # a pivot is the squared distance of a row from the span of those before it
         _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=1e-10)

@@ -17,6 +17,7 @@ from fem_lie.io import from_dolfinx, read_gmsh
 from fem_lie.mesh import LineMesh, curve, straight
 
 BEND = Path(__file__).parents[1] / "meshes" / "bend45.geo"
+SPACE_FRAME = BEND.with_name("frame.geo")
 
 
 def _circle(angle):
@@ -180,6 +181,26 @@ def test_a_msh_file_gives_the_same_line(tmp_path):
     assert msh.groups.keys() == geo.groups.keys() and msh.named("tip") == geo.named("tip")
     # 16 digits in the file, chords of a tenth of the radius
     np.testing.assert_allclose(msh.tangents, geo.tangents, atol=1e-13)
+
+
+def test_a_branching_frame_is_the_same_in_its_msh_file(tmp_path):
+    """Several groups and points; cells of each group head the same way in both files."""
+    geo, msh = read_gmsh(SPACE_FRAME), _written(SPACE_FRAME, tmp_path)
+    assert set(geo.groups) == {"columns", "girder", "outrigger"}
+    assert len(geo.named_points) == 6 and geo.named_points.keys() == msh.named_points.keys()
+    np.testing.assert_array_equal(geo.branching_points, geo.named("middle"))
+    for name, cells in geo.groups.items():
+        np.testing.assert_array_equal(msh.group(name), cells)
+        np.testing.assert_allclose(msh.tangents[cells], geo.tangents[cells], atol=1e-14)
+    for name, points in geo.named_points.items():
+        np.testing.assert_allclose(msh.points[msh.named(name)], geo.points[points], atol=1e-14)
+    part = geo.part("girder")
+    assert len(part.cells) == 8 and set(part.named_points) == {
+        "left corner",
+        "middle",
+        "right corner",
+    }
+    assert not len(part.branching_points), "the branch is another part"
 
 
 def _written(geo, folder):
