@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_lie._gmsh import _check_parameters, _logged, _merge, _model, _physical, _session
 from fem_lie._lines import Indices
-from fem_lie._outline import CellSizes, Loop, Part
+from fem_lie._outline import GROWTH, CellSizes, Loop, Part
 from fem_lie.section import Array
 
 # gmsh's element types: shape, degree, and where DOLFINx's nodes stand among gmsh's
@@ -22,6 +22,7 @@ _CELLS = {
     9: ("triangle", 2, (0, 1, 2, 4, 5, 3)),
 }
 _DELAUNAY = 5  # gmsh's number; follows sizes that vary strongly
+_FAR = 10.0  # outlines have a diameter of about 2
 _AREA = 1e-6  # relative; a common surface of two parts is larger
 
 
@@ -54,17 +55,15 @@ def mesh_parts(parts: Mapping[str, Part], sizes: CellSizes) -> RawSurface:
     """
     with _session() as gmsh, _model(gmsh):
         owner = _surfaces(gmsh, parts)
-        # sizes come from the callback alone
+        _sizes(gmsh, sizes)
         options = {"MeshSizeExtendFromBoundary": 0, "MeshSizeFromPoints": 0, "Algorithm": _DELAUNAY}
         before = {name: gmsh.option.getNumber(f"Mesh.{name}") for name in options}
         try:
             for name, value in options.items():
                 gmsh.option.setNumber(f"Mesh.{name}", value)
-            gmsh.model.mesh.setSizeCallback(lambda dim, tag, x, y, z, size: sizes.at(x, y))
             _logged(gmsh, Path("section"), lambda: gmsh.model.mesh.generate(2))
             gmsh.model.mesh.setOrder(2)
         finally:
-            gmsh.model.mesh.removeSizeCallback()
             for name, value in before.items():
                 gmsh.option.setNumber(f"Mesh.{name}", value)
         return _cells(gmsh, owner, "the section")
@@ -126,6 +125,26 @@ def _surfaces(gmsh: Any, parts: Mapping[str, Part]) -> dict[str, list[int]]:
         name: [tag for dim, tag in piece if dim == 2]
         for name, piece in zip(parts, pieces, strict=True)
     }
+
+
+def _sizes(gmsh: Any, sizes: CellSizes) -> None:
+    """A field: the least of sizes that grow with the distance from sample points.
+
+    The points are in the model, but in none of its surfaces.
+    """
+    field, thresholds = gmsh.model.mesh.field, []
+    for size, points in sizes.samples():
+        tags = [gmsh.model.occ.addPoint(y, z, 0.0) for y, z in points]
+        gmsh.model.occ.synchronize()
+        distance, threshold = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "PointsList", tags)
+        numbers = {"InField": distance, "SizeMin": size, "SizeMax": size + GROWTH * _FAR}
+        for name, value in {**numbers, "DistMin": 0.0, "DistMax": _FAR}.items():
+            field.setNumber(threshold, name, value)
+        thresholds.append(threshold)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", thresholds)
+    field.setAsBackgroundMesh(least)
 
 
 def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +13,11 @@ from fem_lie.section import Array
 
 _ARC_PIECES = 8  # chords of an arc when loops are checked and walls measured
 _TOUCH = 1e-9  # of the size of the outline
-_CELLS_ACROSS = 3.0  # of a wall
-_CORNER_CELL = 0.02  # smallest over largest cell at a re-entrant corner
-_GROWTH = 0.35  # of the cell's size per distance
+_WALL_CELL = 0.5  # size of cells in a wall over its thickness
+_CORNER_CELL = 0.01  # the same at a re-entrant corner
+_LARGEST_CELL = 0.125  # size of cells over the diameter of the outline
+_SIZE_STEP = 0.1  # sizes that differ by less are the same
+GROWTH = 0.35  # of the cell's size per distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,17 +161,26 @@ class CellSizes:
             corner, at_corner = _reentrant(loops, wall)
             starts += [a, corner]
             alongs += [d, np.zeros_like(corner)]
-            sizes += [wall / _CELLS_ACROSS, _CORNER_CELL * at_corner / _CELLS_ACROSS]
-        size = np.concatenate(sizes) / refinement
+            sizes += [_WALL_CELL * wall, _CORNER_CELL * at_corner]
+        largest = _LARGEST_CELL * np.linalg.norm(np.ptp(np.concatenate(starts), axis=0))
+        size = np.minimum(np.concatenate(sizes), largest) / refinement
         return cls(np.concatenate(starts), np.concatenate(alongs), size)
 
-    def at(self, y: float, z: float) -> float:
-        """Size wanted at a point."""
-        r = np.array([y, z]) - self.start
-        length2 = (self.along**2).sum(axis=1)
-        part = np.clip((r * self.along).sum(axis=1) / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
-        distance = np.linalg.norm(r - part[:, np.newaxis] * self.along, axis=1)
-        return float((self.size + _GROWTH * distance).min())
+    def samples(self) -> Iterator[tuple[float, Array]]:
+        """Sizes, rounded down to steps of a geometric series, and points along their segments."""
+        steps = np.floor(np.log(self.size) / _SIZE_STEP)
+        for step in np.unique(steps):
+            size = float(np.exp(step * _SIZE_STEP))
+            points = [
+                start + np.linspace(0.0, 1.0, count)[:, np.newaxis] * along
+                for start, along, count in zip(*self._like(steps == step, size), strict=True)
+            ]
+            yield size, np.concatenate(points)
+
+    def _like(self, chosen: npt.NDArray[np.bool_], size: float) -> tuple[Array, Array, Any]:
+        along = self.along[chosen]
+        counts = np.ceil(np.linalg.norm(along, axis=1) / size).astype(int) + 1
+        return self.start[chosen], along, counts
 
 
 def _cross(a: Array, b: Array) -> Array:

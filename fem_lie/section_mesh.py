@@ -18,9 +18,13 @@ from fem_lie.section import Array
 if TYPE_CHECKING:
     import dolfinx
 
-_CORNERS = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}
+# one after the other round the cell; those of a triangle in DOLFINx's order
+_EDGES = {
+    "triangle": ((1, 2), (2, 0), (0, 1)),
+    "quadrilateral": ((0, 1), (1, 3), (3, 2), (2, 0)),
+}
 _DEGREES = {("triangle", 3): 1, ("triangle", 6): 2, ("quadrilateral", 4): 1}
-_KEPT_TURN = 2.0 * np.pi / 33.0  # a circle is drawn with 32 corners
+_KEPT_TURN = 2.0 * np.pi / 48.0  # a circle is drawn with about 32 corners
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +53,9 @@ class SectionMesh:
     def __post_init__(self) -> None:
         if not len(self.cells):
             raise ValueError("the section has no cells")
-        edges = self._edges()
-        _, number = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
-        cell = np.tile(np.arange(len(self.cells)), len(_CORNERS[self.cell]))
+        ends, _ = self._edges()
+        _, number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+        cell = np.tile(np.arange(len(self.cells)), len(_EDGES[self.cell]))
         ones = np.ones(len(cell))
         shares = coo_matrix((ones, (cell, number.ravel()))).tocsr()
         count, _ = connected_components(shares @ shares.T, directed=False)
@@ -119,38 +123,52 @@ class SectionMesh:
 
     def outline(self) -> Array:
         """Corners of the outer boundary, counter-clockwise, shape (k, 2); arcs as polygons."""
-        edges = self._edges()
+        ends, middles = self._edges()
         _, first, count = np.unique(
-            np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
+            np.sort(ends, axis=1), axis=0, return_index=True, return_counts=True
         )
         following = defaultdict(list)  # two where two loops meet in a point
-        for start, end in edges[first[count == 1]].tolist():
-            following[start].append(end)
+        for edge in first[count == 1]:
+            following[int(ends[edge, 0])].append(edge)
         loops = []
         for start in list(following):
             while following[start]:
-                loop = [start]
-                while (end := following[loop[-1]].pop()) != start:
-                    loop.append(end)
-                loops.append(self.points[loop])
+                loop = [following[start].pop()]
+                while ends[loop[-1], 1] != start:
+                    loop.append(following[int(ends[loop[-1], 1])].pop())
+                corners = np.stack([self.points[ends[loop, 0]], middles[loop]], axis=1)
+                loops.append(corners.reshape(-1, 2))
         outer = max(loops, key=lambda points: np.prod(np.ptp(points, axis=0)))
         return _simplified(outer)
 
-    def triangles(self) -> Indices:
-        """Triangles of corners, for drawing, shape (t, 3)."""
-        corners = self.cells[:, _CORNERS[self.cell]]
-        if self.cell == "triangle":
-            return corners
-        return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+    def borders(self) -> Array:
+        """Starts, middles and ends of edges outside and between regions, shape (e, 3, 2)."""
+        ends, middles = self._edges()
+        region = np.tile(self.regions, len(_EDGES[self.cell]))
+        _, first, number, count = np.unique(
+            np.sort(ends, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+        )
+        other = region != region[first][number.ravel()]
+        between = np.union1d(first[count == 1], np.flatnonzero(other))
+        start, end = self.points[ends[between]].transpose(1, 0, 2)
+        return np.stack([start, middles[between], end], axis=1)
 
-    def _edges(self) -> Indices:
-        """Ends of the cells' edges, counter-clockwise, shape (3 m or 4 m, 2)."""
-        corners = self.cells[:, _CORNERS[self.cell]]
-        y, z = self.points[corners].transpose(2, 0, 1)
-        area = (y * np.roll(z, -1, axis=1) - np.roll(y, -1, axis=1) * z).sum(axis=1)
-        corners = np.where(area[:, np.newaxis] > 0, corners, corners[:, ::-1])
-        pairs = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1)
-        return np.ascontiguousarray(pairs.transpose(1, 0, 2)).reshape(-1, 2)
+    def _edges(self) -> tuple[Indices, Array]:
+        """Ends of the cells' edges, counter-clockwise, shape (e, 2), and their middles, (e, 2)."""
+        local = np.array(_EDGES[self.cell])
+        ends = self.cells[:, local]
+        side = np.diff(self.points[ends[:, :2]], axis=2)[:, :, 0]
+        turn = side[:, 0, 0] * side[:, 1, 1] - side[:, 0, 1] * side[:, 1, 0]
+        ends = np.where(turn[:, np.newaxis, np.newaxis] > 0, ends, ends[:, :, ::-1])
+        if self.degree == 2:
+            middles = self.points[self.cells[:, 3:]]
+        else:
+            middles = self.points[ends].mean(axis=2)
+        # all first edges, then all second ones, and so on
+        return (
+            np.ascontiguousarray(ends.transpose(1, 0, 2)).reshape(-1, 2),
+            np.ascontiguousarray(middles.transpose(1, 0, 2)).reshape(-1, 2),
+        )
 
 
 def _tagged(

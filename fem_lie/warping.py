@@ -53,8 +53,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 import ufl
+from basix import CellType, LatticeType, create_lattice
+from basix.ufl import element
 from dolfinx import fem
 from scipy.sparse.linalg import splu
+from scipy.spatial import Delaunay
 
 from fem_lie._compat import create_surface_mesh
 from fem_lie._lines import Indices
@@ -64,6 +67,9 @@ from fem_lie.section_mesh import SectionMesh
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+_DRAWN_PIECES = 4  # of a cell's edge
 
 
 class Warping:
@@ -78,10 +84,10 @@ class Warping:
         mesh: As given.
         properties: Area, moments, torsion constant, shear centre and factors, in the coordinates of
             the mesh.
-        nodes: Points (y, z) of the warping function, shape (n, 2).
-        function: Axial displacement per unit of twist about the shear centre, at the nodes,
-            length², shape (n,).
-        triangles: Nodes of triangles, for drawing, shape (t, 3).
+        points: Points (y, z) at which the warping function is kept, for drawing, shape (n, 2).
+        function: Axial displacement there per unit of twist about the shear centre, length²,
+            shape (n,).
+        triangles: Points of triangles between them, shape (t, 3).
 
     Raises:
         ValueError: A region has no material, a material no region, or the degree is less than 2.
@@ -89,12 +95,12 @@ class Warping:
 
     mesh: SectionMesh
     properties: SectionProperties
-    nodes: Array
+    points: Array
     function: Array
     triangles: Indices
 
     def __init__(
-        self, mesh: SectionMesh, material: Material | Mapping[str, Material], degree: int = 2
+        self, mesh: SectionMesh, material: Material | Mapping[str, Material], degree: int = 3
     ) -> None:
         if degree < 2:
             raise ValueError(f"degree must be at least 2, got {degree!r}")
@@ -106,9 +112,9 @@ class Warping:
         fields = _Fields(mesh, (mesh.points - middle) / size, materials, degree)
         torsion = fields.torsion()
         factors = fields.shear_factors(torsion)
-        self.nodes = middle + size * (fields.centroid + fields.r.T)
-        self.function = size**2 * torsion.function
-        self.triangles = fields.triangles()
+        self.triangles, (y, z, function) = fields.drawn([*fields.r, torsion.function])
+        self.points = middle + size * (fields.centroid + np.column_stack([y, z]))
+        self.function = size**2 * function
         self.properties = SectionProperties(
             E=fields.EA / fields.area,
             G=fields.GA / fields.area,
@@ -120,7 +126,7 @@ class Warping:
             shear_factors=factors,
         )
         units = np.array([size, size**2, size**2, size**2])
-        self._inertia = fields.inertia() * np.outer(units, units)
+        self._inertia = fields.inertia * np.outer(units, units)
 
     def section(self, at: npt.ArrayLike | None = None, angle: float = 0.0) -> Section:
         """Stiffness and inertia with the beam's axis through a point, in axes turned by an angle.
@@ -179,7 +185,8 @@ class _Fields:
         self, mesh: SectionMesh, points: Array, materials: list[Material], degree: int
     ) -> None:
         domain = create_surface_mesh(points, mesh.cells, mesh.cell, mesh.degree)
-        V = fem.functionspace(domain, ("Lagrange", degree))
+        self._cell, self._element = mesh.cell, element("Lagrange", mesh.cell, degree)
+        V = fem.functionspace(domain, self._element)
         weight = fem.Function(fem.functionspace(domain, ("DG", 0)))
         forms = _forms(V, weight)
         region = mesh.regions[domain.topology.original_cell_index]
@@ -189,7 +196,7 @@ class _Fields:
             weight.x.array[:] = value
             return fem.assemble_matrix(forms[name]).to_scipy()
 
-        self._cells = V.dofmap.list[:, : (3 if mesh.cell == "triangle" else 4)]
+        self._dofs = V.dofmap.list
         ones = np.ones(len(region))
         x = np.ascontiguousarray(V.tabulate_dof_coordinates()[:, :2].T)
         self.stiffness = matrix("stiffness", G)
@@ -203,7 +210,7 @@ class _Fields:
         self.r = x - self.centroid[:, np.newaxis]
         self.EI = self.r @ self.mass_E @ self.r.T
         gram = np.vstack([one, np.zeros_like(one), self.r])
-        self._inertia = gram @ mass_rho @ gram.T
+        self.inertia = gram @ mass_rho @ gram.T
         self._solver = splu(
             self.stiffness[1:, 1:].tocsc(),
             permc_spec="MMD_AT_PLUS_A",
@@ -239,17 +246,15 @@ class _Fields:
         F = np.column_stack(strains) @ np.linalg.inv(self.EI)
         return np.asarray(np.linalg.inv(0.5 * (F + F.T) * self.GA))
 
-    def inertia(self) -> Array:
-        """Gram matrix about the centroid, shape (4, 4)."""
-        return self._inertia
-
-    def triangles(self) -> Indices:
-        """Triangles of the cells' corners, shape (t, 3)."""
-        if self._cells.shape[1] == 3:
-            return self._cells.astype(np.int64)
-        return np.concatenate([self._cells[:, [0, 1, 2]], self._cells[:, [1, 3, 2]]]).astype(
-            np.int64
-        )
+    def drawn(self, functions: list[Array]) -> tuple[Indices, list[Array]]:
+        """Triangles of a lattice in each cell, shape (t, 3), and functions at its points."""
+        kind = getattr(CellType, self._cell)
+        lattice = create_lattice(kind, _DRAWN_PIECES, LatticeType.equispaced, True)
+        shape = self._element.tabulate(0, lattice)[0]
+        cells = np.arange(len(self._dofs))[:, np.newaxis, np.newaxis]
+        triangles = Delaunay(lattice).simplices + cells * len(lattice)
+        values = [(f[self._dofs] @ shape.T).ravel() for f in functions]
+        return triangles.reshape(-1, 3).astype(np.int64), values
 
     def _divergence(self, vector: Array) -> Array:
         """``∫G u·∇η`` for all η."""
