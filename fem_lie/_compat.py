@@ -145,3 +145,14 @@ def ghost_options() -> dict[str, Any]:
     mode = dolfinx.mesh.GhostMode.shared_facet
     limit = (2,) if VERSION >= (0, 10) else ()
     return {"partitioner": dolfinx.mesh.create_cell_partitioner(mode, *limit)}
+
+
+def create_surface_mesh(
+    points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int
+) -> dolfinx.mesh.Mesh:
+    """Plane mesh on this process alone, from points ``(n, 2)`` and cells as DOLFINx orders them.
+
+    The call is by keyword: two arguments were swapped in 0.10.
+    """
+    element = basix.ufl.element("Lagrange", cell, degree, shape=(2,))
+    return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)

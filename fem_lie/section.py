@@ -6,14 +6,18 @@ curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per leng
 is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
 ``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.inertia`).
 
+The section's matrices belong to its reference point, where the beam's axis runs, and to its axes:
+:meth:`Section.offset` and :meth:`Section.rotated` change them by exact congruences. Sections of any
+shape come from :class:`fem_lie.section_shape.SectionShape`.
+
 Shear factors: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. Torsion of the
 rectangle: S. Timoshenko & J. N. Goodier, *Theory of Elasticity* (1970), §109.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import exp, pi
+from dataclasses import dataclass, replace
+from math import cos, exp, pi, sin
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +27,7 @@ Array = npt.NDArray[np.float64]
 _ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
 _SYMMETRY = 1e-8  # tables of stiffness are given with at least as many digits
 _CIRCLE_POINTS = 32
+_ISOTROPY = 1e-7  # of principal moments: between rounding and the errors of a mesh
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,83 @@ class Material:
 
 
 @dataclass(frozen=True, eq=False)
+class SectionProperties:
+    """Geometric properties of a section, in the axes and from the reference point of its owner.
+
+    A composite has the moduli ``E`` and ``G`` averaged over its area, so that ``E A``, ``E I``,
+    ``G J`` and ``G A k`` are its stiffnesses whatever it is made of.
+
+    Attributes:
+        E: Young's modulus, mean over the area, force per area.
+        G: Shear modulus, mean over the area, force per area.
+        area: Length².
+        centroid: Where an axial force does not bend, (y, z).
+        second_moments: ``∫r ⊗ r dA`` about the centroid, [[∫y², ∫yz], [∫yz, ∫z²]], length⁴;
+            weighted by E in a composite.
+        torsion_constant: Saint-Venant's, length⁴; weighted by G in a composite.
+        shear_centre: Where a shear force does not twist, (y, z).
+        shear_factors: Effective over true shear area, symmetric, shape (2, 2).
+    """
+
+    E: float
+    G: float
+    area: float
+    centroid: Array
+    second_moments: Array
+    torsion_constant: float
+    shear_centre: Array
+    shear_factors: Array
+
+    @property
+    def principal_moments(self) -> Array:
+        """Second moments ``∫η²``, ``∫ζ²`` in the principal axes (η, ζ), the larger one first."""
+        return np.asarray(np.linalg.eigvalsh(self.second_moments)[::-1], dtype=np.float64)
+
+    @property
+    def principal_angle(self) -> float:
+        """Angle from e₂ to the principal axis η of the larger ``∫η²``, in (-π/2, π/2].
+
+        It is 0 where all axes are principal ones.
+        """
+        (yy, yz), (_, zz) = self.second_moments
+        if np.hypot(0.5 * (yy - zz), yz) < _ISOTROPY * (yy + zz):
+            return 0.0
+        return float(0.5 * np.arctan2(2.0 * yz, yy - zz))
+
+    def offset(self, y: float, z: float) -> SectionProperties:
+        """As seen from a reference point at (y, z)."""
+        r = np.array([y, z])
+        return replace(self, centroid=self.centroid - r, shear_centre=self.shear_centre - r)
+
+    def rotated(self, angle: float) -> SectionProperties:
+        """Of the section turned about its reference point, from e₂ to e₃ by ``angle``."""
+        R = _rotation(angle)
+        return replace(
+            self,
+            centroid=R @ self.centroid,
+            second_moments=R @ self.second_moments @ R.T,
+            shear_centre=R @ self.shear_centre,
+            shear_factors=R @ self.shear_factors @ R.T,
+        )
+
+    def __str__(self) -> str:
+        (yy, yz), (_, zz) = self.second_moments
+        (k2, k23), (_, k3) = self.shear_factors
+        large, small = self.principal_moments
+        rows = [
+            ("area", f"{self.area:.6g}"),
+            ("centroid (y, z)", "{:.6g}, {:.6g}".format(*self.centroid)),
+            ("∫y², ∫z², ∫yz", f"{yy:.6g}, {zz:.6g}, {yz:.6g}"),
+            ("principal moments", f"{large:.6g}, {small:.6g}"),
+            ("principal angle", f"{np.degrees(self.principal_angle):.4f}°"),
+            ("torsion constant", f"{self.torsion_constant:.6g}"),
+            ("shear centre (y, z)", "{:.6g}, {:.6g}".format(*self.shear_centre)),
+            ("shear factors 22, 33, 23", f"{k2:.6g}, {k3:.6g}, {k23:.6g}"),
+        ]
+        return "\n".join(f"{name:<26}{value}" for name, value in rows)
+
+
+@dataclass(frozen=True, eq=False)
 class Section:
     """Stiffness and inertia of a beam per length, in the local frame of its points.
 
@@ -63,6 +145,7 @@ class Section:
         inertia: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` if the section
             is for statics only.
         outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing; or ``None``.
+        properties: Area, moments and so on, if they are known: ``print(section.properties)``.
 
     Raises:
         ValueError: A matrix has the wrong shape, is not symmetric or not positive.
@@ -71,6 +154,7 @@ class Section:
     stiffness: Array
     inertia: Array | None = None
     outline: Array | None = None
+    properties: SectionProperties | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stiffness", _stiffness(self.stiffness))
@@ -186,6 +270,46 @@ class Section:
         )
 
 
+    def offset(self, y: float, z: float) -> Section:
+        """The same section with its reference point, where the beam's axis runs, at (y, z).
+
+        With ``r = (0, y, z)`` the strains there are ``Γ + κ × r`` and κ, and stiffness and inertia
+        follow by congruence; ``section.offset(y, z).offset(-y, -z)`` is the section again.
+
+        Raises:
+            ValueError: A coordinate is not finite.
+        """
+        r = np.array([_finite(y, "y"), _finite(z, "z")])
+        # strains at the old point from those at the new one
+        T = np.eye(6)
+        T[:3, 3:] = [[0.0, -z, y], [z, 0.0, 0.0], [-y, 0.0, 0.0]]
+        S = np.eye(4)
+        S[2:, 0] = -r
+        return Section(
+            T.T @ self.stiffness @ T,
+            None if self.inertia is None else S @ self.inertia @ S.T,
+            None if self.outline is None else self.outline - r,
+            None if self.properties is None else self.properties.offset(y, z),
+        )
+
+    def rotated(self, angle: float) -> Section:
+        """The section turned about its reference point by ``angle``, from e₂ to e₃.
+
+        Raises:
+            ValueError: The angle is not finite.
+        """
+        R = np.eye(3)
+        R[1:, 1:] = _rotation(_finite(angle, "angle"))
+        T, S = np.eye(6), np.eye(4)
+        T[:3, :3] = T[3:, 3:] = S[1:, 1:] = R
+        return Section(
+            T @ self.stiffness @ T.T,
+            None if self.inertia is None else S @ self.inertia @ S.T,
+            None if self.outline is None else self.outline @ R[1:, 1:].T,
+            None if self.properties is None else self.properties.rotated(angle),
+        )
+
+
 def rectangle_torsion_constant(width: float, height: float) -> float:
     """Saint-Venant torsion constant of a rectangle, length⁴, to machine precision.
 
@@ -237,12 +361,41 @@ def _from_shape(
     shear = G * shear_factor * area
     # curvature about e₂ stretches along z, about e₃ along y
     stiffness = np.diag([E * area, shear, shear, G * torsion_constant, E * zz, E * yy])
-    return Section(stiffness, np.diag([rho * area, 0.0, rho * yy, rho * zz]), outline)
+    properties = SectionProperties(
+        E=E,
+        G=G,
+        area=area,
+        centroid=np.zeros(2),
+        second_moments=np.diag([yy, zz]),
+        torsion_constant=torsion_constant,
+        shear_centre=np.zeros(2),
+        shear_factors=shear_factor * np.eye(2),
+    )
+    return Section(stiffness, np.diag([rho * area, 0.0, rho * yy, rho * zz]), outline, properties)
 
 
 def _positive(value: float, what: str) -> None:
     if not 0.0 < value < np.inf:
         raise ValueError(f"{what} must be a positive finite number, got {value!r}")
+
+
+def _finite(value: float, what: str) -> float:
+    if not np.isfinite(value):
+        raise ValueError(f"{what} must be a finite number, got {value!r}")
+    return value
+
+
+def _rotation(angle: float) -> Array:
+    """From components in axes turned by ``angle`` to those in the axes they were turned from.
+
+    A quarter turn is exact: it leaves no couplings of rounding size.
+    """
+    quarters = angle / (0.5 * pi)
+    if quarters == round(quarters):
+        c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
+    else:
+        c, s = cos(angle), sin(angle)
+    return np.array([[c, -s], [s, c]])
 
 
 def _symmetric(value: Array, size: int, what: str) -> Array:

@@ -1,0 +1,185 @@
+"""Surfaces of gmsh models: meshes of outlines, and of files with named groups of surfaces."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_lie._gmsh import _check_parameters, _logged, _merge, _model, _physical, _session
+from fem_lie._lines import Indices
+from fem_lie._outline import GROWTH, CellSizes, Loop, Part
+from fem_lie.section import Array
+
+# gmsh's element types: shape, degree, and where DOLFINx's nodes stand among gmsh's
+_CELLS = {
+    2: ("triangle", 1, (0, 1, 2)),
+    3: ("quadrilateral", 1, (0, 1, 3, 2)),
+    9: ("triangle", 2, (0, 1, 2, 4, 5, 3)),
+}
+_DELAUNAY = 5  # gmsh's number; follows sizes that vary strongly
+_FAR = 10.0  # outlines have a diameter of about 2
+_AREA = 1e-6  # relative; a common surface of two parts is larger
+
+
+@dataclass(frozen=True, eq=False)
+class RawSurface:
+    """Cells as DOLFINx orders them.
+
+    Attributes:
+        points: Shape (n, 2).
+        cells: Points of each cell, shape (m, k).
+        regions: Which of ``names`` each cell belongs to, shape (m,).
+        names: Names of the regions.
+        cell: ``triangle`` or ``quadrilateral``.
+        degree: Of the cells' edges.
+    """
+
+    points: Array
+    cells: Indices
+    regions: Indices
+    names: tuple[str, ...]
+    cell: str
+    degree: int
+
+
+def mesh_parts(parts: Mapping[str, Part], sizes: CellSizes) -> RawSurface:
+    """Triangles of degree 2 that follow arcs and interfaces.
+
+    Raises:
+        ValueError: Parts overlap, or gmsh cannot mesh them.
+    """
+    with _session() as gmsh, _model(gmsh):
+        owner = _surfaces(gmsh, parts)
+        _sizes(gmsh, sizes)
+        options = {"MeshSizeExtendFromBoundary": 0, "MeshSizeFromPoints": 0, "Algorithm": _DELAUNAY}
+        before = {name: gmsh.option.getNumber(f"Mesh.{name}") for name in options}
+        try:
+            for name, value in options.items():
+                gmsh.option.setNumber(f"Mesh.{name}", value)
+            _logged(gmsh, Path("section"), lambda: gmsh.model.mesh.generate(2))
+            gmsh.model.mesh.setOrder(2)
+        finally:
+            for name, value in before.items():
+                gmsh.option.setNumber(f"Mesh.{name}", value)
+        return _cells(gmsh, owner, "the section")
+
+
+def read_surface(
+    path: str | os.PathLike[str], parameters: Mapping[str, float] | None
+) -> RawSurface:
+    """Surface cells of a file, meshed if it has no mesh; groups of surfaces are regions.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, or it has no usable cells.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise FileNotFoundError(f"no mesh file {str(file)!r}")
+    with _session() as gmsh:
+        if parameters:
+            _check_parameters(gmsh, file, parameters)
+        with _model(gmsh):
+            _merge(gmsh, file, parameters or {})
+            if not len(gmsh.model.mesh.getElements(2)[0]):
+                _logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
+            groups = _physical(gmsh, 2)
+            if not groups:
+                groups = {"section": [tag for _, tag in gmsh.model.getEntities(2)]}
+            return _cells(gmsh, groups, str(file))
+
+
+def _loop(gmsh: Any, loop: Loop) -> int:
+    occ = gmsh.model.occ
+    points = [occ.addPoint(y, z, 0.0) for y, z in loop.vertices]
+    curves = []
+    for i, (y, z) in enumerate(loop.centres):
+        ends = points[i], points[(i + 1) % len(points)]
+        if np.isnan(y):
+            curves.append(occ.addLine(*ends))
+        else:
+            curves.append(occ.addCircleArc(ends[0], occ.addPoint(y, z, 0.0), ends[1]))
+    return int(occ.addCurveLoop(curves))
+
+
+def _surfaces(gmsh: Any, parts: Mapping[str, Part]) -> dict[str, list[int]]:
+    """Surfaces of each part, after parts that touch have been made to share their edges."""
+    occ = gmsh.model.occ
+    faces = [
+        (2, occ.addPlaneSurface([_loop(gmsh, loop) for loop in part.loops]))
+        for part in parts.values()
+    ]
+    pieces = [[face] for face in faces]
+    if len(faces) > 1:
+        separate = sum(occ.getMass(*face) for face in faces)
+        together, pieces = occ.fragment(faces[:1], faces[1:])
+        if sum(occ.getMass(*face) for face in together) < (1.0 - _AREA) * separate:
+            raise ValueError(f"parts {', '.join(map(repr, parts))} overlap; they may only touch")
+    occ.synchronize()
+    return {
+        name: [tag for dim, tag in piece if dim == 2]
+        for name, piece in zip(parts, pieces, strict=True)
+    }
+
+
+def _sizes(gmsh: Any, sizes: CellSizes) -> None:
+    """A field: the least of sizes that grow with the distance from sample points.
+
+    The points are in the model, but in none of its surfaces.
+    """
+    field, thresholds = gmsh.model.mesh.field, []
+    for size, points in sizes.samples():
+        tags = [gmsh.model.occ.addPoint(y, z, 0.0) for y, z in points]
+        gmsh.model.occ.synchronize()
+        distance, threshold = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "PointsList", tags)
+        numbers = {"InField": distance, "SizeMin": size, "SizeMax": size + GROWTH * _FAR}
+        for name, value in {**numbers, "DistMin": 0.0, "DistMax": _FAR}.items():
+            field.setNumber(threshold, name, value)
+        thresholds.append(threshold)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", thresholds)
+    field.setAsBackgroundMesh(least)
+
+
+def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
+    """Cells of groups of surfaces, with their points from 0 on."""
+    blocks, owner, kinds = [], [], set()
+    for region, surfaces in enumerate(groups.values()):
+        for surface in surfaces:
+            for kind, _, nodes in zip(*gmsh.model.mesh.getElements(2, surface), strict=True):
+                kinds.add(int(kind))
+                blocks.append(nodes.astype(np.int64))
+                owner.append((region, int(kind)))
+    if len(kinds) != 1 or not kinds <= set(_CELLS):
+        names = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in sorted(kinds)]
+        raise ValueError(
+            f"{what} must have triangles of degree 1 or 2, or quadrilaterals of degree 1, got "
+            f"{' and '.join(names) or 'no surface cells'}"
+        )
+    cell, degree, order = _CELLS[kinds.pop()]
+    cells = np.concatenate([block.reshape(-1, len(order)) for block in blocks])[:, order]
+    counts = [len(block) // len(order) for block in blocks]
+    used, local = np.unique(cells, return_inverse=True)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    rows = np.argsort(tags)[np.searchsorted(np.sort(tags), used)]
+    return RawSurface(
+        points=_plane(coordinates.reshape(-1, 3)[rows], what),
+        cells=local.reshape(cells.shape).astype(np.int64),
+        regions=np.repeat([region for region, _ in owner], counts),
+        names=tuple(groups),
+        cell=cell,
+        degree=degree,
+    )
+
+
+def _plane(points: Array, what: str) -> Array:
+    """First two coordinates of points of which the third is everywhere the same."""
+    if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points, axis=0).max():
+        raise ValueError(f"{what} must lie in a plane of constant third coordinate")
+    return np.ascontiguousarray(points[:, :2])
