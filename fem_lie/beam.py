@@ -81,7 +81,7 @@ class BeamAssembly(Assembly):
         lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
         viscosity = None
         if any(body.damping.factors().any() for body in bodies):
-            viscosity = np.concatenate([b.damping.viscosity(b.element_stiffness) for b in bodies])
+            viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
             viscosity = viscosity[permutation]
         data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
         forms = formulation.forms(nodal, data)

@@ -165,7 +165,7 @@ def test_a_rigid_link_is_a_fixed_joint_at_an_offset(steps):
             result = fl.statics(scene, load_steps=2, tolerance=1e-13)
             tips.append(result.position(b.end))
     assert np.linalg.norm(tips[0][-1] - [2, 1, 0]) > 1e-3
-    np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-9 if steps else 1e-12)
+    np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-8 if steps else 1e-12)
 
 
 def test_linked_bodies_are_one_body():
@@ -208,7 +208,8 @@ def test_linked_bodies_are_one_body():
     np.testing.assert_allclose(linked.kinetic, single.kinetic[0], rtol=1e-5)
     np.testing.assert_allclose(linked.momentum[0], single.momentum[0], atol=1e-13)
     np.testing.assert_allclose(linked.angular_momentum[0], single.angular_momentum[0], atol=1e-13)
-    assert linked.momentum_error < 1e-5 and linked.angular_momentum_error < 1e-5
+    # of second order in the step, which turns by 3.5e-3
+    assert linked.momentum_error < 5e-5 and linked.angular_momentum_error < 5e-5
 
 
 def test_momentum_of_a_beam_with_a_body_beside_it():
