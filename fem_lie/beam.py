@@ -308,6 +308,16 @@ class Beam(Body):
         shares = {1: [1 / 2, 1 / 2], 2: [1 / 6, 1 / 6, 2 / 3]}[self.formulation.degree]
         return self.elements, np.outer(self.lengths, shares)
 
+    def consistent_levers(self) -> Array:
+        """On directors, shape (m, k, 3): ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a bowed axis."""
+        levers = np.zeros((*self.elements.shape, 3))
+        if self.formulation.bows:
+            a, b = self.frames[self.elements].transpose(1, 0, 2, 3)
+            moved = lie.se3_relative(a, b)[:, :3]  # ℓ times the slope
+            along = self.lengths[:, np.newaxis] * moved / 12
+            levers[:, 0], levers[:, 1] = along, -along
+        return levers
+
 
 def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list[Section]:
     if isinstance(section, Section):

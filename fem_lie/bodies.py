@@ -147,6 +147,14 @@ class Body:
         """
         raise ValueError(f"{self.label} has no cells to put a load on")
 
+    def consistent_levers(self) -> Array:
+        """What a unit line force on each element does on the directors of its nodes, (m, k, 3).
+
+        Raises:
+            ValueError: The body has no elements.
+        """
+        raise ValueError(f"{self.label} has no cells to put a load on")
+
     def _add_velocity(self, translation: npt.NDArray[Any], spin: Array) -> None:
         self.velocities[:, :3] += np.einsum("nij,nj->ni", self.frames[:, 1:], translation)
         self.velocities[:, 3:] += self.frames[:, 1:] @ spin

@@ -82,13 +82,16 @@ class LoadCases:
         """A force fixed in space is a force on ``q``, wherever its node follows its leader."""
         attachment = self._numbering.attachment
         nodes = self._numbering.nodes[load.body]
-        leaders, values = attachment.leader[nodes], load.nodal()
+        leaders, values, levers = attachment.leader[nodes], load.nodal(), load.on_directors()
         if load.following:
+            # of forces fₖ on the directors: Σ eₖ × fₖ
+            values[:, 3:] += np.cross(np.eye(3), levers).sum(axis=1)
             turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[nodes]))
             np.add.at(case.following, leaders, np.einsum("nji,nj->ni", turn, values))
         else:
-            place = attachment.linear()[nodes, 0]
-            np.add.at(case.dead, leaders, np.einsum("na,nj->naj", place, values[:, :3]))
+            forces = np.concatenate([values[:, np.newaxis, :3], levers], axis=1)
+            moved = attachment.linear()[nodes].transpose(0, 2, 1) @ forces
+            np.add.at(case.dead, leaders, moved)
             np.add.at(case.moment, leaders, values[:, 3:])
 
     def _in_assembly(self, load: Load) -> tuple[int, Array]:

@@ -75,6 +75,10 @@ class NodalLoad(Load):
     def nodal(self) -> Array:
         """Force and moment at each node of the body, shape (n, 6)."""
 
+    def on_directors(self) -> Array:
+        """Force on the directors of each node beside, as ``force`` and on d₁, d₂, d₃, (n, 3, 3)."""
+        return np.zeros((len(self.body.frames), 3, 3))
+
 
 class StrainLoad(Load):
     """A strain that a beam would have without stress."""
@@ -161,6 +165,15 @@ class LineLoad(NodalLoad):
         chosen = self.body.cells_of(self.cells)
         density = np.concatenate([self.force, self.moment]).astype(np.float64)
         np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
+        return values
+
+    def on_directors(self) -> Array:
+        """What the bow of the axis carries to the ends, shape (n, 3, 3)."""
+        values = np.zeros((len(self.body.frames), 3, 3))
+        nodes, _ = self.body.consistent_shares()
+        chosen, levers = self.body.cells_of(self.cells), self.body.consistent_levers()
+        force = np.asarray(self.force, dtype=np.float64)
+        np.add.at(values, nodes[chosen], levers[chosen, :, :, np.newaxis] * force)
         return values
 
 

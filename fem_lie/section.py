@@ -269,7 +269,6 @@ class Section:
             None if outline is None else np.asarray(outline, dtype=np.float64),
         )
 
-
     def offset(self, y: float, z: float) -> Section:
         """The same section with its reference point, where the beam's axis runs, at (y, z).
 

@@ -146,7 +146,11 @@ class SectionMesh:
         ends, middles = self._edges()
         region = np.tile(self.regions, len(_EDGES[self.cell]))
         _, first, number, count = np.unique(
-            np.sort(ends, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+            np.sort(ends, axis=1),
+            axis=0,
+            return_index=True,
+            return_inverse=True,
+            return_counts=True,
         )
         other = region != region[first][number.ravel()]
         between = np.union1d(first[count == 1], np.flatnonzero(other))

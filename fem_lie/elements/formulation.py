@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import basix.ufl
 import dolfinx
@@ -40,9 +41,12 @@ class Formulation(ABC):
 
     Attributes:
         degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
+        bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
+            inertia and line loads; otherwise it is the interpolated one.
     """
 
     degree: int
+    bows: ClassVar[bool] = False
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
         """What the element takes for the section stiffness of its cells, shape (m, 6, 6).

@@ -97,6 +97,7 @@ class Geodesic(Formulation):
 
     bending_flexibility: bool = True
     degree: ClassVar[int] = 1  # type: ignore[misc]
+    bows: ClassVar[bool] = True
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
         """See the base class."""
