@@ -247,3 +247,11 @@ def test_rotating_beam():
     assert abs(record["largest_lag"] - 0.574) <= 2e-3
     assert record["final_swing"] <= 5e-3
     assert abs(record["extension"] / record["extension_exact"] - 1) <= 1e-3
+
+
+def test_speed_against_error(tmp_path):
+    """Slopes are those of the theory; fewer resolutions than in docs/speed_against_error.csv."""
+    record = main("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)
+    for key, expected in record.items():
+        if key.startswith("expected_order_"):
+            assert record[key.removeprefix("expected_")] == pytest.approx(expected, abs=0.15), key

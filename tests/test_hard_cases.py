@@ -6,8 +6,17 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 
-FORMULATIONS = {"geodesic": fl.Geodesic(), "geodesic, plain": fl.Geodesic(False)}
-formulations = pytest.mark.parametrize("formulation", FORMULATIONS.values(), ids=FORMULATIONS)
+# with the errors that interpolation leaves over the length, on a circle that closes and on an arc;
+# that of degree 1 is a polygon whose sides have the length of their arcs
+FORMULATIONS = {
+    "geodesic": (fl.Geodesic(), 1e-9, 1e-9),
+    "geodesic, plain": (fl.Geodesic(False), 1e-9, 1e-9),
+    "director 1": (fl.Director(1), 1e-9, 0.05),
+    "director 2": (fl.Director(2), 1e-2, 1e-2),
+}
+formulations = pytest.mark.parametrize(
+    ("formulation", "closed", "bound"), FORMULATIONS.values(), ids=FORMULATIONS
+)
 MATERIAL = fl.Material(E=70e9, nu=0.3, density=2700.0)
 
 
@@ -21,25 +30,27 @@ def cantilever(section, cells=8, length=1.0, **options):
 @formulations
 @pytest.mark.parametrize("slenderness", [1e1, 1e3, 1e5])
 @pytest.mark.parametrize("load_steps", [1, 4])
-def test_roll_up_to_a_full_circle_at_any_slenderness(formulation, slenderness, load_steps):
+def test_roll_up_to_a_full_circle_at_any_slenderness(
+    formulation, closed, bound, slenderness, load_steps
+):
     """In one load step every section past the middle turns by more than π."""
     EI, EA = 1.0, slenderness**2
     section = fl.Section.from_stiffness([EA, EA / 3, EA / 3, EI, EI, EI])
     scene, beam = cantilever(section, formulation=formulation)
     scene.add(fl.PointLoad(beam.end, moment=(0, 0, 2 * np.pi * EI)))
     result = fl.statics(scene, load_steps=load_steps)
-    np.testing.assert_allclose(result.position(beam.end)[-1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(result.position(beam.end)[-1], 0.0, atol=closed)
     assert result.failed_iterations == 0
 
 
 @formulations
-def test_two_turns_in_one_load_step(formulation):
+def test_two_turns_in_one_load_step(formulation, closed, bound):
     section = fl.Section.from_stiffness([1e4, 1e4, 1e4, 1.0, 1.0, 1.0])
     scene, beam = cantilever(section, cells=16, formulation=formulation)
     scene.add(fl.PointLoad(beam.end, moment=(0, 0, 4 * np.pi)))
     result = fl.statics(scene)
     middle = result.position(beam.node(4))[-1]  # half a turn: opposite to the clamp
-    np.testing.assert_allclose(middle, (0, 1 / (2 * np.pi), 0), atol=1e-9)
+    np.testing.assert_allclose(middle, (0, 1 / (2 * np.pi), 0), atol=bound)
 
 
 @pytest.mark.parametrize("order", ["soft first", "stiff first"])
@@ -135,7 +146,7 @@ def test_step_sizes(exponent):
 
 @formulations
 @pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-8])
-def test_nearly_coincident_nodes(formulation, gap):
+def test_nearly_coincident_nodes(formulation, closed, bound, gap):
     """One cell is ``gap`` long: the roll-up still closes, and bends everywhere alike."""
     x = np.sort([0, 0.2, 0.5, 0.5 + gap, 0.8, 1.0])
     points = np.column_stack([x, 0 * x, 0 * x])
@@ -148,7 +159,7 @@ def test_nearly_coincident_nodes(formulation, gap):
     scene.add(fl.PointLoad(beam.end, moment=(0, 0, np.pi)))
     tip = fl.statics(scene, load_steps=2).position(beam.end)[-1]
     # strain in the short cell is a difference of positions, good to 1e-16, over the gap
-    np.testing.assert_allclose(tip, (0, 2 / np.pi, 0), atol=max(1e-9, 1e-15 / gap))
+    np.testing.assert_allclose(tip, (0, 2 / np.pi, 0), atol=max(bound, 1e-15 / gap))
 
 
 def deflected(unit):
