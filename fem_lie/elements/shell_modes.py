@@ -1,0 +1,44 @@
+"""Stress and strain fields inside a four-node shell quadrilateral, in UFL.
+
+Stress resultants ``(N, M, Q)``, eight Cartesian components of the point, from 14 parameters: five
+each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (2005) 4279)::
+
+    N, M = [I₃, v₁ (η − η̄), v₂ (ξ − ξ̄)] s        v_α = (J_α1², J_α2², J_α1 J_α2)
+    Q    = [I₂, J₁ (η − η̄), J₂ (ξ − ξ̄)] s
+
+with the Jacobian ``J`` of the cell's centre and the centroid ``(ξ̄, η̄)``: the linear parts do no work
+on constant strains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import ufl
+from ufl.core.expr import Expr
+
+from fem_lie.elements.shell_strains import Point
+
+STRESSES = 14
+
+
+def stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
+    """Stress resultants, shape (8,).
+
+    Args:
+        s: 14 parameters.
+        p: Point.
+        centroid: ``(ξ̄, η̄)``.
+        J: Jacobian of the centre, shape (2, 2).
+    """
+    ξ, η = p[0] - centroid[0], p[1] - centroid[1]
+    Q = [s[10 + i] + η * s[12] * J[0, i] + ξ * s[13] * J[1, i] for i in (0, 1)]
+    return ufl.as_vector([*_linear(s[:5], ξ, η, J), *_linear(s[5:10], ξ, η, J), *Q])
+
+
+def _linear(s: Sequence[Expr], ξ: Expr, η: Expr, J: Expr) -> list[Expr]:
+    pairs = ((0, 0), (1, 1), (0, 1))
+    return [
+        s[k] + η * s[3] * J[0, i] * J[0, j] + ξ * s[4] * J[1, i] * J[1, j]
+        for k, (i, j) in enumerate(pairs)
+    ]
