@@ -7,7 +7,7 @@ parameters, local frames and the carried stress are those of :mod:`fem_lie.kerne
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import basix
 import basix.ufl
@@ -16,6 +16,7 @@ import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
+from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.elements import shell_strains as strains
 from fem_lie.elements.shell_maps import FIVE
@@ -111,10 +112,25 @@ class ShellCells:
         )
 
     def _strain(self, measures: ShellStrain) -> Expr:
-        p, now, then = self.point, self.surface, self.surface_0
-        parts = [m(now, p) - m(then, p) for m in (measures.membrane, measures.bending)]
-        shear = measures.shear(now, p) - measures.shear(then, p)
-        return strains.to_local(self.jacobian(p), *parts, shear)
+        p = self.point
+        inverse = self.at_points(ufl.inv(self.jacobian(p)))
+
+        def of(s: Surface) -> Expr:
+            parts = measures.membrane(s, p), measures.bending(s, p), measures.shear(s, p)
+            return strains.to_local(inverse, *parts)
+
+        return of(self.surface) - self.at_points(of(self.surface_0))
+
+    def at_points(self, value: Expr) -> fem.Function:
+        """What does not change with the state, evaluated once at the points of integration."""
+        cell, degree = self.mesh.basix_cell(), self.dx.metadata()["quadrature_degree"]
+        element = basix.ufl.quadrature_element(
+            _compat.cell_name(self.mesh.ufl_domain()), value_shape=value.ufl_shape, degree=degree
+        )
+        f = fem.Function(fem.functionspace(self.mesh, element))
+        points, _ = basix.make_quadrature(cell, degree)
+        f.interpolate(fem.Expression(value, points))
+        return f
 
     def _surface(self, y: fem.Function) -> Surface:
         def vector(start: int) -> Expr:

@@ -180,23 +180,21 @@ def _unit(v: Expr) -> Expr:
     return v / ufl.sqrt(ufl.dot(v, v))
 
 
-def to_local(J: Expr, m: Expr, k: Expr, g: Expr) -> Expr:
+def to_local(inverse: Expr, m: Expr, k: Expr, g: Expr) -> Expr:
     """Covariant membrane, bending and shear strains as eight Cartesian ones.
 
     ``E_ij = (J⁻¹)_iα E_αβ (J⁻¹)_jβ``, ``γ_i = (J⁻¹)_iα γ_α``; the result is
     ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)``.
 
     Args:
-        J: See :func:`local_jacobian`.
+        inverse: ``J⁻¹``, see :func:`local_jacobian`.
         m: Membrane strain (11, 22, 2·12).
         k: Bending strain (11, 22, 2·12).
         g: Shear strain (1, 2).
     """
-    I = ufl.inv(J)  # noqa: E741
-
     def tensor(e: Expr) -> list[Expr]:
-        E = I * ufl.as_matrix([[e[0], e[2] / 2], [e[2] / 2, e[1]]]) * ufl.transpose(I)
+        E = inverse * ufl.as_matrix([[e[0], e[2] / 2], [e[2] / 2, e[1]]]) * ufl.transpose(inverse)
         return [E[0, 0], E[1, 1], E[0, 1] + E[1, 0]]
 
-    local = I * g
+    local = inverse * g
     return ufl.as_vector([*tensor(m), *tensor(k), local[0], local[1]])
