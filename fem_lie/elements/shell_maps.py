@@ -1,21 +1,30 @@
 """How positions and directors of a shell move with its nodes: five and six parameters per node.
 
-Nodes store frames ``(x, d₁, d₂, d₃)`` with the director ``t = d₃``.
+Nodes store frames ``(x, d₁, d₂, d₃)``; the director is ``t = d₃``. Unknowns are ``(u, η)``, and the
+state moves by :func:`retract`, ``x ← x + R u``, ``R ← R exp η``.
 
-*Five parameters.* ``h = (u, η₁, η₂)``: ``δx = R u``, ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``, and the
-frame turns by the exact rotation ``exp(η₁, η₂, 0)``, the smallest that takes the director to its new
-place. So the director moves along a geodesic of the sphere, and the frame does not drill.
+*Five parameters.* ``η = (η₁, η₂, 0)``: ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``. The frame turns by the
+smallest rotation that takes the director to its new place, which moves along a geodesic of the
+sphere; the frame does not drill.
 
-*Six parameters.* All of the frame counts: :data:`fem_lie.frames.DIRECTORS` with the coordinates of
-each cell in one array.
+*Six parameters.* All of ``η``, all three directors.
+
+**The tangent is the second derivative of the energy along that motion.** It is symmetric in every
+state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``: what that has in addition is ``(Rᵀf_x)^``,
+the turning of the axes in which an unbalanced force is written. Dead loads bring the same with the
+opposite sign, so that nothing is lost at equilibrium, and dead loads need no tangent at all. Off
+equilibrium those terms do harm: they bind the translation of a node to the rotation of its frame
+by forces that are an artefact of the iteration.
 """
 
 from __future__ import annotations
 
 import numba
+import numpy as np
 
-from fem_lie._jit import compiled
-from fem_lie.frames import _director_geometric, _director_pull, _director_push
+from fem_lie import lie
+from fem_lie._jit import Array, compiled
+from fem_lie.frames import pull, push
 from fem_lie.kernel import FrameMap, frame_function
 
 
@@ -58,19 +67,13 @@ def _five_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 @frame_function
 def _five_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
-    """``(Rᵀf_x)^`` in (force, rotation), ``−(d₃·f_t) I`` in (moment, rotation)."""
+    """``−(d₃·f_t) I`` in (moment, rotation)."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 2, 3))
     A = numba.carray(out, (nodes, 5, nodes, 5))
     for i in range(nodes):
-        n0, n1, n2 = _along(H[i], 0, f[i, 0]), _along(H[i], 1, f[i, 0]), _along(H[i], 2, f[i, 0])
         m = _along(H[i], 2, f[i, 1])
-        block = A[i, :, i]
-        block[0, 4] -= n2
-        block[1, 3] += n2
-        block[2, 3] -= n1
-        block[2, 4] += n0
-        block[3, 3] -= m
-        block[4, 4] -= m
+        A[i, 3, i, 3] -= m
+        A[i, 4, i, 4] -= m
 
 
 @frame_function
@@ -78,6 +81,34 @@ def _six_coordinates(state, y, given, out, nodes):  # type: ignore[no-untyped-de
     H, q = numba.carray(state, (12 * nodes,)), numba.carray(y, (12 * nodes,))
     for i in range(12 * nodes):
         q[i] = H[i]
+
+
+@frame_function
+def _six_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    shape = (nodes, 4, 3)
+    pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
+
+
+@frame_function
+def _six_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    shape = (nodes, 4, 3)
+    push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
+
+
+@frame_function
+def _six_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    """Symmetric part of ``Σ m_k e_kᵀ − (e_k·m_k) I``, ``m_k = Rᵀf_k``, in (moment, rotation)."""
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    A = numba.carray(out, (nodes, 6, nodes, 6))
+    for i in range(nodes):
+        for k in range(3):
+            for a in range(3):
+                m = 0.5 * _along(H[i], a, f[i, 1 + k])
+                A[i, 3 + a, i, 3 + k] += m
+                A[i, 3 + k, i, 3 + a] += m
+            trace = _along(H[i], k, f[i, 1 + k])
+            for a in range(3):
+                A[i, 3 + a, i, 3 + a] -= trace
 
 
 FIVE = FrameMap(
@@ -92,10 +123,31 @@ FIVE = FrameMap(
 
 SIX = FrameMap(
     coordinates=_six_coordinates,
-    pull=_director_pull,
-    push=_director_push,
-    geometric=_director_geometric,
+    pull=_six_pull,
+    push=_six_push,
+    geometric=_six_geometric,
     values=12,
     unknowns=6,
 )
 """Position and all three directors."""
+
+
+@compiled
+def retract(H: Array, h: Array) -> None:
+    """``x ← x + R u``, ``R ← R exp η`` at all nodes, in place.
+
+    Args:
+        H: Frames, shape (n, 4, 3).
+        h: Increments, shape (n, 5) or (n, 6).
+    """
+    eta, turned = np.zeros(3), np.empty((3, 3))
+    for i in range(H.shape[0]):
+        for k in range(3, h.shape[1]):
+            eta[k - 3] = h[i, k]
+        lie.exp_so3(eta, turned)
+        for j in range(3):
+            d1, d2, d3 = H[i, 1, j], H[i, 2, j], H[i, 3, j]
+            H[i, 0, j] += d1 * h[i, 0] + d2 * h[i, 1] + d3 * h[i, 2]
+            for k in range(3):
+                H[i, 1 + k, j] = d1 * turned[k, 0] + d2 * turned[k, 1] + d3 * turned[k, 2]
+        lie.reorthonormalise(H[i])

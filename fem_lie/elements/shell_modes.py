@@ -8,6 +8,9 @@ each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (20
 
 with the Jacobian ``J`` of the cell's centre and the centroid ``(ξ̄, η̄)``: the linear parts do no work
 on constant strains.
+
+Strains from 24: all eight components linear in ``ξ`` and ``η``. They hold ``D⁻¹`` times any of those
+stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is Hellinger-Reissner.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from ufl.core.expr import Expr
 
 from fem_lie.elements.shell_strains import Point
 
-STRESSES = 14
+STRESSES, STRAINS = 14, 24
 
 
 def stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
@@ -42,3 +45,9 @@ def _linear(s: Sequence[Expr], ξ: Expr, η: Expr, J: Expr) -> list[Expr]:
         s[k] + η * s[3] * J[0, i] * J[0, j] + ξ * s[4] * J[1, i] * J[1, j]
         for k, (i, j) in enumerate(pairs)
     ]
+
+
+def strain(a: Sequence[Expr], p: Point, centroid: Expr) -> Expr:
+    """Strains, shape (8,), linear in the reference coordinates, from 24 parameters."""
+    ξ, η = p[0] - centroid[0], p[1] - centroid[1]
+    return ufl.as_vector([a[i] + ξ * a[8 + i] + η * a[16 + i] for i in range(8)])

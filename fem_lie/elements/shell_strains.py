@@ -46,6 +46,11 @@ class ShapeFunctions:
     powers: tuple[tuple[int, int], ...]
     coefficients: Array
 
+    @property
+    def count(self) -> int:
+        """Number of nodes."""
+        return len(self.powers)
+
     @classmethod
     def of(cls, cell: basix.CellType, degree: int) -> ShapeFunctions:
         """Those of DOLFINx's nodes.
@@ -97,11 +102,13 @@ class Surface:
         shapes: Shape functions.
         positions: ``x`` of the nodes, each of shape (3,).
         directors: ``t`` of the nodes, each of shape (3,).
+        jacobian: ``J_αi = X,α·e_i`` of the unloaded cell's centre, shape (2, 2).
     """
 
     shapes: ShapeFunctions
     positions: Sequence[Expr]
     directors: Sequence[Expr]
+    jacobian: Expr
 
     def t(self, p: Point) -> Expr:
         """Director."""
@@ -147,6 +154,81 @@ def mitc4_shear(s: Surface, p: Point) -> Expr:
         [
             (1 - η) * at(0, 0.5, 0.0) + η * at(0, 0.5, 1.0),
             (1 - ξ) * at(1, 0.0, 0.5) + ξ * at(1, 1.0, 0.5),
+        ]
+    )
+
+
+def decoupled_bending(s: Surface, p: Point) -> Expr:
+    """``½ (a_α·t,β + a_β·t,α)`` as (11, 22, 2·12), free of membrane strain.
+
+    The tangents ``a_α`` are the unloaded ones of the centre, turned as the mid-surface turns there
+    (polar decomposition), and ``t,α`` is the angle between the directors at the ends of an edge,
+    interpolated to the opposite edge. A single four-node element under end moments bends to the
+    exact angle.
+    """
+    a = carried_tangents(s)
+    t, (ξ, η) = s.directors, p
+    dt = (
+        (1 - η) * _arc(t[0], t[1]) + η * _arc(t[2], t[3]),
+        (1 - ξ) * _arc(t[0], t[2]) + ξ * _arc(t[1], t[3]),
+    )
+    return _symmetric_product(a, dt)
+
+
+def carried_tangents(s: Surface) -> tuple[Expr, Expr]:
+    """``a_α = Q X,α`` at the centre of a four-node cell, with the rotation ``Q`` of ``F = Q U``.
+
+    In two dimensions ``U = (C + √det C I)/√(tr C + 2 √det C)`` with ``C = FᵀF``.
+    """
+    centre = (0.5, 0.5)
+    inverse, g = ufl.inv(s.jacobian), (s.dx(0, centre), s.dx(1, centre))
+    F = [inverse[i, 0] * g[0] + inverse[i, 1] * g[1] for i in (0, 1)]
+    C11, C22, C12 = ufl.dot(F[0], F[0]), ufl.dot(F[1], F[1]), ufl.dot(F[0], F[1])
+    area = ufl.sqrt(C11 * C22 - C12**2)
+    trace = ufl.sqrt(C11 + C22 + 2 * area)
+    # U⁻¹ = (tr U I − U)/det U
+    scale = 1 / (trace * area)
+    Q = [
+        scale * ((C22 + area) * F[0] - C12 * F[1]),
+        scale * ((C11 + area) * F[1] - C12 * F[0]),
+    ]
+    J = s.jacobian
+    return tuple(J[k, 0] * Q[0] + J[k, 1] * Q[1] for k in (0, 1))  # type: ignore[return-value]
+
+
+def _arc(a: Expr, b: Expr) -> Expr:
+    """``b − a`` stretched from the chord between two unit vectors to the angle θ between them.
+
+    ``θ/(2 sin θ/2) = (1 + u) atan(√u)/√u`` with ``u = tan² θ/4``; Gauss' continued fraction of the
+    arcus tangent, which is smooth at 0, has an error of 1e-12 at a right angle.
+    """
+    cosine = ufl.sqrt((1 + ufl.dot(a, b)) / 2)
+    u = (1 - cosine) / (1 + cosine)
+    fraction: Expr | float = 11.0
+    for k in (5, 4, 3, 2, 1):
+        fraction = (2 * k - 1) + k**2 * u / fraction
+    return (1 + u) / fraction * (b - a)
+
+
+def mitc3_shear(s: Surface, p: Point) -> Expr:
+    """``x,α·t`` of a three-node triangle with a bubble, assumed linear: MITC3+.
+
+    (Lee, Lee & Bathe, Comput. Struct. 138 (2014) 12, eq. 16.)
+    """
+
+    def at(*q: float) -> tuple[Expr, Expr]:
+        t = s.t(q)
+        return ufl.dot(s.dx(0, q), t), ufl.dot(s.dx(1, q), t)
+
+    d = 1e-4
+    (a1, a2), (b1, b2), (c1, c2) = at(1 / 6, 2 / 3), at(2 / 3, 1 / 6), at(1 / 6, 1 / 6)
+    (d1, _), (_, e2) = at(1 / 3 + d, 1 / 3 - 2 * d), at(1 / 3 - 2 * d, 1 / 3 + d)
+    f1, f2 = at(1 / 3 + d, 1 / 3 + d)
+    twist, (ξ, η) = f1 - d1 - f2 + e2, p
+    return ufl.as_vector(
+        [
+            (2 * b1 - b2) / 3 + (c1 + c2) / 3 + twist * (3 * η - 1) / 3,
+            (2 * a2 - a1) / 3 + (c1 + c2) / 3 + twist * (1 - 3 * ξ) / 3,
         ]
     )
 
