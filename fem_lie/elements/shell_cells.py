@@ -1,0 +1,229 @@
+"""The cells of a shell: flat coordinates, unloaded geometry and strains at the integration points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import basix
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx import mesh as dolfinx_mesh
+from ufl.core.expr import Expr
+
+from fem_lie import _compat
+from fem_lie._jit import Array
+from fem_lie.elements import shell_strains as strains
+from fem_lie.elements.shell_drilling import DrillingStiffness, drilling
+from fem_lie.elements.shell_maps import FIVE, SIX
+from fem_lie.elements.shell_strains import Point, ShapeFunctions, Surface
+from fem_lie.frames import NodalFrames
+from fem_lie.kernel import LocalFrameForms, StrainEnergy
+
+Measure = Callable[[Surface, Point], Expr]
+"""A covariant strain of a surface at a point, as in :mod:`fem_lie.elements.shell_strains`."""
+
+
+@dataclass(frozen=True)
+class StrainMeasures:
+    """Which strains a shell element has; the default is the four-node quadrilateral MITC4."""
+
+    membrane: Measure = strains.membrane
+    bending: Measure = strains.bending
+    shear: Measure = strains.mitc4_shear
+
+
+MITC4 = StrainMeasures()
+DECOUPLED = StrainMeasures(bending=strains.decoupled_bending)
+MITC3 = StrainMeasures(shear=strains.mitc3_shear)
+PLAIN = StrainMeasures(shear=strains.shear)
+
+
+class ShellCells:
+    """Flat coordinates, geometry and strains of the cells of a shell.
+
+    The frames are taken as they are for the unloaded state.
+
+    Attributes:
+        increment: Local-frame unknowns, five or six per node.
+        y: Flat coordinates: positions and directors, or whole frames, of the nodes of each cell.
+        strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the point of integration.
+        drilling: The drilling strains of :mod:`fem_lie.elements.shell_drilling`, or ``None``.
+        dx: Measure of the mid-surface.
+        point: Reference coordinates of the point of integration.
+        centroid: Reference coordinates of the cell's centroid.
+    """
+
+    def __init__(
+        self,
+        frames: NodalFrames,
+        measures: StrainMeasures = MITC4,
+        *,
+        drilling_stiffness: DrillingStiffness | None = None,
+        quadrature_degree: int = 3,
+        directions: Array | None = None,
+    ) -> None:
+        """Evaluate what does not change.
+
+        Args:
+            frames: Nodal frames of a surface mesh, the director third.
+            measures: Strain measures.
+            drilling_stiffness: Given for six parameters per node.
+            quadrature_degree: 3 means 2×2 points on a quadrilateral.
+            directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
+                e₁ of strains and stresses; default: the first edge direction.
+
+        Raises:
+            ValueError: The mesh is not a surface, or six parameters are wanted of another cell
+                than the four-node quadrilateral.
+        """
+        V = frames.function.function_space
+        self._frames, self._stiffness = frames, drilling_stiffness
+        self._map = FIVE if drilling_stiffness is None else SIX
+        self._mesh: dolfinx_mesh.Mesh = V.mesh
+        self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree
+        quadrilateral = basix.CellType.quadrilateral
+        if self._cell not in (basix.CellType.triangle, quadrilateral):
+            raise ValueError(f"a shell needs triangles or quadrilaterals, got {self._cell.name}")
+        if drilling_stiffness is not None and (self._cell, degree) != (quadrilateral, 1):
+            raise ValueError("six parameters per node are for four-node quadrilaterals only")
+        element = basix.ufl.element("Lagrange", self._cell, degree, shape=(self._map.unknowns,))
+        self.increment = fem.Function(fem.functionspace(self._mesh, element), name="increment")
+        metadata = {"quadrature_degree": quadrature_degree}
+        self.dx = ufl.Measure("dx", domain=self._mesh, metadata=metadata)
+
+        self._shapes = ShapeFunctions.of(self._cell, degree)
+        nodal = frames.frames[V.dofmap.list]
+        values = nodal[:, :, [0, 3]] if drilling_stiffness is None else nodal
+        self._per_node = values.shape[2] * 3
+        values = values.reshape(len(nodal), -1)
+        self.y, unloaded = self.cellwise(values), self.cellwise(values)
+        self._centre = (0.5, 0.5) if self._cell == quadrilateral else (1 / 3, 1 / 3)
+        if directions is None:
+            directions = self._shapes.combine(nodal[:, :, 0].swapaxes(0, 1), self._centre, 0)
+        self._direction = self.cellwise(directions)
+        self.point = self._reference_coordinates()
+        self.centroid = self._centroid()
+
+        plain = self._surface(unloaded, ufl.Identity(2))
+        self._jacobian = self.cellwise(np.zeros((len(nodal), 2, 2)))
+        jacobian = strains.local_jacobian(plain, self._centre, self._direction)
+        self._jacobian.interpolate(self._expression(jacobian, 0))
+        now, then = (self._surface(y, self._jacobian) for y in (self.y, unloaded))
+        self.strain = self._strain(measures, now, then)
+        self.drilling = None
+        if drilling_stiffness is not None:
+            self.drilling = self._drilling(nodal, now)
+
+    @property
+    def jacobian(self) -> fem.Function:
+        """``J_αi = X,α·e_i`` of the cells' centres."""
+        return self._jacobian
+
+    @property
+    def stiffness(self) -> DrillingStiffness | None:
+        """Drilling stiffness of six parameters."""
+        return self._stiffness
+
+    def cellwise(self, values: Array) -> fem.Function:
+        """DG0 function of given values per cell, shape ``(cells, …)``."""
+        element = basix.ufl.element("DG", self._cell, 0, shape=values.shape[1:])
+        f = fem.Function(fem.functionspace(self._mesh, element))
+        f.x.array[:] = np.asarray(values, dtype=np.float64).ravel()
+        return f
+
+    def parameters(self, *sizes: int) -> fem.Function:
+        """Element-local unknowns in groups of given sizes; :func:`ufl.split` separates them."""
+        parts = [basix.ufl.element("DG", self._cell, 0, shape=(size,)) for size in sizes]
+        element = parts[0] if len(parts) == 1 else basix.ufl.mixed_element(parts)
+        return fem.Function(fem.functionspace(self._mesh, element))
+
+    def forms(
+        self, energy: ufl.Form | StrainEnergy, local: fem.Function | None = None
+    ) -> LocalFrameForms:
+        """Differentiate, compile and wrap an energy in ``strain`` and ``drilling``.
+
+        Args:
+            energy: The energy.
+            local: Element-local unknowns in it.
+        """
+        state = self._frames.function
+        return LocalFrameForms(
+            energy, state, self.increment, self._map, coordinates=self.y, local=local
+        )
+
+    def at_points(self, value: Expr) -> fem.Function:
+        """What does not change with the state, evaluated once at the points of integration."""
+        degree = self.dx.metadata()["quadrature_degree"]
+        element = basix.ufl.quadrature_element(
+            self._cell.name, value_shape=value.ufl_shape, degree=degree
+        )
+        f = fem.Function(fem.functionspace(self._mesh, element))
+        f.interpolate(self._expression(value, degree))
+        return f
+
+    def _expression(self, value: Expr, degree: int) -> fem.Expression:
+        return fem.Expression(value, basix.make_quadrature(self._cell, degree)[0])
+
+    def _surface(self, y: fem.Function, jacobian: Expr) -> Surface:
+        step, count = self._per_node, self._shapes.count
+
+        def vectors(start: int) -> list[Expr]:
+            return [
+                ufl.as_vector([y[step * i + start + j] for j in range(3)]) for i in range(count)
+            ]
+
+        return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian)
+
+    def _strain(self, measures: StrainMeasures, now: Surface, then: Surface) -> Expr:
+        p = self.point
+        jacobian = strains.local_jacobian(then, p, self._direction)
+        inverse = self.at_points(ufl.inv(jacobian))
+
+        def of(s: Surface) -> Expr:
+            parts = measures.membrane(s, p), measures.bending(s, p), measures.shear(s, p)
+            return strains.to_local(inverse, *parts)
+
+        return of(now) - self.at_points(of(then))
+
+    def _drilling(self, nodal: Array, now: Surface) -> Expr:
+        """The nodes carry ``a_i = R A_i``, unloaded the axes of the cell's centre."""
+        positions = nodal[:, :, 0].swapaxes(0, 1)
+        g1, g2 = (self._shapes.combine(positions, self._centre, k) for k in (0, 1))
+        normal = np.cross(g1, g2)
+        e2 = np.cross(normal, self._direction.x.array.reshape(-1, 3))
+        e1 = np.cross(e2, normal)
+        axes = []
+        for e in (e1, e2):
+            unit = e / np.linalg.norm(e, axis=1)[:, np.newaxis]
+            local = np.einsum("cnkj,cj->cnk", nodal[:, :, 1:], unit)
+            A = self.cellwise(local.reshape(len(nodal), -1))
+            axes.append(
+                [
+                    sum(
+                        A[3 * i + k]
+                        * ufl.as_vector([self.y[12 * i + 3 + 3 * k + j] for j in range(3)])
+                        for k in range(3)
+                    )
+                    for i in range(self._shapes.count)
+                ]
+            )
+        return drilling(now, *axes)
+
+    def _reference_coordinates(self) -> tuple[Expr, Expr]:
+        """FFCx has no reference coordinates: a function that is equal to them."""
+        element = basix.ufl.element("DG", self._cell, 1, shape=(2,))
+        X = fem.Function(fem.functionspace(self._mesh, element))
+        nodes = basix.geometry(self._cell)
+        X.x.array[:] = np.tile(nodes.ravel(), X.x.array.size // nodes.size)
+        return X[0], X[1]
+
+    def _centroid(self) -> fem.Function:
+        f = self.cellwise(np.zeros((self.increment.function_space.dofmap.list.shape[0], 2)))
+        w, one = ufl.TestFunction(f.function_space), ufl.as_vector([1.0, 1.0])
+        moment = fem.assemble_vector(fem.form(ufl.inner(ufl.as_vector([*self.point]), w) * self.dx))
+        area = fem.assemble_vector(fem.form(ufl.inner(one, w) * self.dx))
+        f.x.array[:] = moment.array / area.array
+        return f
