@@ -1,13 +1,14 @@
 """How positions and directors of a shell move with its nodes: five and six parameters per node.
 
 Nodes store frames ``(x, d₁, d₂, d₃)``; the director is ``t = d₃``. Unknowns are ``(u, η)``, and the
-state moves by :func:`retract`, ``x ← x + R u``, ``R ← R exp η``.
+state moves by :func:`retract`, ``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)``.
 
-*Five parameters.* ``η = (η₁, η₂, 0)``: ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``. The frame turns by the
-smallest rotation that takes the director to its new place, which moves along a geodesic of the
-sphere; the frame does not drill.
+*Five parameters.* No ``η₃``: ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``. The frame turns by the smallest
+rotation that takes the director to its new place, which moves along a geodesic of the sphere; the
+frame does not drill.
 
-*Six parameters.* All of ``η``, all three directors.
+*Six parameters.* The drilling ``η₃`` comes last, so that it does not move the director even to
+second order: what it does not stiffen it does not disturb.
 
 **The tangent is the second derivative of the energy along that motion.** It is symmetric in every
 state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``: what that has in addition is ``(Rᵀf_x)^``,
@@ -97,18 +98,27 @@ def _six_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 @frame_function
 def _six_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
-    """Symmetric part of ``Σ m_k e_kᵀ − (e_k·m_k) I``, ``m_k = Rᵀf_k``, in (moment, rotation)."""
+    """Second derivative of ``Σ f_k·d_k``; with ``m_k = Rᵀf_k`` and ⊥ for (η₁, η₂).
+
+    Symmetric part of ``Σ m_k e_kᵀ − (e_k·m_k) I`` in (⊥, ⊥), ``m_k·e₃`` in (η_k, η₃), and
+    ``−Σ_⊥ e_k·m_k`` in (η₃, η₃).
+    """
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
         for k in range(3):
-            for a in range(3):
+            along = _along(H[i], k, f[i, 1 + k])
+            A[i, 3, i, 3] -= along
+            A[i, 4, i, 4] -= along
+        for k in range(2):
+            A[i, 5, i, 5] -= _along(H[i], k, f[i, 1 + k])
+            lift = _along(H[i], 2, f[i, 1 + k])
+            A[i, 3 + k, i, 5] += lift
+            A[i, 5, i, 3 + k] += lift
+            for a in range(2):
                 m = 0.5 * _along(H[i], a, f[i, 1 + k])
                 A[i, 3 + a, i, 3 + k] += m
                 A[i, 3 + k, i, 3 + a] += m
-            trace = _along(H[i], k, f[i, 1 + k])
-            for a in range(3):
-                A[i, 3 + a, i, 3 + a] -= trace
 
 
 FIVE = FrameMap(
@@ -134,20 +144,19 @@ SIX = FrameMap(
 
 @compiled
 def retract(H: Array, h: Array) -> None:
-    """``x ← x + R u``, ``R ← R exp η`` at all nodes, in place.
+    """``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)`` at all nodes, in place.
 
     Args:
         H: Frames, shape (n, 4, 3).
         h: Increments, shape (n, 5) or (n, 6).
     """
-    eta, turned = np.zeros(3), np.empty((3, 3))
+    tilt, drill = np.zeros(6), np.zeros(6)
     for i in range(H.shape[0]):
-        for k in range(3, h.shape[1]):
-            eta[k - 3] = h[i, k]
-        lie.exp_so3(eta, turned)
         for j in range(3):
-            d1, d2, d3 = H[i, 1, j], H[i, 2, j], H[i, 3, j]
-            H[i, 0, j] += d1 * h[i, 0] + d2 * h[i, 1] + d3 * h[i, 2]
-            for k in range(3):
-                H[i, 1 + k, j] = d1 * turned[k, 0] + d2 * turned[k, 1] + d3 * turned[k, 2]
+            H[i, 0, j] += H[i, 1, j] * h[i, 0] + H[i, 2, j] * h[i, 1] + H[i, 3, j] * h[i, 2]
+        tilt[3], tilt[4] = h[i, 3], h[i, 4]
+        lie.retract(H[i], tilt, H[i])
+        if h.shape[1] == 6:
+            drill[5] = h[i, 5]
+            lie.retract(H[i], drill, H[i])
         lie.reorthonormalise(H[i])
