@@ -60,12 +60,10 @@ def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
         cells: Four-node quadrilaterals.
         compliance: ``D⁻¹``, shape (8, 8).
     """
-    sizes = [STRESSES] if cells.drilling is None else [STRESSES, 2]
-    local = cells.parameters(*sizes)
-    s, *tau = ufl.split(local) if len(sizes) > 1 else [local]
-    S = stress(list(s), cells.point, cells.centroid, cells.jacobian)
-    density = ufl.inner(S, cells.strain) - 0.5 * ufl.inner(S, compliance * S)
-    return cells.forms((density + _drilling(cells, tau)) * cells.dx, local)
+    mixed = cells.mixed(STRESSES)
+    S = stress(list(mixed.groups[0]), cells.point, cells.centroid, cells.jacobian)
+    density = ufl.inner(S, mixed.strain) - 0.5 * ufl.inner(S, compliance * S)
+    return cells.forms((density + mixed.density) * cells.dx, mixed.local)
 
 
 def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
@@ -77,16 +75,9 @@ def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
         cells: Four-node quadrilaterals.
         law: Energy per area, any UFL function of the eight strains.
     """
-    sizes = [STRAINS, STRESSES] if cells.drilling is None else [STRAINS, STRESSES, 2]
-    local = cells.parameters(*sizes)
-    a, s, *tau = ufl.split(local)
-    S = stress(list(s), cells.point, cells.centroid, cells.jacobian)
-    e = strain(list(a), cells.point, cells.centroid)
-    density = law(e) + ufl.inner(S, cells.strain - e)
-    return cells.forms((density + _drilling(cells, tau)) * cells.dx, local)
-
-
-def _drilling(cells: ShellCells, tau: list[Expr]) -> Expr | float:
-    if cells.stiffness is None or cells.drilling is None:
-        return 0.0
-    return cells.stiffness.perturbed_lagrangian(tau[0], cells.drilling)
+    mixed = cells.mixed(STRAINS, STRESSES)
+    a, s = (list(group) for group in mixed.groups)
+    S = stress(s, cells.point, cells.centroid, cells.jacobian)
+    e = strain(a, cells.point, cells.centroid)
+    density = law(e) + ufl.inner(S, mixed.strain - e)
+    return cells.forms((density + mixed.density) * cells.dx, mixed.local)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import basix
 import basix.ufl
 import numpy as np
+import numpy.typing as npt
 import ufl
 from dolfinx import fem
 from dolfinx import mesh as dolfinx_mesh
@@ -28,17 +29,47 @@ Measure = Callable[[Surface, Point], Expr]
 
 @dataclass(frozen=True)
 class StrainMeasures:
-    """Which strains a shell element has; the default is the four-node quadrilateral MITC4."""
+    """Which strains a shell element has; the default is the four-node quadrilateral MITC4.
+
+    Attributes:
+        membrane: Membrane strain.
+        bending: Bending strain.
+        shear: Transverse shear strain.
+        intermediate: Quantities that the others take from :attr:`Surface.intermediate`. Mixed
+            elements have them as unknowns of their own, bound by multipliers: the chain rule
+            through a lengthy formula is then done with numbers, in the condensation, and FFCx has a
+            hundredth of the code to write.
+    """
 
     membrane: Measure = strains.membrane
     bending: Measure = strains.bending
     shear: Measure = strains.mitc4_shear
+    intermediate: Callable[[Surface], Expr] | None = None
 
 
 MITC4 = StrainMeasures()
-DECOUPLED = StrainMeasures(bending=strains.decoupled_bending)
+DECOUPLED = StrainMeasures(
+    bending=strains.decoupled_bending, intermediate=strains.tangents_and_cosines
+)
 MITC3 = StrainMeasures(shear=strains.mitc3_shear)
 PLAIN = StrainMeasures(shear=strains.shear)
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """Unknowns of the cells' own for a mixed energy.
+
+    Attributes:
+        local: All of them, to be given to :meth:`ShellCells.forms`.
+        groups: The groups asked for, in UFL.
+        strain: The eight strains, in terms of nodes and intermediate unknowns.
+        density: Energy density to be added to the caller's.
+    """
+
+    local: fem.Function
+    groups: list[Expr]
+    strain: Expr
+    density: Expr | float
 
 
 class ShellCells:
@@ -112,7 +143,13 @@ class ShellCells:
         jacobian = strains.local_jacobian(plain, self._centre, self._direction)
         self._jacobian.interpolate(self._expression(jacobian, 0))
         now, then = (self._surface(y, self._jacobian) for y in (self.y, unloaded))
-        self.strain = self._strain(measures, now, then)
+        self._measures, self._now, self._then = measures, now, then
+        p = self.point
+        self._inverse = self.at_points(
+            ufl.inv(strains.local_jacobian(then, p, self._direction))
+        )
+        self._strain_0 = self.at_points(self._cartesian(then))
+        self.strain = self._cartesian(now) - self._strain_0
         self.drilling = None
         if drilling_stiffness is not None:
             self.drilling = self._drilling(nodal, now)
@@ -134,11 +171,37 @@ class ShellCells:
         f.x.array[:] = np.asarray(values, dtype=np.float64).ravel()
         return f
 
-    def parameters(self, *sizes: int) -> fem.Function:
-        """Element-local unknowns in groups of given sizes; :func:`ufl.split` separates them."""
-        parts = [basix.ufl.element("DG", self._cell, 0, shape=(size,)) for size in sizes]
+    def mixed(self, *sizes: int) -> Mixed:
+        """Element-local unknowns for a mixed energy, and what the cells add of their own.
+
+        Args:
+            sizes: Sizes of the groups of unknowns that the caller wants.
+        """
+        intermediate, drilling = self._measures.intermediate, self.drilling
+        own = [] if drilling is None else [2]
+        if intermediate is not None:
+            start = intermediate(self._now).ufl_shape[0]
+            own += [start, start]
+        parts = [
+            basix.ufl.element("DG", self._cell, 0, shape=(size,)) for size in (*sizes, *own)
+        ]
         element = parts[0] if len(parts) == 1 else basix.ufl.mixed_element(parts)
-        return fem.Function(fem.functionspace(self._mesh, element))
+        local = fem.Function(fem.functionspace(self._mesh, element))
+        groups = [local] if len(parts) == 1 else list(ufl.split(local))
+        strain, density, rest = self.strain, 0.0, groups[len(sizes) :]
+        if drilling is not None and self._stiffness is not None:
+            density += self._stiffness.perturbed_lagrangian(rest.pop(0), drilling)
+        if intermediate is not None:
+            z, multiplier = rest
+            strain = self._cartesian(replace(self._now, intermediate=z)) - self._strain_0
+            density += ufl.inner(multiplier, z - intermediate(self._now))
+            _, dofs = local.function_space.sub(len(groups) - 2).collapse()
+            unloaded = self._expression(intermediate(self._then), 0)
+            local.x.array[dofs] = unloaded.eval(self._mesh, self._all_cells()).ravel()
+        return Mixed(local, groups[: len(sizes)], strain, density)
+
+    def _all_cells(self) -> npt.NDArray[np.int32]:
+        return np.arange(len(self.y.function_space.dofmap.list), dtype=np.int32)
 
     def forms(
         self, energy: ufl.Form | StrainEnergy, local: fem.Function | None = None
@@ -177,16 +240,9 @@ class ShellCells:
 
         return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian)
 
-    def _strain(self, measures: StrainMeasures, now: Surface, then: Surface) -> Expr:
-        p = self.point
-        jacobian = strains.local_jacobian(then, p, self._direction)
-        inverse = self.at_points(ufl.inv(jacobian))
-
-        def of(s: Surface) -> Expr:
-            parts = measures.membrane(s, p), measures.bending(s, p), measures.shear(s, p)
-            return strains.to_local(inverse, *parts)
-
-        return of(now) - self.at_points(of(then))
+    def _cartesian(self, s: Surface) -> Expr:
+        m, p = self._measures, self.point
+        return strains.to_local(self._inverse, m.membrane(s, p), m.bending(s, p), m.shear(s, p))
 
     def _drilling(self, nodal: Array, now: Surface) -> Expr:
         """The nodes carry ``a_i = R A_i``, unloaded the axes of the cell's centre."""

@@ -103,12 +103,14 @@ class Surface:
         positions: ``x`` of the nodes, each of shape (3,).
         directors: ``t`` of the nodes, each of shape (3,).
         jacobian: ``J_αi = X,α·e_i`` of the unloaded cell's centre, shape (2, 2).
+        intermediate: Values of :func:`tangents_and_cosines` as unknowns of their own, or ``None``.
     """
 
     shapes: ShapeFunctions
     positions: Sequence[Expr]
     directors: Sequence[Expr]
     jacobian: Expr
+    intermediate: Expr | None = None
 
     def t(self, p: Point) -> Expr:
         """Director."""
@@ -158,52 +160,63 @@ def mitc4_shear(s: Surface, p: Point) -> Expr:
     )
 
 
+CENTRE = (0.5, 0.5)
+EDGES = ((0, 1), (2, 3), (0, 2), (1, 3))
+"""Nodes of the edges of DOLFINx's quadrilateral, two along each reference coordinate."""
+
+INTERMEDIATE = 10
+
+
+def tangents_and_cosines(s: Surface) -> Expr:
+    """What :func:`decoupled_bending` is made of, shape (10,), for a four-node quadrilateral.
+
+    ``x,₁`` and ``x,₂`` at the centre, and the cosines of the angles between the directors at the
+    ends of each edge.
+    """
+    cosines = [ufl.dot(s.directors[a], s.directors[b]) for a, b in EDGES]
+    return ufl.as_vector([*s.dx(0, CENTRE), *s.dx(1, CENTRE), *cosines])
+
+
 def decoupled_bending(s: Surface, p: Point) -> Expr:
     """``½ (a_α·t,β + a_β·t,α)`` as (11, 22, 2·12), free of membrane strain.
 
     The tangents ``a_α`` are the unloaded ones of the centre, turned as the mid-surface turns there
     (polar decomposition), and ``t,α`` is the angle between the directors at the ends of an edge,
     interpolated to the opposite edge. A single four-node element under end moments bends to the
-    exact angle.
+    exact angle. (Liu & Hu 2021, the simplified bending strain.)
     """
-    a = carried_tangents(s)
-    t, (ξ, η) = s.directors, p
-    dt = (
-        (1 - η) * _arc(t[0], t[1]) + η * _arc(t[2], t[3]),
-        (1 - ξ) * _arc(t[0], t[2]) + ξ * _arc(t[1], t[3]),
-    )
-    return _symmetric_product(a, dt)
+    given = tangents_and_cosines(s) if s.intermediate is None else s.intermediate
+    g1, g2 = (ufl.as_vector([given[3 * k + j] for j in range(3)]) for k in (0, 1))
+    arcs = [_arc(s.directors[a], s.directors[b], given[6 + k]) for k, (a, b) in enumerate(EDGES)]
+    ξ, η = p
+    dt = (1 - η) * arcs[0] + η * arcs[1], (1 - ξ) * arcs[2] + ξ * arcs[3]
+    return _symmetric_product(carried_tangents(s.jacobian, g1, g2), dt)
 
 
-def carried_tangents(s: Surface) -> tuple[Expr, Expr]:
-    """``a_α = Q X,α`` at the centre of a four-node cell, with the rotation ``Q`` of ``F = Q U``.
+def carried_tangents(J: Expr, g1: Expr, g2: Expr) -> tuple[Expr, Expr]:
+    """``a_α = Q X,α`` with the rotation ``Q`` of ``F = Q U``, ``F_i = (J⁻¹)_iα g_α``.
 
     In two dimensions ``U = (C + √det C I)/√(tr C + 2 √det C)`` with ``C = FᵀF``.
     """
-    centre = (0.5, 0.5)
-    inverse, g = ufl.inv(s.jacobian), (s.dx(0, centre), s.dx(1, centre))
-    F = [inverse[i, 0] * g[0] + inverse[i, 1] * g[1] for i in (0, 1)]
+    inverse = ufl.inv(J)
+    F = [inverse[i, 0] * g1 + inverse[i, 1] * g2 for i in (0, 1)]
     C11, C22, C12 = ufl.dot(F[0], F[0]), ufl.dot(F[1], F[1]), ufl.dot(F[0], F[1])
     area = ufl.sqrt(C11 * C22 - C12**2)
-    trace = ufl.sqrt(C11 + C22 + 2 * area)
     # U⁻¹ = (tr U I − U)/det U
-    scale = 1 / (trace * area)
-    Q = [
-        scale * ((C22 + area) * F[0] - C12 * F[1]),
-        scale * ((C11 + area) * F[1] - C12 * F[0]),
-    ]
-    J = s.jacobian
-    return tuple(J[k, 0] * Q[0] + J[k, 1] * Q[1] for k in (0, 1))  # type: ignore[return-value]
+    scale = 1 / (ufl.sqrt(C11 + C22 + 2 * area) * area)
+    Q1 = scale * ((C22 + area) * F[0] - C12 * F[1])
+    Q2 = scale * ((C11 + area) * F[1] - C12 * F[0])
+    return J[0, 0] * Q1 + J[0, 1] * Q2, J[1, 0] * Q1 + J[1, 1] * Q2
 
 
-def _arc(a: Expr, b: Expr) -> Expr:
+def _arc(a: Expr, b: Expr, cosine: Expr) -> Expr:
     """``b − a`` stretched from the chord between two unit vectors to the angle θ between them.
 
     ``θ/(2 sin θ/2) = (1 + u) atan(√u)/√u`` with ``u = tan² θ/4``; Gauss' continued fraction of the
     arcus tangent, which is smooth at 0, has an error of 1e-12 at a right angle.
     """
-    cosine = ufl.sqrt((1 + ufl.dot(a, b)) / 2)
-    u = (1 - cosine) / (1 + cosine)
+    half = ufl.sqrt((1 + cosine) / 2)
+    u = (1 - half) / (1 + half)
     fraction: Expr | float = 11.0
     for k in (5, 4, 3, 2, 1):
         fraction = (2 * k - 1) + k**2 * u / fraction
