@@ -19,7 +19,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fem_lie.elements.shell_cells import ShellCells
-from fem_lie.elements.shell_modes import STRAINS, STRESSES, strain, stress
+from fem_lie.elements.shell_modes import STRAINS, strain
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
 
 Law = Callable[[Expr], Expr]
@@ -60,8 +60,8 @@ def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
         cells: Four-node quadrilaterals.
         compliance: ``D⁻¹``, shape (8, 8).
     """
-    mixed = cells.mixed(STRESSES)
-    S = stress(list(mixed.groups[0]), cells.point, cells.centroid, cells.jacobian)
+    mixed = cells.mixed(cells.stresses.size)
+    S = cells.stress(mixed.groups[0])
     density = ufl.inner(S, mixed.strain) - 0.5 * ufl.inner(S, compliance * S)
     return cells.forms((density + mixed.density) * cells.dx, mixed.local)
 
@@ -75,9 +75,8 @@ def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
         cells: Four-node quadrilaterals.
         law: Energy per area, any UFL function of the eight strains.
     """
-    mixed = cells.mixed(STRAINS, STRESSES)
-    a, s = (list(group) for group in mixed.groups)
-    S = stress(s, cells.point, cells.centroid, cells.jacobian)
-    e = strain(a, cells.point, cells.centroid)
+    mixed = cells.mixed(STRAINS, cells.stresses.size)
+    a, s = mixed.groups
+    S, e = cells.stress(s), strain(list(a), cells.point, cells.centroid)
     density = law(e) + ufl.inner(S, mixed.strain - e)
     return cells.forms((density + mixed.density) * cells.dx, mixed.local)

@@ -16,10 +16,16 @@ from ufl.core.expr import Expr
 
 from fem_lie import _compat
 from fem_lie._jit import Array
+from fem_lie.elements import shell_quadratic as quadratic
 from fem_lie.elements import shell_strains as strains
 from fem_lie.elements.shell_drilling import DrillingStiffness, drilling
 from fem_lie.elements.shell_maps import FIVE, SIX
-from fem_lie.elements.shell_strains import Point, ShapeFunctions, Surface
+from fem_lie.elements.shell_modes import QUADRILATERAL, TRIANGLE, StressModes
+from fem_lie.elements.shell_strains import (
+    Point,
+    ShapeFunctions,
+    Surface,
+)
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
 
@@ -38,21 +44,30 @@ class StrainMeasures:
         intermediate: Quantities that the others take from :attr:`Surface.intermediate`. Mixed
             elements have them as unknowns of their own, bound by multipliers: the chain rule
             through a lengthy formula is then done with numbers, in the condensation, and FFCx has a
-            hundredth of the code to write.
+            third of the code to write.
+        stresses: Stress fields of mixed elements, or ``None`` if there are none for these cells.
+        bubble: Whether three-node triangles have a director bubble as unknowns of their own.
     """
 
     membrane: Measure = strains.membrane
     bending: Measure = strains.bending
     shear: Measure = strains.mitc4_shear
     intermediate: Callable[[Surface], Expr] | None = None
+    stresses: StressModes | None = QUADRILATERAL
+    bubble: bool = False
 
 
 MITC4 = StrainMeasures()
 DECOUPLED = StrainMeasures(
     bending=strains.decoupled_bending, intermediate=strains.tangents_and_cosines
 )
-MITC3 = StrainMeasures(shear=strains.mitc3_shear)
-PLAIN = StrainMeasures(shear=strains.shear)
+MITC3 = StrainMeasures(shear=strains.mitc3_shear, stresses=TRIANGLE, bubble=True)
+MITC6 = StrainMeasures(
+    membrane=quadratic.mitc6_membrane, shear=quadratic.mitc6_shear, stresses=None
+)
+MITC9 = StrainMeasures(
+    membrane=quadratic.mitc9_membrane, shear=quadratic.mitc9_shear, stresses=None
+)
 
 
 @dataclass(frozen=True)
@@ -178,7 +193,9 @@ class ShellCells:
             sizes: Sizes of the groups of unknowns that the caller wants.
         """
         intermediate, drilling = self._measures.intermediate, self.drilling
+        now = self._now
         own = [] if drilling is None else [2]
+        own += [2] if self._measures.bubble else []
         if intermediate is not None:
             start = intermediate(self._now).ufl_shape[0]
             own += [start, start]
@@ -191,14 +208,32 @@ class ShellCells:
         strain, density, rest = self.strain, 0.0, groups[len(sizes) :]
         if drilling is not None and self._stiffness is not None:
             density += self._stiffness.perturbed_lagrangian(rest.pop(0), drilling)
+        if self._measures.bubble:
+            now = replace(now, bubble=rest.pop(0))
+            strain = self._cartesian(now) - self._strain_0
         if intermediate is not None:
             z, multiplier = rest
-            strain = self._cartesian(replace(self._now, intermediate=z)) - self._strain_0
-            density += ufl.inner(multiplier, z - intermediate(self._now))
+            strain = self._cartesian(replace(now, intermediate=z)) - self._strain_0
+            density += ufl.inner(multiplier, z - intermediate(now))
             _, dofs = local.function_space.sub(len(groups) - 2).collapse()
             unloaded = self._expression(intermediate(self._then), 0)
             local.x.array[dofs] = unloaded.eval(self._mesh, self._all_cells()).ravel()
         return Mixed(local, groups[: len(sizes)], strain, density)
+
+    @property
+    def stresses(self) -> StressModes:
+        """Stress fields of mixed elements.
+
+        Raises:
+            ValueError: There are none for these cells.
+        """
+        if self._measures.stresses is None:
+            raise ValueError("there is no mixed element with these strain measures: use MITC4")
+        return self._measures.stresses
+
+    def stress(self, parameters: Expr) -> Expr:
+        """Stress resultants ``(N, M, Q)`` at the point of integration, shape (8,)."""
+        return self.stresses.field(list(parameters), self.point, self.centroid, self._jacobian)
 
     def _all_cells(self) -> npt.NDArray[np.int32]:
         return np.arange(len(self.y.function_space.dofmap.list), dtype=np.int32)

@@ -19,9 +19,7 @@ from dataclasses import dataclass
 import ufl
 from ufl.core.expr import Expr
 
-from fem_lie.elements.shell_strains import Surface
-
-CENTRE = (0.5, 0.5)
+from fem_lie.elements.shell_strains import CENTRE, Surface
 
 
 @dataclass(frozen=True)

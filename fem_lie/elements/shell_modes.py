@@ -15,17 +15,31 @@ stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is Hellin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import ufl
 from ufl.core.expr import Expr
 
 from fem_lie.elements.shell_strains import Point
 
-STRESSES, STRAINS = 14, 24
+STRAINS = 24
 
 
-def stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
+@dataclass(frozen=True)
+class StressModes:
+    """Stress resultants of a kind of cell.
+
+    Attributes:
+        size: Number of parameters.
+        field: ``(parameters, point, centroid, J of the centre)`` to stress resultants, shape (8,).
+    """
+
+    size: int
+    field: Callable[[Sequence[Expr], Point, Expr, Expr], Expr]
+
+
+def quadrilateral_stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
     """Stress resultants, shape (8,).
 
     Args:
@@ -51,3 +65,22 @@ def strain(a: Sequence[Expr], p: Point, centroid: Expr) -> Expr:
     """Strains, shape (8,), linear in the reference coordinates, from 24 parameters."""
     ξ, η = p[0] - centroid[0], p[1] - centroid[1]
     return ufl.as_vector([a[i] + ξ * a[8 + i] + η * a[16 + i] for i in range(8)])
+
+
+def triangle_stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
+    """Constant membrane stress, linear moments, and shear as MITC3+ assumes its strain.
+
+    Args:
+        s: 15 parameters.
+        p: Point.
+        centroid: ``(1/3, 1/3)``.
+        J: Jacobian of the cell, shape (2, 2).
+    """
+    ξ, η = p[0] - centroid[0], p[1] - centroid[1]
+    M = [s[3 + i] + ξ * s[6 + i] + η * s[9 + i] for i in range(3)]
+    Q = [s[12 + i] + s[14] * (η * J[0, i] - ξ * J[1, i]) for i in (0, 1)]
+    return ufl.as_vector([s[0], s[1], s[2], *M, *Q])
+
+
+QUADRILATERAL = StressModes(14, quadrilateral_stress)
+TRIANGLE = StressModes(15, triangle_stress)

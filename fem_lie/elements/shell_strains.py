@@ -96,7 +96,7 @@ def _zero(weight: Any) -> bool:
 
 @dataclass(frozen=True)
 class Surface:
-    """Mid-surface and directors of one cell.
+    """Mid-surface and directors of one cell, by their values at its nodes.
 
     Attributes:
         shapes: Shape functions.
@@ -104,6 +104,8 @@ class Surface:
         directors: ``t`` of the nodes, each of shape (3,).
         jacobian: ``J_αi = X,α·e_i`` of the unloaded cell's centre, shape (2, 2).
         intermediate: Values of :func:`tangents_and_cosines` as unknowns of their own, or ``None``.
+        bubble: ``w`` of ``t = Σ N_i t_i + 27 ξ η (1 − ξ − η) w^α x,α`` on a three-node triangle, or
+            ``None``. With components along ``x,α`` it turns with the surface.
     """
 
     shapes: ShapeFunctions
@@ -111,10 +113,12 @@ class Surface:
     directors: Sequence[Expr]
     jacobian: Expr
     intermediate: Expr | None = None
+    bubble: Expr | None = None
 
     def t(self, p: Point) -> Expr:
         """Director."""
-        return self.shapes.combine(self.directors, p)
+        ξ, η = p
+        return self._with_bubble(self.shapes.combine(self.directors, p), ξ * η * (1 - ξ - η))
 
     def dx(self, along: int, p: Point) -> Expr:
         """``x,α``."""
@@ -122,7 +126,16 @@ class Surface:
 
     def dt(self, along: int, p: Point) -> Expr:
         """``t,α``."""
-        return self.shapes.combine(self.directors, p, along)
+        mine, other = p[along], p[1 - along]
+        t = self.shapes.combine(self.directors, p, along)
+        return self._with_bubble(t, other * (1 - 2 * mine - other))
+
+    def _with_bubble(self, t: Expr, shape: Any) -> Expr:
+        if self.bubble is None:
+            return t
+        # x,α of a three-node triangle is the same everywhere
+        g = [self.dx(k, (0.0, 0.0)) for k in (0, 1)]
+        return t + 27 * shape * (self.bubble[0] * g[0] + self.bubble[1] * g[1])
 
 
 def membrane(s: Surface, p: Point) -> Expr:
