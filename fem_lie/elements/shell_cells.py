@@ -127,6 +127,9 @@ class ShellCells:
         """
         V = frames.function.function_space
         self._frames, self._stiffness = frames, drilling_stiffness
+        if drilling_stiffness is not None:  # constants: FFCx's code is the same for all values
+            values = drilling_stiffness.mean, drilling_stiffness.alternating
+            self._stiffness = DrillingStiffness(*(fem.Constant(V.mesh, γ) for γ in values))
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
         self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree

@@ -31,8 +31,8 @@ class DrillingStiffness:
         alternating: Of the alternating part, ``1e-3 G t`` for instance.
     """
 
-    mean: float
-    alternating: float
+    mean: float | Expr
+    alternating: float | Expr
 
     def energy(self, c: Expr) -> Expr:
         """``½ γ c²``."""
