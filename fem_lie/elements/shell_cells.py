@@ -156,16 +156,14 @@ class ShellCells:
         self.point = self._reference_coordinates()
         self.centroid = self._centroid()
 
-        plain = self._surface(unloaded, ufl.Identity(2))
+        plain = self._surface(unloaded, ufl.Identity(2), ufl.Identity(2))
         self._jacobian = self.cellwise(np.zeros((len(nodal), 2, 2)))
         jacobian = strains.local_jacobian(plain, self._centre, self._direction)
         self._jacobian.interpolate(self._expression(jacobian, 0))
-        now, then = (self._surface(y, self._jacobian) for y in (self.y, unloaded))
+        here = self.at_points(strains.local_jacobian(plain, self.point, self._direction))
+        self._inverse = self.at_points(ufl.inv(here))
+        now, then = (self._surface(y, self._jacobian, here) for y in (self.y, unloaded))
         self._measures, self._now, self._then = measures, now, then
-        p = self.point
-        self._inverse = self.at_points(
-            ufl.inv(strains.local_jacobian(then, p, self._direction))
-        )
         self._strain_0 = self.at_points(self._cartesian(then))
         self.strain = self._cartesian(now) - self._strain_0
         self.drilling = None
@@ -268,7 +266,7 @@ class ShellCells:
     def _expression(self, value: Expr, degree: int) -> fem.Expression:
         return fem.Expression(value, basix.make_quadrature(self._cell, degree)[0])
 
-    def _surface(self, y: fem.Function, jacobian: Expr) -> Surface:
+    def _surface(self, y: fem.Function, jacobian: Expr, here: Expr) -> Surface:
         step, count = self._per_node, self._shapes.count
 
         def vectors(start: int) -> list[Expr]:
@@ -276,7 +274,7 @@ class ShellCells:
                 ufl.as_vector([y[step * i + start + j] for j in range(3)]) for i in range(count)
             ]
 
-        return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian)
+        return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian, here)
 
     def _cartesian(self, s: Surface) -> Expr:
         m, p = self._measures, self.point
