@@ -299,7 +299,7 @@ def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 @callback(UFCX_SIGNATURE)
 def local_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 1: increment of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K_s."""
+    """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K_s."""
     head, state, y = _prepare(w, c)
     n_y, n_s = head[N_Y], head[N_S]
     n = n_y + n_s

@@ -1,8 +1,5 @@
 """Laws and published values of shell elements, and the load-capped arc length that they need."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from dolfinx import fem
@@ -30,6 +27,7 @@ from shell_models import (
 from fem_lie.elements.shell_maps import retract
 from fem_lie.frames import NodalFrames
 from fem_lie.solve.arc_length import ArcLength
+from fem_lie.solve.linear import ConvergenceError
 
 slow = pytest.mark.slow  # FFCx and the C compiler take long for them
 
@@ -237,9 +235,7 @@ def curved_beam(t: float, radius: float) -> float:
     return np.pi / 4 * (radius**3 / EI + radius / EA + radius / GA)
 
 
-@pytest.mark.parametrize(
-    "element", [HR, TRIANGLE, pytest.param(TRIANGLE_6, marks=slow)], ids=ids
-)
+@pytest.mark.parametrize("element", [HR, TRIANGLE, pytest.param(TRIANGLE_6, marks=slow)], ids=ids)
 @pytest.mark.parametrize("slenderness", [1e1, 1e2, 1e3, 1e4, 1e5])
 def test_no_locking(element, slenderness):
     t = 10.0 / slenderness
@@ -292,3 +288,67 @@ def test_six_parameters_are_five():
         six, path = pull(Element("", drilling=factor * Gt), 16, 0.04)
         np.testing.assert_allclose(six, five, rtol=1e-4)
         assert path.total_iterations <= 18
+
+
+# --- arc length -----------------------------------------------------------------------------------
+
+
+class Truss:
+    """Two shallow bars, pushed down in the middle: ``w³/2 − 3w²/2 + w = λ P``, limit 0.19245."""
+
+    diameter = 2.0
+
+    def __init__(self, load: float) -> None:
+        self.w, self.load = 0.0, load
+
+    def forces(self):
+        w = self.w
+        return np.array([0.5 * w**3 - 1.5 * w**2 + w]), np.array([self.load])
+
+    def factorise(self, factor: float) -> None:
+        self.k = 1.5 * self.w**2 - 3 * self.w + 1
+
+    def solve(self, b):
+        return b / self.k
+
+    def move(self, dx) -> None:
+        self.w += dx[0]
+
+    def positions(self):
+        return np.array([[0.0, 0.0, self.w]])
+
+    def translations(self, dx):
+        return np.array([[0.0, 0.0, dx[0]]])
+
+    def state(self):
+        return self.w
+
+    def restore(self, state) -> None:
+        self.w = state
+
+
+def test_arc_length_passes_limit_points_and_stops_at_the_loads():
+    """It snaps through at λ = 0.385, and the last state lies beyond."""
+    path = ArcLength(loose=1e-9).follow(Truss(0.5), [0.2, 0.3, 1.0])
+    below = np.roots([0.5, -1.5, 1, -0.1]).real.min(), np.roots([0.5, -1.5, 1, -0.15]).real.min()
+    (beyond,) = [w.real for w in np.roots([0.5, -1.5, 1, -0.5]) if abs(w.imag) < 1e-9]
+    np.testing.assert_allclose(path.states, [*below, beyond], rtol=1e-7)
+    factors = np.array(path.factors)
+    assert {0.2, 0.3, 1.0} <= set(path.factors)
+    # the load falls between the limit points, below zero
+    assert (np.diff(factors) < 0).any() and factors.max() == 1.0
+
+
+def test_arc_length_says_where_it_gave_up():
+    truss = Truss(0.5)
+    truss.solve = lambda b: b * np.nan
+    with pytest.raises(ConvergenceError, match="no equilibrium beyond load factor 0") as caught:
+        ArcLength().follow(truss)
+    assert caught.value.result.failed_steps > 10
+    assert truss.w == 0.0
+
+
+@pytest.mark.parametrize("levels", [(), (0.5, 0.5), (0.0, 1.0), (-1.0,)])
+def test_arc_length_wants_increasing_levels(levels):
+    with pytest.raises(ValueError, match="positive and increase"):
+        ArcLength().follow(Truss(0.5), levels)

@@ -1,4 +1,4 @@
-"""The cells of a shell: flat coordinates, unloaded geometry and strains at the integration points."""
+"""The cells of a shell: flat coordinates, unloaded geometry, strains at integration points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from dolfinx import fem
 from dolfinx import mesh as dolfinx_mesh
 from ufl.core.expr import Expr
 
-from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.elements import shell_quadratic as quadratic
 from fem_lie.elements import shell_strains as strains
@@ -128,8 +127,10 @@ class ShellCells:
         V = frames.function.function_space
         self._frames, self._stiffness = frames, drilling_stiffness
         if drilling_stiffness is not None:  # constants: FFCx's code is the same for all values
-            values = drilling_stiffness.mean, drilling_stiffness.alternating
-            self._stiffness = DrillingStiffness(*(fem.Constant(V.mesh, γ) for γ in values))
+            self._stiffness = DrillingStiffness(
+                fem.Constant(V.mesh, drilling_stiffness.mean),
+                fem.Constant(V.mesh, drilling_stiffness.alternating),
+            )
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
         self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree
@@ -145,13 +146,13 @@ class ShellCells:
 
         self._shapes = ShapeFunctions.of(self._cell, degree)
         nodal = frames.frames[V.dofmap.list]
-        values = nodal[:, :, [0, 3]] if drilling_stiffness is None else nodal
-        self._per_node = values.shape[2] * 3
-        values = values.reshape(len(nodal), -1)
-        self.y, unloaded = self.cellwise(values), self.cellwise(values)
+        stored = nodal[:, :, [0, 3]] if drilling_stiffness is None else nodal
+        self._per_node = stored.shape[2] * 3
+        flat = stored.reshape(len(nodal), -1)
+        self.y, unloaded = self.cellwise(flat), self.cellwise(flat)
         self._centre = (0.5, 0.5) if self._cell == quadrilateral else (1 / 3, 1 / 3)
         if directions is None:
-            directions = self._shapes.combine(nodal[:, :, 0].swapaxes(0, 1), self._centre, 0)
+            directions = self._shapes.combine(list(nodal[:, :, 0].swapaxes(0, 1)), self._centre, 0)
         self._direction = self.cellwise(directions)
         self.point = self._reference_coordinates()
         self.centroid = self._centroid()
@@ -200,9 +201,7 @@ class ShellCells:
         if intermediate is not None:
             start = intermediate(self._now).ufl_shape[0]
             own += [start, start]
-        parts = [
-            basix.ufl.element("DG", self._cell, 0, shape=(size,)) for size in (*sizes, *own)
-        ]
+        parts = [basix.ufl.element("DG", self._cell, 0, shape=(size,)) for size in (*sizes, *own)]
         element = parts[0] if len(parts) == 1 else basix.ufl.mixed_element(parts)
         local = fem.Function(fem.functionspace(self._mesh, element))
         groups = [local] if len(parts) == 1 else list(ufl.split(local))
@@ -282,7 +281,7 @@ class ShellCells:
 
     def _drilling(self, nodal: Array, now: Surface) -> Expr:
         """The nodes carry ``a_i = R A_i``, unloaded the axes of the cell's centre."""
-        positions = nodal[:, :, 0].swapaxes(0, 1)
+        positions = list(nodal[:, :, 0].swapaxes(0, 1))
         g1, g2 = (self._shapes.combine(positions, self._centre, k) for k in (0, 1))
         normal = np.cross(g1, g2)
         e2 = np.cross(normal, self._direction.x.array.reshape(-1, 3))
@@ -308,8 +307,8 @@ class ShellCells:
         """FFCx has no reference coordinates: a function that is equal to them."""
         element = basix.ufl.element("DG", self._cell, 1, shape=(2,))
         X = fem.Function(fem.functionspace(self._mesh, element))
-        nodes = basix.geometry(self._cell)
-        X.x.array[:] = np.tile(nodes.ravel(), X.x.array.size // nodes.size)
+        nodes = np.asarray(basix.geometry(self._cell))
+        X.x.array[:] = np.tile(np.ravel(nodes), X.x.array.size // np.size(nodes))
         return X[0], X[1]
 
     def _centroid(self) -> fem.Function:

@@ -6,11 +6,13 @@ each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (20
     N, M = [I₃, v₁ (η − η̄), v₂ (ξ − ξ̄)] s        v_α = (J_α1², J_α2², J_α1 J_α2)
     Q    = [I₂, J₁ (η − η̄), J₂ (ξ − ξ̄)] s
 
-with the Jacobian ``J`` of the cell's centre and the centroid ``(ξ̄, η̄)``: the linear parts do no work
-on constant strains.
+with the Jacobian ``J`` of the cell's centre and the centroid ``(ξ̄, η̄)``: the linear parts do no
+work on constant strains.
 
-Strains from 24: all eight components linear in ``ξ`` and ``η``. They hold ``D⁻¹`` times any of those
-stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is Hellinger-Reissner.
+Strains from 24: all eight components linear in ``ξ`` and ``η``. They hold ``D⁻¹`` times any of
+those stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is Hellinger-Reissner.
+With the 14 modes of the stresses alone it would be stiffer: bending in the plane goes with a
+contraction across that these modes do not have.
 """
 
 from __future__ import annotations

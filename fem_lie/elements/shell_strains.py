@@ -30,7 +30,7 @@ from ufl.core.expr import Expr
 
 from fem_lie._jit import Array
 
-Point: TypeAlias = tuple[Any, Any]
+Point: TypeAlias = tuple[Any, ...]
 """Reference coordinates: two numbers or two UFL expressions."""
 
 
@@ -66,7 +66,7 @@ class ShapeFunctions:
         nodes = np.asarray(element.points, dtype=np.float64)
         monomials = np.array([[x**a * y**b for a, b in powers] for x, y in nodes])
         # they are small integers, spoiled by round-off
-        return cls(powers, np.round(np.linalg.inv(monomials), 10))
+        return cls(powers, np.asarray(np.round(np.linalg.inv(monomials), 10), dtype=np.float64))
 
     def combine(self, values: Sequence[Expr], p: Point, along: int | None = None) -> Expr:
         """``Σ N_i(p) value_i``, or its derivative along reference coordinate 0 or 1."""
@@ -306,6 +306,7 @@ def to_local(inverse: Expr, m: Expr, k: Expr, g: Expr) -> Expr:
         k: Bending strain (11, 22, 2·12).
         g: Shear strain (1, 2).
     """
+
     def tensor(e: Expr) -> list[Expr]:
         E = inverse * ufl.as_matrix([[e[0], e[2] / 2], [e[2] / 2, e[1]]]) * ufl.transpose(inverse)
         return [E[0, 0], E[1, 1], E[0, 1] + E[1, 0]]

@@ -151,9 +151,13 @@ class _Follower:
         origin = model.positions()
         count, done = 0, False
         try:
-            while count < options.max_iterations and not done:
-                count += 1
-                done = self._iterate(cap, origin, first=count == 1)
+            while not done and count < options.max_iterations:
+                internal, load = model.forces()
+                residual = internal - self._factor * load
+                done = count > 0 and self._balanced(residual, load, cap)
+                if not done:
+                    count += 1
+                    done = self._iterate(residual, load, cap, origin, first=count == 1)
         except (_Lost, SingularMatrixError):
             done = False
         if not done:
@@ -176,26 +180,28 @@ class _Follower:
         if self._factor == cap:
             self._length = min(self._length, 3 * _rms(self._last))
 
-    def _iterate(self, cap: float, origin: Array, first: bool) -> bool:
-        """One linear solution; whether the step has arrived."""
+    def _balanced(self, residual: Array, load: Array, cap: float) -> bool:
+        """Whether the wanted load is reached, and in equilibrium."""
+        bound = self._options.tolerance * cap * float(np.abs(load).max())
+        return self._factor == cap and float(np.abs(residual).max()) <= bound
+
+    def _iterate(
+        self, residual: Array, load: Array, cap: float, origin: Array, first: bool
+    ) -> bool:
+        """One linear solution; whether a step that ends below the cap has come close enough."""
         model, options = self._model, self._options
-        internal, load = model.forces()
-        residual = internal - self._factor * load
-        size = float(np.abs(load).max())
-        on_cap = self._factor == cap and not first
-        if on_cap and np.abs(residual).max() <= options.tolerance * cap * size:
-            return True
         model.factorise(self._factor)
         x_r, x_f = -model.solve(residual), model.solve(load)
-        change = min(self._change(x_r, x_f, origin, first), cap - self._factor)
+        wanted, room = self._change(x_r, x_f, origin, first), cap - self._factor
+        change = min(wanted, room)
         dx = x_r + change * x_f
-        size_of_dx = _rms(model.translations(dx))
-        # a first step that the cap shortens is as long as the load is large
-        if not np.isfinite(size_of_dx) or size_of_dx > 4 * self._length:
+        moved = _rms(model.translations(dx))
+        if not np.isfinite(moved) or moved > 4 * self._length:
             raise _Lost
-        self._factor = cap if change == cap - self._factor else self._factor + change
+        # not by addition: it must be the wanted load to the last digit
+        self._factor = cap if wanted >= room else self._factor + change
         model.move(dx)
-        return self._factor < cap and not first and size_of_dx < options.loose * self._length
+        return self._factor < cap and not first and moved < options.loose * self._length
 
     def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
         """Change of the load factor that puts the step's end at its length."""
