@@ -99,7 +99,8 @@ class ArcLength:
 
     Attributes:
         first_step: Length of the first step, rms translation over the model's diameter.
-        tolerance: Largest residual at a wanted load over the largest load.
+        tolerance: At a wanted load, largest residual over the largest load, or increment over the
+            length of the step, whichever is reached first.
         loose: Increment over the length of the step, at which steps between are left.
         max_iterations: More are a failure of the step.
         good_iterations: Steps that take more make the next one shorter.
@@ -188,7 +189,7 @@ class _Follower:
     def _iterate(
         self, residual: Array, load: Array, cap: float, origin: Array, first: bool
     ) -> bool:
-        """One linear solution; whether a step that ends below the cap has come close enough."""
+        """One linear solution; whether its increment says that the step has arrived."""
         model, options = self._model, self._options
         model.factorise(self._factor)
         x_r, x_f = -model.solve(residual), model.solve(load)
@@ -201,7 +202,9 @@ class _Follower:
         # not by addition: it must be the wanted load to the last digit
         self._factor = cap if wanted >= room else self._factor + change
         model.move(dx)
-        return self._factor < cap and not first and moved < options.loose * self._length
+        # residuals of slender structures may have more round-off than the tolerance allows
+        enough = options.tolerance if self._factor == cap else options.loose
+        return not first and moved < enough * self._length
 
     def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
         """Change of the load factor that puts the step's end at its length."""
