@@ -20,6 +20,7 @@ from fem_lie.elements.shell_cells import (
     DECOUPLED,
     MITC3,
     MITC4,
+    MITC4_PLUS,
     MITC6,
     MITC9,
     ShellCells,
@@ -117,6 +118,8 @@ class Element:
 HR = Element("HR")
 HW = Element("HW", formulation="HW")
 DISPLACEMENT = Element("MITC4", formulation="displacement")
+PLUS = Element("HR, MITC4+", MITC4_PLUS)
+PLUS_DISPLACEMENT = Element("MITC4+", MITC4_PLUS, "displacement")
 BENT = Element("HR, decoupled bending", DECOUPLED)
 SIX = Element("HR, six parameters", drilling=0.3)
 SIX_DISPLACEMENT = Element("MITC4, six parameters", formulation="displacement", drilling=0.3)

@@ -9,6 +9,8 @@ from shell_models import (
     DISPLACEMENT,
     HR,
     HW,
+    PLUS,
+    PLUS_DISPLACEMENT,
     QUADRILATERAL_9,
     SIX,
     SIX_DISPLACEMENT,
@@ -36,7 +38,7 @@ def ids(element) -> str:
     return element.name
 
 
-FAST = [HR, HW, DISPLACEMENT, SIX, TRIANGLE]
+FAST = [HR, HW, DISPLACEMENT, PLUS, PLUS_DISPLACEMENT, SIX, TRIANGLE]
 OTHERS = [BENT, SIX_DISPLACEMENT, TRIANGLE_6, QUADRILATERAL_9]
 SLOW = [pytest.param(e, marks=slow, id=e.name) for e in OTHERS]
 ALL = [*(pytest.param(e, id=e.name) for e in FAST), *SLOW]

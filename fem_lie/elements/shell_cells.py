@@ -57,6 +57,7 @@ class StrainMeasures:
 
 
 MITC4 = StrainMeasures()
+MITC4_PLUS = StrainMeasures(membrane=strains.mitc4_plus_membrane)
 DECOUPLED = StrainMeasures(
     bending=strains.decoupled_bending, intermediate=strains.tangents_and_cosines
 )
@@ -157,6 +158,7 @@ class ShellCells:
         self.point = self._reference_coordinates()
         self.centroid = self._centroid()
 
+        self._skew = self.cellwise(self._skews(nodal[:, :, 0]))
         plain = self._surface(unloaded, ufl.Identity(2), ufl.Identity(2))
         self._jacobian = self.cellwise(np.zeros((len(nodal), 2, 2)))
         jacobian = strains.local_jacobian(plain, self._centre, self._direction)
@@ -273,7 +275,7 @@ class ShellCells:
                 ufl.as_vector([y[step * i + start + j] for j in range(3)]) for i in range(count)
             ]
 
-        return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian, here)
+        return Surface(self._shapes, vectors(0), vectors(step - 3), jacobian, here, self._skew)
 
     def _cartesian(self, s: Surface) -> Expr:
         m, p = self._measures, self.point
@@ -302,6 +304,16 @@ class ShellCells:
                 ]
             )
         return drilling(now, *axes)
+
+    def _skews(self, X: Array) -> Array:
+        """See :attr:`Surface.skew`; zero but for four-node quadrilaterals."""
+        if X.shape[1] != 4:
+            return np.zeros((len(X), 2))
+        edges = np.stack(
+            [X[:, 1] - X[:, 0] + X[:, 3] - X[:, 2], X[:, 2] - X[:, 0] + X[:, 3] - X[:, 1]], axis=2
+        )
+        diagonal = X[:, 0] - X[:, 1] - X[:, 2] + X[:, 3]
+        return np.einsum("caj,cj->ca", np.linalg.pinv(edges), diagonal)
 
     def _reference_coordinates(self) -> tuple[Expr, Expr]:
         """FFCx has no reference coordinates: a function that is equal to them."""
