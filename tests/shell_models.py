@@ -16,18 +16,18 @@ import ufl
 from dolfinx import fem
 
 from fem_lie.elements import shell
-from fem_lie.elements.shell_cells import (
+from fem_lie.elements.shell_cells import ShellCells
+from fem_lie.elements.shell_drilling import DrillingStiffness
+from fem_lie.elements.shell_maps import retract
+from fem_lie.elements.shell_measures import (
     DECOUPLED,
-    MITC3,
+    MITC3_PLUS,
     MITC4,
     MITC4_PLUS,
     MITC6,
     MITC9,
-    ShellCells,
     StrainMeasures,
 )
-from fem_lie.elements.shell_drilling import DrillingStiffness
-from fem_lie.elements.shell_maps import retract
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
 
@@ -87,18 +87,22 @@ class Element:
     name: str
     measures: StrainMeasures = MITC4
     formulation: str = "HR"
-    cell: str = "quadrilateral"
-    degree: int = 1
-    quadrature: int = 3
     drilling: float | None = None
     distortion: float = 1.0  # of the cells of a patch
+
+    @property
+    def cell(self) -> str:
+        return self.measures.cell.name
+
+    @property
+    def degree(self) -> int:
+        return self.measures.degree
 
     def cells(self, q: NodalFrames) -> ShellCells:
         γ = self.drilling
         return ShellCells(
             q,
             self.measures,
-            quadrature_degree=self.quadrature,
             drilling_stiffness=None if γ is None else DrillingStiffness(γ, γ),
         )
 
@@ -123,10 +127,10 @@ PLUS_DISPLACEMENT = Element("MITC4+", MITC4_PLUS, "displacement")
 BENT = Element("HR, decoupled bending", DECOUPLED)
 SIX = Element("HR, six parameters", drilling=0.3)
 SIX_DISPLACEMENT = Element("MITC4, six parameters", formulation="displacement", drilling=0.3)
-TRIANGLE = Element("MITC3+", MITC3, cell="triangle", quadrature=4)
-TRIANGLE_6 = Element("MITC6", MITC6, "displacement", "triangle", 2, 4)
+TRIANGLE = Element("MITC3+", MITC3_PLUS)
+TRIANGLE_6 = Element("MITC6", MITC6, "displacement")
 # it passes the patch test for parallelograms only
-QUADRILATERAL_9 = Element("MITC9", MITC9, "displacement", "quadrilateral", 2, 5, distortion=0.0)
+QUADRILATERAL_9 = Element("MITC9", MITC9, "displacement", distortion=0.0)
 
 
 @dataclass

@@ -26,7 +26,11 @@ from shell_models import (
     strip,
 )
 
+from fem_lie.elements import shell
+from fem_lie.elements.shell_cells import ShellCells
+from fem_lie.elements.shell_drilling import DrillingStiffness
 from fem_lie.elements.shell_maps import retract
+from fem_lie.elements.shell_measures import MITC3_PLUS, MITC6
 from fem_lie.frames import NodalFrames
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.linear import ConvergenceError
@@ -247,6 +251,17 @@ def test_no_locking(element, slenderness):
     assert 0.97 < tip / curved_beam(t, 10.0) < 1.03
 
 
+@pytest.mark.parametrize("slenderness", [1e1, 1e3, 1e5])
+@pytest.mark.parametrize("element", [PLUS, PLUS_DISPLACEMENT], ids=ids)
+def test_distorted_cells_do_not_lock_with_mitc4_plus(element, slenderness):
+    """Trapezoids, warped by the curvature; MITC4 alone keeps a third of the deflection."""
+    t = 10.0 / slenderness
+    model = strip(element, (16, 1), t, 10.0, distortion=1.0)
+    displacement = model.linear()
+    tip = -np.mean([displacement[i, 0] for i, _ in model.loads])
+    assert 0.97 < tip / curved_beam(t, 10.0) < 1.03
+
+
 def test_hellinger_reissner_is_displacement_on_a_fine_mesh():
     tips = []
     for element in (HR, DISPLACEMENT):
@@ -273,7 +288,7 @@ def pull(element: Element, count: int, t: float):
 @pytest.mark.parametrize(
     ("element", "count", "t", "tolerance"),
     [(HR, 16, 0.04, 0.01), (HW, 16, 0.04, 0.01), (HR, 24, 0.01, 0.015), (HW, 24, 0.01, 0.015),
-     (HR, 32, 0.01, 0.005), (DISPLACEMENT, 32, 0.01, 0.05), (TRIANGLE, 24, 0.01, 0.02)],
+     (HR, 32, 0.01, 0.005), (PLUS, 24, 0.01, 0.002), (DISPLACEMENT, 32, 0.01, 0.05), (TRIANGLE, 24, 0.01, 0.02)],
 )  # fmt: skip
 def test_hemisphere(element, count, t, tolerance):
     deflections, path = pull(element, count, t)
@@ -290,6 +305,27 @@ def test_six_parameters_are_five():
         six, path = pull(Element("", drilling=factor * Gt), 16, 0.04)
         np.testing.assert_allclose(six, five, rtol=1e-4)
         assert path.total_iterations <= 18
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+
+def test_measures_for_other_cells_are_refused():
+    q = NodalFrames(grid((1, 1), lambda a, b: [a, b, 0 * a], "triangle"))
+    with pytest.raises(ValueError, match=r"quadrilateral and degree 1, the frames .* triangle"):
+        ShellCells(q)
+    with pytest.raises(ValueError, match=r"degree 2, .* degree 1"):
+        ShellCells(q, MITC6)
+    with pytest.raises(ValueError, match="four-node quadrilaterals only"):
+        ShellCells(q, MITC3_PLUS, drilling_stiffness=DrillingStiffness(1.0, 1.0))
+    with pytest.raises(ValueError, match="hellinger_reissner"):
+        shell.displacement(ShellCells(q, MITC3_PLUS), quartic)
+
+
+def test_there_is_no_mixed_element_of_degree_2():
+    q = NodalFrames(grid((1, 1), lambda a, b: [a, b, 0 * a], "triangle"), 2)
+    with pytest.raises(ValueError, match="no mixed element"):
+        shell.hu_washizu(ShellCells(q, MITC6), quartic)
 
 
 # --- arc length -----------------------------------------------------------------------------------

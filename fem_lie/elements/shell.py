@@ -37,9 +37,14 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
     With the default measures this is MITC4.
 
     Args:
-        cells: Any cells.
+        cells: Any cells without a bubble.
         law: Energy per area, any UFL function of the eight strains.
+
+    Raises:
+        ValueError: The cells have a bubble.
     """
+    if cells.has_bubble:
+        raise ValueError("cells with a bubble need a mixed element: use hellinger_reissner")
     stiffness, c = cells.stiffness, cells.drilling
     if stiffness is None or c is None:
         return cells.forms(StrainEnergy(cells.strain, law, cells.dx))
@@ -54,10 +59,10 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
 
 
 def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
-    """``∫ S·ε − ½ S·D⁻¹S`` with 14 stress parameters per cell.
+    """``∫ S·ε − ½ S·D⁻¹S`` with 14 stress parameters per cell, 15 on triangles.
 
     Args:
-        cells: Four-node quadrilaterals.
+        cells: Four-node quadrilaterals or three-node triangles.
         compliance: ``D⁻¹``, shape (8, 8).
     """
     mixed = cells.mixed(cells.stresses.size)
@@ -67,12 +72,12 @@ def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
 
 
 def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
-    """``∫ W(e) + S·(ε − e)`` with 14 stress and 24 strain parameters per cell.
+    """``∫ W(e) + S·(ε − e)`` with 24 strain parameters and those of the stress per cell.
 
     With a quadratic law it is :func:`hellinger_reissner`.
 
     Args:
-        cells: Four-node quadrilaterals.
+        cells: Four-node quadrilaterals or three-node triangles.
         law: Energy per area, any UFL function of the eight strains.
     """
     mixed = cells.mixed(STRAINS, cells.stresses.size)

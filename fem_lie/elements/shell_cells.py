@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import basix
@@ -15,59 +14,17 @@ from dolfinx import mesh as dolfinx_mesh
 from ufl.core.expr import Expr
 
 from fem_lie._jit import Array
-from fem_lie.elements import shell_quadratic as quadratic
 from fem_lie.elements import shell_strains as strains
 from fem_lie.elements.shell_drilling import DrillingStiffness, drilling
 from fem_lie.elements.shell_maps import FIVE, SIX
-from fem_lie.elements.shell_modes import QUADRILATERAL, TRIANGLE, StressModes
+from fem_lie.elements.shell_measures import MITC4, StrainMeasures
+from fem_lie.elements.shell_modes import StressModes
 from fem_lie.elements.shell_strains import (
-    Point,
     ShapeFunctions,
     Surface,
 )
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms, StrainEnergy
-
-Measure = Callable[[Surface, Point], Expr]
-"""A covariant strain of a surface at a point, as in :mod:`fem_lie.elements.shell_strains`."""
-
-
-@dataclass(frozen=True)
-class StrainMeasures:
-    """Which strains a shell element has; the default is the four-node quadrilateral MITC4.
-
-    Attributes:
-        membrane: Membrane strain.
-        bending: Bending strain.
-        shear: Transverse shear strain.
-        intermediate: Quantities that the others take from :attr:`Surface.intermediate`. Mixed
-            elements have them as unknowns of their own, bound by multipliers: the chain rule
-            through a lengthy formula is then done with numbers, in the condensation, and FFCx has a
-            third of the code to write.
-        stresses: Stress fields of mixed elements, or ``None`` if there are none for these cells.
-        bubble: Whether three-node triangles have a director bubble as unknowns of their own.
-    """
-
-    membrane: Measure = strains.membrane
-    bending: Measure = strains.bending
-    shear: Measure = strains.mitc4_shear
-    intermediate: Callable[[Surface], Expr] | None = None
-    stresses: StressModes | None = QUADRILATERAL
-    bubble: bool = False
-
-
-MITC4 = StrainMeasures()
-MITC4_PLUS = StrainMeasures(membrane=strains.mitc4_plus_membrane)
-DECOUPLED = StrainMeasures(
-    bending=strains.decoupled_bending, intermediate=strains.tangents_and_cosines
-)
-MITC3 = StrainMeasures(shear=strains.mitc3_shear, stresses=TRIANGLE, bubble=True)
-MITC6 = StrainMeasures(
-    membrane=quadratic.mitc6_membrane, shear=quadratic.mitc6_shear, stresses=None
-)
-MITC9 = StrainMeasures(
-    membrane=quadratic.mitc9_membrane, shear=quadratic.mitc9_shear, stresses=None
-)
 
 
 @dataclass(frozen=True)
@@ -108,7 +65,6 @@ class ShellCells:
         measures: StrainMeasures = MITC4,
         *,
         drilling_stiffness: DrillingStiffness | None = None,
-        quadrature_degree: int = 3,
         directions: Array | None = None,
     ) -> None:
         """Evaluate what does not change.
@@ -117,13 +73,12 @@ class ShellCells:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
             drilling_stiffness: Given for six parameters per node.
-            quadrature_degree: 3 means 2×2 points on a quadrilateral.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
 
         Raises:
-            ValueError: The mesh is not a surface, or six parameters are wanted of another cell
-                than the four-node quadrilateral.
+            ValueError: The strain measures are not for the cells or the degree of the frames, or
+                six parameters are wanted of another cell than the four-node quadrilateral.
         """
         V = frames.function.function_space
         self._frames, self._stiffness = frames, drilling_stiffness
@@ -136,13 +91,17 @@ class ShellCells:
         self._mesh: dolfinx_mesh.Mesh = V.mesh
         self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree
         quadrilateral = basix.CellType.quadrilateral
-        if self._cell not in (basix.CellType.triangle, quadrilateral):
-            raise ValueError(f"a shell needs triangles or quadrilaterals, got {self._cell.name}")
+        if (self._cell, degree) != (measures.cell, measures.degree):
+            raise ValueError(
+                f"these strain measures are for cells of type {measures.cell.name} and degree "
+                f"{measures.degree}, the frames are on cells of type {self._cell.name} and degree "
+                f"{degree}"
+            )
         if drilling_stiffness is not None and (self._cell, degree) != (quadrilateral, 1):
             raise ValueError("six parameters per node are for four-node quadrilaterals only")
         element = basix.ufl.element("Lagrange", self._cell, degree, shape=(self._map.unknowns,))
         self.increment = fem.Function(fem.functionspace(self._mesh, element), name="increment")
-        metadata = {"quadrature_degree": quadrature_degree}
+        metadata = {"quadrature_degree": measures.quadrature_degree}
         self.dx = ufl.Measure("dx", domain=self._mesh, metadata=metadata)
 
         self._shapes = ShapeFunctions.of(self._cell, degree)
@@ -232,6 +191,11 @@ class ShellCells:
         if self._measures.stresses is None:
             raise ValueError("there is no mixed element with these strain measures: use MITC4")
         return self._measures.stresses
+
+    @property
+    def has_bubble(self) -> bool:
+        """Whether the cells have unknowns that only mixed elements know."""
+        return self._measures.bubble
 
     def stress(self, parameters: Expr) -> Expr:
         """Stress resultants ``(N, M, Q)`` at the point of integration, shape (8,)."""
