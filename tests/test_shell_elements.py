@@ -288,7 +288,8 @@ def pull(element: Element, count: int, t: float):
 @pytest.mark.parametrize(
     ("element", "count", "t", "tolerance"),
     [(HR, 16, 0.04, 0.01), (HW, 16, 0.04, 0.01), (HR, 24, 0.01, 0.015), (HW, 24, 0.01, 0.015),
-     (HR, 32, 0.01, 0.005), (PLUS, 24, 0.01, 0.002), (DISPLACEMENT, 32, 0.01, 0.05), (TRIANGLE, 24, 0.01, 0.02)],
+     (HR, 32, 0.01, 0.005), (PLUS, 24, 0.01, 0.002), (DISPLACEMENT, 32, 0.01, 0.05),
+     (TRIANGLE, 24, 0.01, 0.02)],
 )  # fmt: skip
 def test_hemisphere(element, count, t, tolerance):
     deflections, path = pull(element, count, t)
