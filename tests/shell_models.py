@@ -17,7 +17,6 @@ from dolfinx import fem
 
 from fem_lie.elements import shell
 from fem_lie.elements.shell_cells import ShellCells
-from fem_lie.elements.shell_drilling import DrillingStiffness
 from fem_lie.elements.shell_maps import retract
 from fem_lie.elements.shell_measures import (
     DECOUPLED,
@@ -99,12 +98,7 @@ class Element:
         return self.measures.degree
 
     def cells(self, q: NodalFrames) -> ShellCells:
-        γ = self.drilling
-        return ShellCells(
-            q,
-            self.measures,
-            drilling_stiffness=None if γ is None else DrillingStiffness(γ, γ),
-        )
+        return ShellCells(q, self.measures, drilling_stiffness=self.drilling)
 
     def forms(self, cells: ShellCells, D: np.ndarray, law: Callable | None = None):
         count = len(cells.y.function_space.dofmap.list)

@@ -45,15 +45,13 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
     """
     if cells.has_bubble:
         raise ValueError("cells with a bubble need a mixed element: use hellinger_reissner")
-    stiffness, c = cells.stiffness, cells.drilling
-    if stiffness is None or c is None:
+    if cells.drilling is None:
         return cells.forms(StrainEnergy(cells.strain, law, cells.dx))
-    strains = ufl.as_vector([*cells.strain, *c])
+    strains = ufl.as_vector([*cells.strain, cells.drilling])
 
     def with_drilling(e: Expr) -> Expr:
-        return law(ufl.as_vector([e[i] for i in range(8)])) + stiffness.energy(
-            ufl.as_vector([e[8], e[9]])
-        )
+        shell = law(ufl.as_vector([e[i] for i in range(8)]))
+        return shell + 0.5 * cells.drilling_stiffness * e[8] ** 2
 
     return cells.forms(StrainEnergy(strains, with_drilling, cells.dx))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import basix
 import basix.ufl
@@ -14,8 +15,8 @@ from dolfinx import mesh as dolfinx_mesh
 from ufl.core.expr import Expr
 
 from fem_lie._jit import Array
+from fem_lie.elements import shell_drilling
 from fem_lie.elements import shell_strains as strains
-from fem_lie.elements.shell_drilling import DrillingStiffness, drilling
 from fem_lie.elements.shell_maps import FIVE, SIX
 from fem_lie.elements.shell_measures import MITC4, StrainMeasures
 from fem_lie.elements.shell_modes import StressModes
@@ -53,7 +54,8 @@ class ShellCells:
         increment: Local-frame unknowns, five or six per node.
         y: Flat coordinates: positions and directors, or whole frames, of the nodes of each cell.
         strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the point of integration.
-        drilling: The drilling strains of :mod:`fem_lie.elements.shell_drilling`, or ``None``.
+        drilling: The drilling ``c`` of six parameters at that point, or ``None``.
+        drilling_stiffness: Its γ, or ``None``.
         dx: Measure of the mid-surface.
         point: Reference coordinates of the point of integration.
         centroid: Reference coordinates of the cell's centroid.
@@ -64,7 +66,7 @@ class ShellCells:
         frames: NodalFrames,
         measures: StrainMeasures = MITC4,
         *,
-        drilling_stiffness: DrillingStiffness | None = None,
+        drilling_stiffness: float | None = None,
         directions: Array | None = None,
     ) -> None:
         """Evaluate what does not change.
@@ -72,7 +74,8 @@ class ShellCells:
         Args:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
-            drilling_stiffness: Given for six parameters per node.
+            drilling_stiffness: γ of :mod:`fem_lie.elements.shell_drilling`, force per length, for
+                six parameters per node.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
 
@@ -81,12 +84,10 @@ class ShellCells:
                 six parameters are wanted of another cell than the four-node quadrilateral.
         """
         V = frames.function.function_space
-        self._frames, self._stiffness = frames, drilling_stiffness
-        if drilling_stiffness is not None:  # constants: FFCx's code is the same for all values
-            self._stiffness = DrillingStiffness(
-                fem.Constant(V.mesh, drilling_stiffness.mean),
-                fem.Constant(V.mesh, drilling_stiffness.alternating),
-            )
+        self._frames = frames
+        self.drilling_stiffness: Any = None
+        if drilling_stiffness is not None:
+            self.drilling_stiffness = fem.Constant(V.mesh, float(drilling_stiffness))
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
         self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree
@@ -137,11 +138,6 @@ class ShellCells:
         """``J_αi = X,α·e_i`` of the cells' centres."""
         return self._jacobian
 
-    @property
-    def stiffness(self) -> DrillingStiffness | None:
-        """Drilling stiffness of six parameters."""
-        return self._stiffness
-
     def cellwise(self, values: Array) -> fem.Function:
         """DG0 function of given values per cell, shape ``(cells, …)``."""
         element = basix.ufl.element("DG", self._cell, 0, shape=values.shape[1:])
@@ -157,7 +153,7 @@ class ShellCells:
         """
         intermediate, drilling = self._measures.intermediate, self.drilling
         now = self._now
-        own = [] if drilling is None else [2]
+        own = [] if drilling is None else [shell_drilling.STRESSES]
         own += [2] if self._measures.bubble else []
         if intermediate is not None:
             start = intermediate(self._now).ufl_shape[0]
@@ -167,8 +163,10 @@ class ShellCells:
         local = fem.Function(fem.functionspace(self._mesh, element))
         groups = [local] if len(parts) == 1 else list(ufl.split(local))
         strain, density, rest = self.strain, 0.0, groups[len(sizes) :]
-        if drilling is not None and self._stiffness is not None:
-            density += self._stiffness.perturbed_lagrangian(rest.pop(0), drilling)
+        if drilling is not None:
+            density += shell_drilling.perturbed_lagrangian(
+                rest.pop(0), self.point, drilling, self.drilling_stiffness
+            )
         if self._measures.bubble:
             now = replace(now, bubble=rest.pop(0))
             strain = self._cartesian(now) - self._strain_0
@@ -252,22 +250,26 @@ class ShellCells:
         normal = np.cross(g1, g2)
         e2 = np.cross(normal, self._direction.x.array.reshape(-1, 3))
         e1 = np.cross(e2, normal)
-        axes = []
+        axes, unloaded = [], []
         for e in (e1, e2):
             unit = e / np.linalg.norm(e, axis=1)[:, np.newaxis]
+            unloaded.append([self.cellwise(unit)] * self._shapes.count)
             local = np.einsum("cnkj,cj->cnk", nodal[:, :, 1:], unit)
-            A = self.cellwise(local.reshape(len(nodal), -1))
-            axes.append(
-                [
-                    sum(
-                        A[3 * i + k]
-                        * ufl.as_vector([self.y[12 * i + 3 + 3 * k + j] for j in range(3)])
-                        for k in range(3)
-                    )
-                    for i in range(self._shapes.count)
-                ]
-            )
-        return drilling(now, *axes)
+            axes.append(self._turned(self.cellwise(local.reshape(len(nodal), -1))))
+        p, inverse = self.point, self._inverse
+        # not zero in a warped cell
+        rest = self.at_points(shell_drilling.drilling(self._then, p, inverse, *unloaded))
+        return shell_drilling.drilling(now, p, inverse, *axes) - rest
+
+    def _turned(self, A: fem.Function) -> list[Expr]:
+        """``R A`` of the nodes, from components of ``A`` in their frames."""
+
+        def director(i: int, k: int) -> Expr:
+            return ufl.as_vector([self.y[12 * i + 3 + 3 * k + j] for j in range(3)])
+
+        return [
+            sum(A[3 * i + k] * director(i, k) for k in range(3)) for i in range(self._shapes.count)
+        ]
 
     def _skews(self, X: Array) -> Array:
         """See :attr:`Surface.skew`; zero but for four-node quadrilaterals."""
