@@ -179,7 +179,7 @@ def _solve(M, B):  # type: ignore[no-untyped-def]
         for i in range(k + 1, n):
             if M[i, k] != 0.0:
                 factor = M[i, k] / M[k, k]
-                for j in range(n):
+                for j in range(k + 1, n):
                     M[i, j] -= factor * M[k, j]
                 for j in range(columns):
                     B[i, j] -= factor * B[k, j]
