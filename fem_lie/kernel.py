@@ -23,7 +23,7 @@ points.)
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import basix.ufl
@@ -206,14 +206,19 @@ class LocalFrameForms:
         if force.address == 0:
             raise ValueError(f"the energy does not depend on the coordinates {y}: {energy}")
         stiffness = CompiledForm(ufl.derivative(gradient, unknowns, ufl.TrialFunction(space)))
-        self._wrap(CompiledForm(energy), force, stiffness, force)
-        if self.local is not None:
-            self._carry = self._wrapping.form(
-                ufcx.local_kernel,
-                [self.local.function_space],
-                [force, stiffness],
-                extra=[self.increment],
-            )
+        if self.local is None:
+            self._wrap(CompiledForm(energy), force, stiffness, force)
+            return
+        test = ufl.TestFunction(self.local.function_space)
+        rows = ufl.derivative(energy, self.local, test)
+        local_rows = CompiledForm(ufl.derivative(rows, unknowns, ufl.TrialFunction(space)))
+        self._wrap(CompiledForm(energy), force, stiffness, force, [local_rows])
+        self._carry = self._wrapping.form(
+            ufcx.local_kernel,
+            [self.local.function_space],
+            [force, local_rows],
+            extra=[self.increment],
+        )
 
     def _build_carried(self, energy: StrainEnergy, y: fem.Function) -> None:
         space, points = y.function_space, energy.quadrature_element()
@@ -268,11 +273,11 @@ class LocalFrameForms:
         force: CompiledForm,
         stiffness: CompiledForm,
         carried: CompiledForm,
+        local_rows: Sequence[CompiledForm] = (),
     ) -> None:
         V, form = self.increment.function_space, self._wrapping.form
-        condensed = [] if self.local is None else [stiffness]
         self.energy = form(ufcx.energy_kernel, [], [energy])
-        self.residual = form(ufcx.residual_kernel, [V], [force, *condensed])
+        self.residual = form(ufcx.residual_kernel, [V], [force, *local_rows])
         self.tangent = form(ufcx.tangent_kernel, [V, V], [stiffness, carried])
 
     def carry(self) -> None:

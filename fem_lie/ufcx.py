@@ -160,35 +160,46 @@ def _clear(pointer, size):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _eliminate(K, f, n_y, n):  # type: ignore[no-untyped-def]
-    """Gauss elimination of unknowns ``n_y … n-1`` from the rows of all, pivoting among them."""
-    for k in range(n_y, n):
+def _solve(M, B):  # type: ignore[no-untyped-def]
+    """``B ← M⁻¹ B`` by Gauss elimination with pivoting; ``M`` is lost.
+
+    Zeros are skipped: mixed energies have whole blocks of them.
+    """
+    n, columns = B.shape
+    for k in range(n):
         pivot = k
         for i in range(k + 1, n):
-            if abs(K[i, k]) > abs(K[pivot, k]):
+            if abs(M[i, k]) > abs(M[pivot, k]):
                 pivot = i
         if pivot != k:
             for j in range(n):
-                K[k, j], K[pivot, j] = K[pivot, j], K[k, j]
-            f[k], f[pivot] = f[pivot], f[k]
-        for i in range(n):
-            if i < n_y or i > k:
-                factor = K[i, k] / K[k, k]
-                for j in range(n):
-                    K[i, j] -= factor * K[k, j]
-                f[i] -= factor * f[k]
+                M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
+            for j in range(columns):
+                B[k, j], B[pivot, j] = B[pivot, j], B[k, j]
+        for i in range(k + 1, n):
+            if M[i, k] != 0.0:
+                factor = M[i, k] / M[k, k]
+                for j in range(k + 1, n):
+                    M[i, j] -= factor * M[k, j]
+                for j in range(columns):
+                    B[i, j] -= factor * B[k, j]
+    for k in range(n - 1, -1, -1):
+        inverse = 1.0 / M[k, k]
+        for j in range(columns):
+            B[k, j] *= inverse
+        for i in range(k):
+            if M[i, k] != 0.0:
+                factor = M[i, k]
+                for j in range(columns):
+                    B[i, j] -= factor * B[k, j]
 
 
 @compiled
-def _back_substitute(K, f, dy, n_y, n):  # type: ignore[no-untyped-def]
-    """After :func:`_eliminate`: ``f[n_y:] ← −K_ss⁻¹ (f_s + K_sy dy)``."""
-    for k in range(n - 1, n_y - 1, -1):
-        total = f[k]
-        for j in range(n_y):
-            total += K[k, j] * dy[j]
-        for j in range(k + 1, n):
-            total += K[k, j] * f[j]
-        f[k] = -total / K[k, k]
+def _take(K, start, columns):  # type: ignore[no-untyped-def]
+    """Write columns ``start …`` of the rows ``K`` into ``columns``."""
+    for i in range(columns.shape[0]):
+        for j in range(columns.shape[1]):
+            columns[i, j] = K[i, start + j]
 
 
 # --- the kernels ----------------------------------------------------------------------------------
@@ -214,17 +225,24 @@ def energy_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 @callback(UFCX_SIGNATURE)
 def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 1: ``Lᵀ (f_y − K_ys K_ss⁻¹ f_s)``. First FFCx function: f, second: K."""
+    """Rank 1: ``Lᵀ (f_y − K_syᵀ K_ss⁻¹ f_s)``. First FFCx function: f, second: rows ``K_s``."""
     head, state, y = _prepare(w, c)
-    n_y, n = head[N_Y], head[N_Y] + head[N_S]
+    n_y, n_s = head[N_Y], head[N_S]
+    n = n_y + n_s
     f = stack(n)
     _clear(f, n)
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    if n > n_y:
-        K = stack(n * n)
-        _clear(K, n * n)
+    if n_s > 0:
+        K, M = stack(n_s * n), stack(n_s * n_s)
+        _clear(K, n_s * n)
         _inner(head, head[SECOND], K, w, c, x, entity, permutation)
-        _eliminate(numba.carray(K, (n, n)), numba.carray(f, (n,)), n_y, n)
+        rows, values = numba.carray(K, (n_s, n)), numba.carray(f, (n,))
+        matrix, z = numba.carray(M, (n_s, n_s)), numba.carray(_shift(f, n_y), (n_s, 1))
+        _take(rows, n_y, matrix)
+        _solve(matrix, z)
+        for k in range(n_s):
+            for i in range(n_y):
+                values[i] -= rows[k, i] * z[k, 0]
     _apply(head[PULL], state, y, f, A, head[NODES])
 
 
@@ -235,7 +253,8 @@ def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
     First: K, second: carried f, or none, and then no derivative of the map.
     """
     head, state, y = _prepare(w, c)
-    n_y, n, n_h, nodes = head[N_Y], head[N_Y] + head[N_S], head[N_H], head[NODES]
+    n_y, n_s, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
+    n = n_y + n_s
     K, f = stack(n * n), stack(n)
     _clear(K, n * n)
     _clear(f, n)
@@ -244,8 +263,18 @@ def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
         _inner(head, head[SECOND], f, w, c, x, entity, permutation)
         if head[GEOMETRIC] != 0:
             _apply(head[GEOMETRIC], state, y, f, A, nodes)
-    if n > n_y:
-        _eliminate(numba.carray(K, (n, n)), numba.carray(f, (n,)), n_y, n)
+    if n_s > 0:
+        M, B = stack(n_s * n_s), stack(n_s * n_y)
+        whole, rows = numba.carray(K, (n, n)), numba.carray(_shift(K, n_y * n), (n_s, n))
+        matrix, change = numba.carray(M, (n_s, n_s)), numba.carray(B, (n_s, n_y))
+        _take(rows, n_y, matrix)
+        _take(rows, 0, change)
+        _solve(matrix, change)
+        for i in range(n_y):
+            for k in range(n_s):
+                factor = whole[i, n_y + k]
+                for j in range(n_y):
+                    whole[i, j] -= factor * change[k, j]
     KL = stack(n_y * n_h)
     _clear(KL, n_y * n_h)
     for i in range(n_y):
@@ -285,18 +314,23 @@ def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 @callback(UFCX_SIGNATURE)
 def local_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 1: increment of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K."""
+    """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K_s."""
     head, state, y = _prepare(w, c)
-    n_y, n = head[N_Y], head[N_Y] + head[N_S]
-    K, f, dy = stack(n * n), stack(n), stack(n_y)
-    _clear(K, n * n)
+    n_y, n_s = head[N_Y], head[N_S]
+    n = n_y + n_s
+    K, M, f, dy = stack(n_s * n), stack(n_s * n_s), stack(n), stack(n_y)
+    _clear(K, n_s * n)
     _clear(f, n)
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     _inner(head, head[SECOND], K, w, c, x, entity, permutation)
     _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
-    matrix, vector = numba.carray(K, (n, n)), numba.carray(f, (n,))
-    _eliminate(matrix, vector, n_y, n)
-    _back_substitute(matrix, vector, numba.carray(dy, (n_y,)), n_y, n)
-    out = numba.carray(A, (n - n_y,))
-    for i in range(n - n_y):
-        out[i] += vector[n_y + i]
+    rows, matrix = numba.carray(K, (n_s, n)), numba.carray(M, (n_s, n_s))
+    z, change = numba.carray(_shift(f, n_y), (n_s, 1)), numba.carray(dy, (n_y,))
+    for k in range(n_s):
+        for i in range(n_y):
+            z[k, 0] += rows[k, i] * change[i]
+    _take(rows, n_y, matrix)
+    _solve(matrix, z)
+    out = numba.carray(A, (n_s,))
+    for k in range(n_s):
+        out[k] -= z[k, 0]

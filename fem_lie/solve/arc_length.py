@@ -1,0 +1,229 @@
+"""Load-capped arc length: load control where a structure is stiff, arc length where it is soft.
+
+Unknown are the increment of a step and the load factor λ; a step ends on the wanted load, or at a
+distance Δs from its beginning, whichever comes first::
+
+    min(λ_cap − λ, Δs − |Δu|) = 0            |Δu| = rms of the nodal translations of the step
+
+Elastic statics does not need equilibrium between the wanted loads: those states are left when the
+increments are small against the step, and only the wanted ones are polished. With the stress
+carried as an iterate that takes a dozen linear solutions for shells that bend through half their
+radius.
+
+The elimination of λ is that of Riks (Int. J. Solids Struct. 15 (1979) 529), with the constraint
+linearised at each iterate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any, Protocol
+
+import numpy as np
+
+from fem_lie._jit import Array
+from fem_lie.solve.linear import ConvergenceError, SingularMatrixError
+
+
+class Equilibrium(Protocol):
+    """What a structure offers for the search of its equilibrium; vectors hold its free unknowns.
+
+    Attributes:
+        diameter: Diagonal of the box around the unloaded structure.
+    """
+
+    diameter: float
+
+    def forces(self) -> tuple[Array, Array]:
+        """Internal forces, and external ones at λ = 1, in the present state."""
+        ...
+
+    def factorise(self, factor: float) -> None:
+        """Make the tangent at load factor ``factor``, with the carried stress, ready to solve."""
+        ...
+
+    def solve(self, b: Array) -> Array:
+        """Solve with the last tangent."""
+        ...
+
+    def move(self, dx: Array) -> None:
+        """Carry the stress on by ``dx``, then the state."""
+        ...
+
+    def positions(self) -> Array:
+        """Positions of the nodes, shape (n, 3)."""
+        ...
+
+    def translations(self, dx: Array) -> Array:
+        """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
+        ...
+
+    def state(self) -> Any:
+        """A copy of the present state."""
+        ...
+
+    def restore(self, state: Any) -> None:
+        """Return to a copied state."""
+        ...
+
+
+@dataclass
+class Path:
+    """What was done.
+
+    Attributes:
+        factors: Load factor of each accepted step.
+        states: State at each wanted load.
+        iterations: Linear solutions of each accepted step.
+        failed_iterations: Those of steps that were given up.
+        failed_steps: Their number.
+    """
+
+    factors: list[float] = field(default_factory=list)
+    states: list[Any] = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
+    failed_iterations: int = 0
+    failed_steps: int = 0
+
+    @property
+    def total_iterations(self) -> int:
+        """Linear solutions in all."""
+        return sum(self.iterations) + self.failed_iterations
+
+
+@dataclass(frozen=True)
+class ArcLength:
+    """Options of the load-capped arc length.
+
+    Attributes:
+        first_step: Length of the first step, rms translation over the model's diameter.
+        tolerance: At a wanted load, largest residual over the largest load, or increment over the
+            length of the step, whichever is reached first.
+        loose: Increment over the length of the step, at which steps between are left.
+        max_iterations: More are a failure of the step.
+        good_iterations: Steps that take more make the next one shorter.
+        smallest_step: Length of a step, as ``first_step``, that is given up.
+    """
+
+    first_step: float = 0.07
+    tolerance: float = 1e-8
+    loose: float = 0.01
+    max_iterations: int = 12
+    good_iterations: int = 5
+    smallest_step: float = 1e-6
+
+    def follow(self, model: Equilibrium, levels: Sequence[float] = (1.0,)) -> Path:
+        """Go from the present state, at λ = 0, through the wanted load factors.
+
+        Args:
+            model: The structure; it is left in the last state.
+            levels: Increasing positive load factors.
+
+        Raises:
+            ValueError: The levels do not increase.
+            ConvergenceError: Steps became too small; its ``result`` is the path so far.
+        """
+        if not levels or (np.diff([0.0, *levels]) <= 0).any():
+            raise ValueError(f"the load factors must be positive and increase, got {levels}")
+        return _Follower(self, model).run(levels)
+
+
+class _Follower:
+    """One run: the present load factor and step length."""
+
+    def __init__(self, options: ArcLength, model: Equilibrium) -> None:
+        self._options, self._model = options, model
+        self._factor, self._length = 0.0, options.first_step * model.diameter
+        self._last: Array | None = None  # displacements of the last step
+        self._path = Path()
+
+    def run(self, levels: Sequence[float]) -> Path:
+        for cap in levels:
+            while self._factor < cap:
+                self._step(cap)
+            self._path.states.append(self._model.state())
+        return self._path
+
+    def _step(self, cap: float) -> None:
+        model, options, path = self._model, self._options, self._path
+        before, factor = model.state(), self._factor
+        origin = model.positions()
+        count, done = 0, False
+        try:
+            while not done and count < options.max_iterations:
+                internal, load = model.forces()
+                residual = internal - self._factor * load
+                done = count > 0 and self._balanced(residual, load, cap)
+                if not done:
+                    count += 1
+                    done = self._iterate(residual, load, cap, origin, first=count == 1)
+        except (_Lost, SingularMatrixError):
+            done = False
+        if not done:
+            model.restore(before)
+            self._factor = factor
+            self._length /= 2
+            path.failed_steps += 1
+            path.failed_iterations += count
+            if self._length < options.smallest_step * model.diameter:
+                raise ConvergenceError(
+                    f"no equilibrium beyond load factor {factor:g}: steps of "
+                    f"{2 * self._length:.1e} still fail",
+                    path,
+                )
+            return
+        self._last = model.positions() - origin
+        path.factors.append(self._factor)
+        path.iterations.append(count)
+        self._length *= min(2.0, max(0.5, sqrt(options.good_iterations / count)))
+        if self._factor == cap:
+            self._length = min(self._length, 3 * _rms(self._last))
+
+    def _balanced(self, residual: Array, load: Array, cap: float) -> bool:
+        """Whether the wanted load is reached, and in equilibrium."""
+        bound = self._options.tolerance * cap * float(np.abs(load).max())
+        return self._factor == cap and float(np.abs(residual).max()) <= bound
+
+    def _iterate(
+        self, residual: Array, load: Array, cap: float, origin: Array, first: bool
+    ) -> bool:
+        """One linear solution; whether its increment says that the step has arrived."""
+        model, options = self._model, self._options
+        model.factorise(self._factor)
+        x_r, x_f = -model.solve(residual), model.solve(load)
+        wanted, room = self._change(x_r, x_f, origin, first), cap - self._factor
+        change = min(wanted, room)
+        dx = x_r + change * x_f
+        moved = _rms(model.translations(dx))
+        if not np.isfinite(moved) or moved > 4 * self._length:
+            raise _Lost
+        # not by addition: it must be the wanted load to the last digit
+        self._factor = cap if wanted >= room else self._factor + change
+        model.move(dx)
+        # residuals of slender structures may have more round-off than the tolerance allows
+        enough = options.tolerance if self._factor == cap else options.loose
+        return not first and moved < enough * self._length
+
+    def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
+        """Change of the load factor that puts the step's end at its length."""
+        model, length = self._model, self._length
+        u_f = model.translations(x_f)
+        if first:
+            forward = self._last is None or float(np.sum(u_f * self._last)) >= 0
+            return (1.0 if forward else -1.0) * length / _rms(u_f)
+        now = model.positions() - origin
+        distance = _rms(now)
+        gradient = now / (distance * len(now))
+        u_r = model.translations(x_r)
+        return float((length - distance - np.sum(gradient * u_r)) / np.sum(gradient * u_f))
+
+
+class _Lost(Exception):
+    """The iteration left the neighbourhood of its step."""
+
+
+def _rms(u: Array) -> float:
+    """Root of the mean square of vectors, shape (n, 3)."""
+    return float(np.sqrt(np.sum(u * u) / len(u)))
