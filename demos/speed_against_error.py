@@ -16,13 +16,13 @@ the step resolves the bending waves. Error: distance of the tip over the length 
 against the extrapolation of two much smaller steps. The mesh is the same in all runs, so this is
 the error in time alone.
 
-Seconds are those of the solution alone, without compilation, the best of several runs.
+Seconds are those of the solution alone, without set-up (0.05 s for a scene, whatever its size) and
+compilation, the best of several runs.
 """
 
 from __future__ import annotations
 
 import csv
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,9 +78,8 @@ def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarra
         )
         scene.add(fl.Clamp(beam.start))
         scene.add(fl.PointLoad(beam.end, force=(0, 0, -4e6)))
-        begin = time.perf_counter()
         result = fl.statics(scene, load_steps=3)
-        return result.position(beam.end)[-1] - (10, 0, 0), time.perf_counter() - begin
+        return result.position(beam.end)[-1] - (10, 0, 0), result.seconds
 
     return solve
 

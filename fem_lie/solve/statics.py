@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -58,6 +59,7 @@ class StaticResult:
         info: Bodies and joints.
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
         steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
+        seconds: Wall time from the first assembly to the last solution, without set-up.
     """
 
     factors: Array
@@ -68,6 +70,7 @@ class StaticResult:
     info: SceneInfo
     initial: Array
     steady_rotation: Rotation
+    seconds: float
 
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
@@ -222,6 +225,7 @@ class _Newton:
         self._forces: list[Array] = []
         self._counts: list[int] = []
         self._failed = 0
+        self._begin = clock.perf_counter()
 
     def result(self) -> StaticResult:
         """The accepted states."""
@@ -235,6 +239,7 @@ class _Newton:
             system.info(),
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
+            clock.perf_counter() - self._begin,
         )
 
     def advice(self) -> str:
