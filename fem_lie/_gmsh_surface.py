@@ -96,14 +96,14 @@ def read_surface(
 
 def _loop(gmsh: Any, loop: Loop) -> int:
     occ = gmsh.model.occ
-    points = [occ.addPoint(y, z, 0.0) for y, z in loop.vertices]
+    points = [occ.addPoint(start[0], start[1], 0.0) for start, _, _ in loop.edges()]
     curves = []
-    for i, (y, z) in enumerate(loop.centres):
-        ends = points[i], points[(i + 1) % len(points)]
-        if np.isnan(y):
-            curves.append(occ.addLine(*ends))
+    for i, (_, _, centre) in enumerate(loop.edges()):
+        start, end = points[i], points[(i + 1) % len(points)]
+        if np.isnan(centre[0]):
+            curves.append(occ.addLine(start, end))
         else:
-            curves.append(occ.addCircleArc(ends[0], occ.addPoint(y, z, 0.0), ends[1]))
+            curves.append(occ.addCircleArc(start, occ.addPoint(centre[0], centre[1], 0.0), end))
     return int(occ.addCurveLoop(curves))
 
 

@@ -16,6 +16,7 @@ _TOUCH = 1e-9  # of the size of the outline
 _WALL_CELL = 0.5  # size of cells in a wall over its thickness
 _CORNER_CELL = 0.01  # the same at a re-entrant corner
 _LARGEST_CELL = 0.125  # size of cells over the diameter of the outline
+_MOST_CELLS = 100_000
 _SIZE_STEP = 0.1  # sizes that differ by less are the same
 GROWTH = 0.35  # of the cell's size per distance
 
@@ -57,13 +58,18 @@ class Loop:
         vertices = radius * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
         return cls(vertices, np.zeros_like(vertices))
 
+    def edges(self) -> Iterator[tuple[Array, Array, Array]]:
+        """Start, end and centre of each edge."""
+        for i, end in enumerate(np.roll(np.arange(len(self.vertices)), -1)):
+            yield self.vertices[i], self.vertices[end], self.centres[i]
+
     def rounded(self, corners: Sequence[int], radius: float) -> Loop:
         """With corners between straight edges replaced by arcs."""
         if radius == 0.0:
             return self
         vertices: list[Array] = []
         centres: list[Array] = []
-        for i, (point, centre) in enumerate(zip(self.vertices, self.centres, strict=True)):
+        for i, (point, _, centre) in enumerate(self.edges()):
             if i in corners:
                 start, middle, end = _fillet(self.vertices, i, radius)
                 vertices += [start, end]
@@ -80,8 +86,7 @@ class Loop:
     def chords(self) -> Array:
         """Points of a polygon that has the vertices and follows the arcs, shape (m, 2)."""
         pieces = []
-        ends = np.roll(self.vertices, -1, axis=0)
-        for start, end, centre in zip(self.vertices, ends, self.centres, strict=True):
+        for start, end, centre in self.edges():
             if np.isnan(centre[0]):
                 pieces.append(start[np.newaxis])
             else:
@@ -151,7 +156,11 @@ class CellSizes:
 
     @classmethod
     def of(cls, parts: Sequence[Part], refinement: float) -> CellSizes:
-        """Some cells across each wall, and small ones at re-entrant corners, where strains peak."""
+        """Some cells across each wall, and small ones at re-entrant corners, where strains peak.
+
+        Raises:
+            ValueError: Walls are so thin that this would be far too many.
+        """
         starts, alongs, sizes = [], [], []
         for part in parts:
             loops = [_oriented(loop.chords(), i == 0) for i, loop in enumerate(part.loops)]
@@ -164,7 +173,14 @@ class CellSizes:
             sizes += [_WALL_CELL * wall, _CORNER_CELL * at_corner]
         largest = _LARGEST_CELL * np.linalg.norm(np.ptp(np.concatenate(starts), axis=0))
         size = np.minimum(np.concatenate(sizes), largest) / refinement
-        return cls(np.concatenate(starts), np.concatenate(alongs), size)
+        along = np.concatenate(alongs)
+        count = 2.0 * (np.linalg.norm(along, axis=1) / size).sum()
+        if count > _MOST_CELLS:
+            raise ValueError(
+                f"walls are too thin to be meshed: about {count:.0f} cells, at most {_MOST_CELLS}; "
+                "give less refinement, or a section of known stiffness"
+            )
+        return cls(np.concatenate(starts), along, size)
 
     def samples(self) -> Iterator[tuple[float, Array]]:
         """Sizes, rounded down to steps of a geometric series, and points along their segments."""

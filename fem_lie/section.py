@@ -27,6 +27,7 @@ Array = npt.NDArray[np.float64]
 _ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
 _SYMMETRY = 1e-8  # tables of stiffness are given with at least as many digits
 _CIRCLE_POINTS = 32
+_ROUNDING = 1e-13
 _ISOTROPY = 1e-7  # of principal moments: between rounding and the errors of a mesh
 
 
@@ -101,6 +102,8 @@ class SectionProperties:
         (yy, yz), (_, zz) = self.second_moments
         if np.hypot(0.5 * (yy - zz), yz) < _ISOTROPY * (yy + zz):
             return 0.0
+        if abs(yz) < _ROUNDING * (yy + zz):
+            return 0.0 if yy > zz else 0.5 * pi
         return float(0.5 * np.arctan2(2.0 * yz, yy - zz))
 
     def offset(self, y: float, z: float) -> SectionProperties:
@@ -268,7 +271,6 @@ class Section:
             np.diag(G) if G is not None and G.ndim == 1 else G,
             None if outline is None else np.asarray(outline, dtype=np.float64),
         )
-
 
     def offset(self, y: float, z: float) -> Section:
         """The same section with its reference point, where the beam's axis runs, at (y, z).

@@ -159,9 +159,7 @@ class SectionShape:
         return cls._single(Loop.polygon(points).rounded((3,), root_radius))
 
     @classmethod
-    def polygon(
-        cls, points: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = ()
-    ) -> SectionShape:
+    def polygon(cls, points: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = ()) -> SectionShape:
         """Polygon with holes.
 
         Args:

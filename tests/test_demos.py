@@ -126,3 +126,12 @@ def test_readme_example(tmp_path, monkeypatch, capsys):
     assert np.linalg.norm(names["tip"]) <= 1e-9 * 10.0
     assert "iterations [3 3 3 3 3 3]" in capsys.readouterr().out
     assert (tmp_path / "rollup.png").stat().st_size > 10_000
+
+
+def test_section_properties():
+    record = main("section_properties")
+    assert record["largest_error"] <= 1e-3
+    assert record["channel_shear_centre"] == pytest.approx(
+        record["channel_shear_centre_of_thin_walls"], rel=0.02
+    )
+    assert record["coupling_at_shear_centre"] <= 1e-12
