@@ -13,8 +13,9 @@ from fem_lie.plot import Units
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
-from fem_lie.section import Material, Section, SectionProperties
+from fem_lie.section import Material, Section
 from fem_lie.section_mesh import SectionMesh
+from fem_lie.section_properties import SectionProperties
 from fem_lie.section_shape import SectionShape
 from fem_lie.solve.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError

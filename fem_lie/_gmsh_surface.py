@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from fem_lie._cell_sizes import GROWTH, CellSizes
 from fem_lie._gmsh import _check_parameters, _logged, _merge, _model, _physical, _session
 from fem_lie._lines import Indices
-from fem_lie._outline import GROWTH, CellSizes, Loop, Part
+from fem_lie._outline import Loop, Part
 from fem_lie.section import Array
 
 # gmsh's element types: shape, degree, and where DOLFINx's nodes stand among gmsh's

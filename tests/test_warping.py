@@ -84,6 +84,17 @@ def test_equilateral_triangle():
     like(p.shear_factors, p.shear_factors[0, 0] * np.eye(2), 1e-9)
 
 
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_semicircle(nu):
+    """Cowper's (1 + ν)/(1.305 + 1.273 ν) for a force along the axis of symmetry."""
+    angle = np.linspace(0.0, pi, 65)
+    shape = fl.SectionShape.polygon(np.column_stack([np.cos(angle), np.sin(angle)]))
+    factors = properties(shape, fl.Material(1.0, nu, 1.0)).shear_factors
+    # his constants have four digits
+    assert factors[1, 1] == pytest.approx((1 + nu) / (1.305 + 1.273 * nu), rel=5e-4)
+    assert abs(factors[0, 1]) < 1e-6
+
+
 def test_ellipse():
     """Cowper's formula for the ellipse, too: n = a/b, with a along the force."""
     a, b, count = 2.0, 1.0, 128
@@ -207,6 +218,17 @@ def test_shear_flexibility_of_layers_is_that_of_the_shear_flow():
 
     F = quad(lambda z: (statical(z) / EI) ** 2 / (50.0 if z < 0.4 else 2.5), 0, 1, points=[0.4])[0]
     assert 1 / (p.shear_factors[1, 1] * p.G * p.area) == pytest.approx(F, rel=1e-4)
+
+
+def test_the_mesh_does_not_matter_where_a_region_ends_on_another():
+    """The corners of the small square peak with a ratio of 1000 of the stiffnesses."""
+    small, large = fl.SectionShape.rectangle(0.5, 0.5), fl.SectionShape.rectangle(1.0, 1.0)
+    shape = fl.SectionShape.joined({"soft": large.moved(0.75, 0.25), "hard": small})
+    materials = {"hard": fl.Material(1e3, NU, 1.0), "soft": fl.Material(1.0, NU, 1.0)}
+    own, fine = (s.warping(materials).properties for s in (shape, shape.refined(2.0)))
+    assert own.torsion_constant == pytest.approx(fine.torsion_constant, rel=3e-4)
+    like(own.shear_factors, fine.shear_factors, 3e-4)
+    np.testing.assert_allclose(own.shear_centre, fine.shear_centre, atol=1e-4)
 
 
 def test_filled_tube():
