@@ -269,6 +269,9 @@ def test_offset_by_the_parallel_axis_theorem(name, solved):
     assert moved.stiffness[5, 5] == pytest.approx(EI[0, 0] + EA * y**2)
     assert moved.stiffness[4, 5] == pytest.approx(-EI[0, 1] - EA * y * z)
     np.testing.assert_allclose(moved.stiffness[0, [0, 4, 5]], EA * np.array([1, -z, y]))
+    mass, J = STEEL.density * p.area, STEEL.density * p.second_moments
+    np.testing.assert_allclose(moved.inertia[0], mass * np.array([1, 0, -y, -z]), atol=1e-9)
+    np.testing.assert_allclose(moved.inertia[2:, 2:], J + mass * np.outer(shift, shift))
     for there in (centred, moved):
         # a shear force acts at the shear centre, wherever the axis is
         ys, zs = there.properties.shear_centre
