@@ -76,14 +76,21 @@ def draw(warping: Warping, axes: Axes) -> None:
 
 
 def _names(axes: Axes, warping: Warping) -> None:
-    """The name of each region at the middle of its cell nearest to all others."""
+    """The name of each region, to the right of its upper right cell."""
     mesh = warping.mesh
     middles = mesh.points[mesh.cells].mean(axis=1)
     for region, name in enumerate(mesh.names):
         own = middles[mesh.regions == region]
-        nearest = own[np.linalg.norm(own - own.mean(axis=0), axis=1).argmin()]
-        box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 1.5}
-        axes.annotate(name, nearest, ha="center", va="center", fontsize=8, bbox=box)
+        axes.annotate(
+            name,
+            own[own.sum(axis=1).argmax()],
+            xytext=(16, -16),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+            bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
+            arrowprops={"arrowstyle": "-", "linewidth": 0.6},
+        )
 
 
 def _curves(edges: Array) -> Array:
