@@ -28,11 +28,15 @@ from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 from fem_lie.section import Material, Section
+from fem_lie.section_mesh import SectionMesh
+from fem_lie.section_properties import SectionProperties
+from fem_lie.section_shape import SectionShape
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.vibrations import vibrations
+from fem_lie.warping import Warping
 
 __all__ = [
     "Automatic",
@@ -74,11 +78,15 @@ __all__ = [
     "RigidLink",
     "Scene",
     "Section",
+    "SectionMesh",
+    "SectionProperties",
+    "SectionShape",
     "Spherical",
     "StaticResult",
     "StrainEnergy",
     "Temperature",
     "Units",
+    "Warping",
     "director_strains",
     "from_dolfinx",
     "ground",

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from fem_lie._cell_sizes import GROWTH, CellSizes
 from fem_lie._gmsh import _check_parameters, _logged, _merge, _model, _physical, _session
 from fem_lie._lines import Indices
-from fem_lie._outline import GROWTH, CellSizes, Loop, Part
+from fem_lie._outline import Loop, Part
 from fem_lie.section import Array
 
 # gmsh's element types: shape, degree, and where DOLFINx's nodes stand among gmsh's
@@ -96,14 +97,14 @@ def read_surface(
 
 def _loop(gmsh: Any, loop: Loop) -> int:
     occ = gmsh.model.occ
-    points = [occ.addPoint(y, z, 0.0) for y, z in loop.vertices]
+    points = [occ.addPoint(start[0], start[1], 0.0) for start, _, _ in loop.edges()]
     curves = []
-    for i, (y, z) in enumerate(loop.centres):
-        ends = points[i], points[(i + 1) % len(points)]
-        if np.isnan(y):
-            curves.append(occ.addLine(*ends))
+    for i, (_, _, centre) in enumerate(loop.edges()):
+        start, end = points[i], points[(i + 1) % len(points)]
+        if np.isnan(centre[0]):
+            curves.append(occ.addLine(start, end))
         else:
-            curves.append(occ.addCircleArc(ends[0], occ.addPoint(y, z, 0.0), ends[1]))
+            curves.append(occ.addCircleArc(start, occ.addPoint(centre[0], centre[1], 0.0), end))
     return int(occ.addCurveLoop(curves))
 
 

@@ -1,10 +1,9 @@
-"""Outlines of sections: loops of straight edges and arcs, what is wrong with them, cell sizes."""
+"""Outlines of sections: loops of straight edges and arcs, and what is wrong with them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,12 +11,7 @@ import numpy.typing as npt
 from fem_lie.section import Array
 
 _ARC_PIECES = 8  # chords of an arc when loops are checked and walls measured
-_TOUCH = 1e-9  # of the size of the outline
-_WALL_CELL = 0.5  # size of cells in a wall over its thickness
-_CORNER_CELL = 0.01  # the same at a re-entrant corner
-_LARGEST_CELL = 0.125  # size of cells over the diameter of the outline
-_SIZE_STEP = 0.1  # sizes that differ by less are the same
-GROWTH = 0.35  # of the cell's size per distance
+TOUCH = 1e-9  # of the size of the outline
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +40,7 @@ class Loop:
         if not np.isfinite(vertices).all():
             raise ValueError(f"{what} must be finite, got {points!r}")
         edges = np.linalg.norm(np.roll(vertices, -1, axis=0) - vertices, axis=1)
-        if edges.min() <= _TOUCH * np.ptp(vertices, axis=0).max():
+        if edges.min() <= TOUCH * np.ptp(vertices, axis=0).max():
             i = int(edges.argmin())
             raise ValueError(f"{what} must differ from their neighbours, got {vertices[i]} twice")
         return cls(vertices, np.full_like(vertices, np.nan))
@@ -57,13 +51,18 @@ class Loop:
         vertices = radius * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
         return cls(vertices, np.zeros_like(vertices))
 
+    def edges(self) -> Iterator[tuple[Array, Array, Array]]:
+        """Start, end and centre of each edge."""
+        for i, end in enumerate(np.roll(np.arange(len(self.vertices)), -1)):
+            yield self.vertices[i], self.vertices[end], self.centres[i]
+
     def rounded(self, corners: Sequence[int], radius: float) -> Loop:
         """With corners between straight edges replaced by arcs."""
         if radius == 0.0:
             return self
         vertices: list[Array] = []
         centres: list[Array] = []
-        for i, (point, centre) in enumerate(zip(self.vertices, self.centres, strict=True)):
+        for i, (point, _, centre) in enumerate(self.edges()):
             if i in corners:
                 start, middle, end = _fillet(self.vertices, i, radius)
                 vertices += [start, end]
@@ -80,8 +79,7 @@ class Loop:
     def chords(self) -> Array:
         """Points of a polygon that has the vertices and follows the arcs, shape (m, 2)."""
         pieces = []
-        ends = np.roll(self.vertices, -1, axis=0)
-        for start, end, centre in zip(self.vertices, ends, self.centres, strict=True):
+        for start, end, centre in self.edges():
             if np.isnan(centre[0]):
                 pieces.append(start[np.newaxis])
             else:
@@ -135,61 +133,13 @@ class Part:
                     raise ValueError(f"{names[i]} lies inside {names[j]}")
 
 
-@dataclass(frozen=True, eq=False)
-class CellSizes:
-    """Size of cells: given at segments, growing with the distance from them.
-
-    Attributes:
-        start: Ends of the segments, shape (n, 2).
-        along: Vectors from there to their other ends, shape (n, 2).
-        size: Shape (n,).
-    """
-
-    start: Array
-    along: Array
-    size: Array
-
-    @classmethod
-    def of(cls, parts: Sequence[Part], refinement: float) -> CellSizes:
-        """Some cells across each wall, and small ones at re-entrant corners, where strains peak."""
-        starts, alongs, sizes = [], [], []
-        for part in parts:
-            loops = [_oriented(loop.chords(), i == 0) for i, loop in enumerate(part.loops)]
-            a = np.concatenate(loops)
-            d = np.concatenate([np.roll(points, -1, axis=0) - points for points in loops])
-            wall = _thickness(a, d)
-            corner, at_corner = _reentrant(loops, wall)
-            starts += [a, corner]
-            alongs += [d, np.zeros_like(corner)]
-            sizes += [_WALL_CELL * wall, _CORNER_CELL * at_corner]
-        largest = _LARGEST_CELL * np.linalg.norm(np.ptp(np.concatenate(starts), axis=0))
-        size = np.minimum(np.concatenate(sizes), largest) / refinement
-        return cls(np.concatenate(starts), np.concatenate(alongs), size)
-
-    def samples(self) -> Iterator[tuple[float, Array]]:
-        """Sizes, rounded down to steps of a geometric series, and points along their segments."""
-        steps = np.floor(np.log(self.size) / _SIZE_STEP)
-        for step in np.unique(steps):
-            size = float(np.exp(step * _SIZE_STEP))
-            points = [
-                start + np.linspace(0.0, 1.0, count)[:, np.newaxis] * along
-                for start, along, count in zip(*self._like(steps == step, size), strict=True)
-            ]
-            yield size, np.concatenate(points)
-
-    def _like(self, chosen: npt.NDArray[np.bool_], size: float) -> tuple[Array, Array, Any]:
-        along = self.along[chosen]
-        counts = np.ceil(np.linalg.norm(along, axis=1) / size).astype(int) + 1
-        return self.start[chosen], along, counts
-
-
-def _cross(a: Array, b: Array) -> Array:
+def cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _angle(a: Array, b: Array) -> float:
     """From a to b, in (-π, π]."""
-    return float(np.arctan2(_cross(a, b), a @ b))
+    return float(np.arctan2(cross(a, b), a @ b))
 
 
 def _fillet(vertices: Array, i: int, radius: float) -> tuple[Array, Array, Array]:
@@ -208,17 +158,17 @@ def _crossings(a: Array, b: Array, same: bool) -> bool:
     da, db = np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b
     r = b[np.newaxis] - a[:, np.newaxis]
     u, v = np.broadcast_arrays(da[:, np.newaxis], db[np.newaxis])
-    det = _cross(u, v)
+    det = cross(u, v)
     scale = np.linalg.norm(u, axis=-1) * np.linalg.norm(v, axis=-1)
     parallel = np.abs(det) <= 1e-12 * scale
     safe = np.where(parallel, 1.0, det)
-    s, t = _cross(r, v) / safe, _cross(r, u) / safe
-    meet = ~parallel & (np.abs(s - 0.5) <= 0.5 + _TOUCH) & (np.abs(t - 0.5) <= 0.5 + _TOUCH)
+    s, t = cross(r, v) / safe, cross(r, u) / safe
+    meet = ~parallel & (np.abs(s - 0.5) <= 0.5 + TOUCH) & (np.abs(t - 0.5) <= 0.5 + TOUCH)
     # on one line: overlap of projections
     length2 = (u * u).sum(axis=-1)
     start, end = (r * u).sum(axis=-1) / length2, ((r + v) * u).sum(axis=-1) / length2
-    aligned = parallel & (np.abs(_cross(r, u)) <= _TOUCH * length2)
-    meet |= aligned & (np.maximum(start, end) > -_TOUCH) & (np.minimum(start, end) < 1.0 + _TOUCH)
+    aligned = parallel & (np.abs(cross(r, u)) <= TOUCH * length2)
+    meet |= aligned & (np.maximum(start, end) > -TOUCH) & (np.minimum(start, end) < 1.0 + TOUCH)
     if not same:
         return bool(meet.any())
     n = len(a)
@@ -235,43 +185,3 @@ def _inside(point: Array, polygon: Array) -> bool:
     spans = (polygon[:, 1] > z) != (ends[:, 1] > z)
     p, q = polygon[spans], ends[spans]
     return bool(np.sum(p[:, 0] + (z - p[:, 1]) / (q[:, 1] - p[:, 1]) * (q - p)[:, 0] > y) % 2)
-
-
-def _oriented(points: Array, counter_clockwise: bool) -> Array:
-    """With the material on the left."""
-    area = _cross(points, np.roll(points, -1, axis=0)).sum()
-    return points if (area > 0) == counter_clockwise else points[::-1]
-
-
-def _thickness(a: Array, d: Array) -> Array:
-    """Of the wall behind each edge: the least of three rays from it into the material."""
-    normal = np.column_stack([-d[:, 1], d[:, 0]]) / np.linalg.norm(d, axis=1, keepdims=True)
-    thickness = np.full(len(a), np.inf)
-    for part in (0.25, 0.5, 0.75):
-        origin = (a + part * d)[:, np.newaxis]
-        ray = np.broadcast_to(normal[:, np.newaxis], (len(a), *d.shape))
-        edge = np.broadcast_to(d, ray.shape)
-        det = _cross(ray, edge)
-        safe = np.where(np.abs(det) > 1e-12 * np.linalg.norm(edge, axis=-1), det, np.inf)
-        r = a - origin
-        distance, along = _cross(r, edge) / safe, _cross(r, ray) / safe
-        hit = np.isfinite(safe) & (np.abs(along - 0.5) <= 0.5 + _TOUCH)
-        np.fill_diagonal(hit, False)
-        hit &= distance > 0
-        thickness = np.minimum(thickness, np.where(hit, distance, np.inf).min(axis=1))
-    return thickness
-
-
-def _reentrant(loops: Sequence[Array], wall: Array) -> tuple[Array, Array]:
-    """Corners with more than a straight angle of material, and the thinner wall at each."""
-    corners, walls, first = [], [], 0
-    for points in loops:
-        d = np.roll(points, -1, axis=0) - points
-        before = np.roll(d, 1, axis=0)
-        turn = np.arctan2(_cross(before, d), (before * d).sum(axis=1))
-        sharp = np.flatnonzero(turn < -0.3)  # chords of an arc turn by less
-        here = wall[first : first + len(points)]
-        corners.append(points[sharp])
-        walls.append(np.minimum(here, np.roll(here, 1))[sharp])
-        first += len(points)
-    return np.concatenate(corners), np.concatenate(walls)

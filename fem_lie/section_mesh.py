@@ -104,11 +104,11 @@ class SectionMesh:
             ValueError: The mesh has other cells or is spread over processes, a cell has no tag or
                 a tag no name or no cell, or anything that the class refuses.
         """
-        from fem_lie._compat import geometry_dofmap
+        from fem_lie._compat import cell_name, geometry_dofmap
 
         if mesh.comm.size > 1:
             raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
-        cells, cell = geometry_dofmap(mesh).astype(np.int64), mesh.topology.cell_name()
+        cells, cell = geometry_dofmap(mesh).astype(np.int64), cell_name(mesh.ufl_domain())
         nodes = cells.shape[1]
         if (cell, nodes) not in _DEGREES:
             raise ValueError(
@@ -124,9 +124,8 @@ class SectionMesh:
     def outline(self) -> Array:
         """Corners of the outer boundary, counter-clockwise, shape (k, 2); arcs as polygons."""
         ends, middles = self._edges()
-        _, first, count = np.unique(
-            np.sort(ends, axis=1), axis=0, return_index=True, return_counts=True
-        )
+        pairs = np.sort(ends, axis=1)
+        _, first, count = np.unique(pairs, axis=0, return_index=True, return_counts=True)
         following = defaultdict(list)  # two where two loops meet in a point
         for edge in first[count == 1]:
             following[int(ends[edge, 0])].append(edge)
@@ -203,10 +202,11 @@ def _simplified(points: Array) -> Array:
     before = np.roll(edges, 1, axis=0)
     cross = before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0]
     turn = np.arctan2(cross, (before * edges).sum(axis=1))
-    kept, since = [], 0.0
+    kept: list[int] = []
+    since = 0.0
     for i in np.roll(np.arange(len(points)), -int(np.abs(turn).argmax())):
         since += turn[i]
         if not kept or abs(since) >= _KEPT_TURN:
-            kept.append(i)
+            kept.append(int(i))
             since = 0.0
     return points[kept]

@@ -34,26 +34,27 @@ def picture(warping: Warping, path: str | os.PathLike[str] | None = None) -> Fig
 def draw(warping: Warping, axes: Axes) -> None:
     """Draw into given axes: e₂ to the right, e₃ upwards, seen against e₁."""
     from matplotlib.collections import LineCollection
+    from matplotlib.ticker import ScalarFormatter
+    from matplotlib.tri import Triangulation
 
     properties, largest = warping.properties, np.abs(warping.function).max()
-    y, z = warping.points.T
     size = float(np.linalg.norm(np.ptp(warping.points, axis=0)))
     # a section that does not warp is one colour, not rounding errors in all colours
     limit = max(largest, 1e-3 * size**2)
     colours = axes.tripcolor(
-        y,
-        z,
-        warping.triangles,
+        Triangulation(warping.points[:, 0], warping.points[:, 1], warping.triangles),
         warping.function,
         shading="gouraud",
         cmap="RdBu_r",
         vmin=-limit,
         vmax=limit,
     )
-    bar = axes.figure.colorbar(colours, ax=axes, shrink=0.8)
+    powers = ScalarFormatter(useMathText=True)
+    powers.set_powerlimits((-2, 3))
+    bar = axes.figure.colorbar(colours, ax=axes, shrink=0.8, format=powers)
     bar.set_label("warping function [length²]")
-    bar.formatter.set_powerlimits((-2, 3))
-    axes.add_collection(LineCollection(_curves(warping.mesh.borders()), colors="k", linewidths=0.8))
+    curves = list(_curves(warping.mesh.borders()))
+    axes.add_collection(LineCollection(curves, colors="k", linewidths=0.8))
     _axes_of(axes, properties.centroid, properties.principal_angle, 0.25 * size)
     axes.plot(*properties.centroid, "o", color="k", markersize=5, label="centroid")
     axes.plot(
@@ -64,11 +65,32 @@ def draw(warping: Warping, axes: Axes) -> None:
         markersize=9,
         label="shear centre",
     )
+    if len(warping.mesh.names) > 1:
+        _names(axes, warping)
     axes.set_aspect("equal")
+    axes.locator_params(axis="x", nbins=5)
     axes.set(xlabel="$y$ (along $e_2$)", ylabel="$z$ (along $e_3$)")
     axes.margins(0.08)
     axes.autoscale_view()
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=3, frameon=False)
+
+
+def _names(axes: Axes, warping: Warping) -> None:
+    """The name of each region, to the right of its upper right cell."""
+    mesh = warping.mesh
+    middles = mesh.points[mesh.cells].mean(axis=1)
+    for region, name in enumerate(mesh.names):
+        own = middles[mesh.regions == region]
+        axes.annotate(
+            name,
+            own[own.sum(axis=1).argmax()],
+            xytext=(16, -16),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+            bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
+            arrowprops={"arrowstyle": "-", "linewidth": 0.6},
+        )
 
 
 def _curves(edges: Array) -> Array:

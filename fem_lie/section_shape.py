@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._outline import CellSizes, Loop, Part
+from fem_lie._cell_sizes import CellSizes
+from fem_lie._outline import Loop, Part
 from fem_lie.section import Material, Section
 from fem_lie.section_mesh import SectionMesh
 from fem_lie.warping import Warping
@@ -19,7 +20,7 @@ class SectionShape:
 
     ``shape.section(material)`` is what a beam needs, ``shape.warping(material)`` knows the details
     and draws them. Lengths may be in any unit. Cells are sized so that stiffnesses are right to
-    1e-3: some across each wall, small ones at re-entrant corners.
+    1e-3: some across each wall, small ones at re-entrant corners and where regions end on others.
 
     Args:
         parts: Outlines of each region by its name; regions may touch, but not overlap.

@@ -233,27 +233,30 @@ class _Fields:
     def shear_factors(self, torsion: _Torsion) -> Array:
         """From the flexibility ``Γ = F Q``, shape (2, 2)."""
         y, z = self.r
-        ys, zs = torsion.shear_centre
         p, q = 0.5 * (y * y - z * z), y * z
-        t = np.array([zs - z, y - ys])
-        twisting, strains = self._divergence(t), []
-        for r, a in zip(self.r, -self.nu * np.array([[p, q], [q, -p]]), strict=True):
-            psi = self._solve(self.mass_E @ r - self._divergence(a))
-            torque = twisting @ psi + (t * (a @ self.mass_G)).sum()
-            untwist = -torque / torsion.stiffness * np.array([zs, -ys])
-            mean = (a @ self.mass_E).sum(axis=1) / self.EA
-            strains.append(self._mean_gradient(psi) + mean + untwist)
-        F = np.column_stack(strains) @ np.linalg.inv(self.EI)
+        along_y = self.shear_strain(y, -self.nu * np.array([p, q]), torsion)
+        along_z = self.shear_strain(z, -self.nu * np.array([q, -p]), torsion)
+        F = np.column_stack([along_y, along_z]) @ np.linalg.inv(self.EI)
         return np.asarray(np.linalg.inv(0.5 * (F + F.T) * self.GA))
+
+    def shear_strain(self, strain: Array, a: Array, torsion: _Torsion) -> Array:
+        """Γ for ``ε' = strain`` and a, with a resultant through the shear centre, shape (2,)."""
+        y, z = self.r
+        ys, zs = torsion.shear_centre
+        t = np.array([zs - z, y - ys])
+        psi = self._solve(self.mass_E @ strain - self._divergence(a))
+        torque = self._divergence(t) @ psi + (t * (a @ self.mass_G)).sum()
+        untwist = -torque / torsion.stiffness * np.array([zs, -ys])
+        return self._mean_gradient(psi) + (a @ self.mass_E).sum(axis=1) / self.EA + untwist
 
     def drawn(self, functions: list[Array]) -> tuple[Indices, list[Array]]:
         """Triangles of a lattice in each cell, shape (t, 3), and functions at its points."""
         kind = getattr(CellType, self._cell)
-        lattice = create_lattice(kind, _DRAWN_PIECES, LatticeType.equispaced, True)
-        shape = self._element.tabulate(0, lattice)[0]
+        lattice: Any = create_lattice(kind, _DRAWN_PIECES, LatticeType.equispaced, True)
+        tables: Any = self._element.tabulate(0, lattice)
         cells = np.arange(len(self._dofs))[:, np.newaxis, np.newaxis]
         triangles = Delaunay(lattice).simplices + cells * len(lattice)
-        values = [(f[self._dofs] @ shape.T).ravel() for f in functions]
+        values = [(f[self._dofs] @ tables[0].T).ravel() for f in functions]
         return triangles.reshape(-1, 3).astype(np.int64), values
 
     def _divergence(self, vector: Array) -> Array:

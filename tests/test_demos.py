@@ -255,3 +255,12 @@ def test_speed_against_error(tmp_path):
     for key, expected in record.items():
         if key.startswith("expected_order_"):
             assert record[key.removeprefix("expected_")] == pytest.approx(expected, abs=0.15), key
+
+
+def test_section_properties():
+    record = main("section_properties")
+    assert record["largest_error"] <= 1e-3
+    assert record["channel_shear_centre"] == pytest.approx(
+        record["channel_shear_centre_of_thin_walls"], rel=0.02
+    )
+    assert record["coupling_at_shear_centre"] <= 1e-12
