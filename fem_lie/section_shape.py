@@ -176,7 +176,7 @@ class SectionShape:
 
     @classmethod
     def joined(cls, shapes: Mapping[str, SectionShape]) -> SectionShape:
-        """Shapes that touch, each a region of its own material.
+        """Shapes that touch, each a region of its own material, as fine as the finest of them.
 
         Args:
             shapes: Each of a single region, by the region's name; see :meth:`moved`.
@@ -187,7 +187,8 @@ class SectionShape:
         for name, shape in shapes.items():
             if len(shape.parts) != 1:
                 raise ValueError(f"{name!r} must have one region, got {len(shape.parts)}")
-        return cls({name: part for name, shape in shapes.items() for part in shape.parts.values()})
+        parts = {name: part for name, shape in shapes.items() for part in shape.parts.values()}
+        return cls(parts, max((shape.refinement for shape in shapes.values()), default=1.0))
 
     def moved(self, y: float, z: float) -> SectionShape:
         """The same shape elsewhere.
