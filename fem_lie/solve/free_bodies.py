@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fem_lie._jit import Array, Indices
+from fem_lie.groups import from_local, move_all
 from fem_lie.info import SceneInfo
 from fem_lie.loads import History as LoadHistory
 from fem_lie.loads import NodalLoad, amplitudes, histories
@@ -49,7 +50,7 @@ class _Bodies(NamedTuple):
         mass: Shape (n,).
         J: Inertia tensors about the centre of mass, shape (n, 3, 3).
         size: Length of the tolerance, shape (n,).
-        group: :data:`scheme.SE3` or :data:`scheme.R3XSO3`, shape (n,).
+        group: Of each, see :class:`fem_lie.groups.Group`, shape (n,).
     """
 
     mass: Array
@@ -147,7 +148,7 @@ class Run:
         self.p = scheme.parameters(options.radius, step, 1.0)
         self.s = _State(
             self.numbering.frames.copy(),
-            self.numbering.velocities.copy(),
+            np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             # no ratio and no matrix yet: the first step makes one, whatever it costs
@@ -182,11 +183,13 @@ class Run:
         shift = (p.af - p.am) * p.h
         ahead = max(shift, AHEAD * p.h)
         amplitude = amplitudes(self.histories, [0.0, ahead])
-        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.H, s.v, s.vdot)
+        group, twists = self.bodies.group, self.numbering.velocities
+        from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
+        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
-        free_body.move_all(self.bodies.group, s.H, d, H1)
+        move_all(group, s.H, d, H1)
         v1 = s.v + ahead * s.vdot
-        free_body.accelerations(bodies, loads, amplitude[1], s.H, H1, v1, later)
+        free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
         s.a[:] = s.vdot - shift / ahead * (later - s.vdot)
 
     def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
@@ -194,7 +197,7 @@ class Run:
         info = SceneInfo(self.numbering.bodies(), ())
         history = History(info, steps, self.p.h, save_every, progress)
         self.start()
-        history.frames[0], history.velocities[0] = self.s.H, self.s.v
+        history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
         start = np.zeros(1, dtype=np.int64)
         self._keep(history, start, start, amplitudes(self.histories, [0.0]))
         failed, count, factorisations = np.zeros(3), 0, 0
