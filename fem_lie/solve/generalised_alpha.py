@@ -156,7 +156,7 @@ class _Run:
         system.set_time(0.0)
         system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
         self._fill(s.H, s.H, turned=False)
-        self.scale[:] = system.constraint_scale(s.H)
+        self.scale[:] = system.tangent.constraint_scale(s.H)
         self._warm_up()
 
     def _warm_up(self) -> None:
