@@ -43,7 +43,7 @@ def check_redundancy(
     redundant = np.union1d(pivots[rank:] - 1, empty)
     if len(redundant):
         owner = np.searchsorted(table.first, redundant, side="right") - 1
-        names = "; ".join(joints[k].label for k in dict.fromkeys(owner))
+        names = "; ".join(joints[int(k)].label for k in dict.fromkeys(owner))
         raise ValueError(
             f"{len(redundant)} of {B.shape[0]} constraints are redundant, they follow from the "
             f"other joints and clamps: {names}. Replace a joint by one with fewer constraints "

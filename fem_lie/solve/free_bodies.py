@@ -27,7 +27,6 @@ from fem_lie.solve import free_body, scheme
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
-from fem_lie.solve.scheme import AHEAD
 from fem_lie.system import refuse_ranks
 
 if TYPE_CHECKING:
@@ -178,10 +177,8 @@ class Run:
 
     def start(self) -> None:
         """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
-        p, s = self.p, self.s
+        s, ahead = self.s, self.p.ahead
         bodies, loads = tuple(self.bodies), tuple(self.loads)
-        shift = (p.af - p.am) * p.h
-        ahead = max(shift, AHEAD * p.h)
         amplitude = amplitudes(self.histories, [0.0, ahead])
         group, twists = self.bodies.group, self.numbering.velocities
         from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
@@ -190,7 +187,7 @@ class Run:
         move_all(group, s.H, d, H1)
         v1 = s.v + ahead * s.vdot
         free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
-        s.a[:] = s.vdot - shift / ahead * (later - s.vdot)
+        s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
 
     def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
         """All steps; see :meth:`GeneralisedAlpha.run`."""

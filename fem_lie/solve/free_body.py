@@ -178,11 +178,9 @@ def make_step(
             renewed += 1
         _solve(kept, translation, turning, dx)
         increment = scheme.correct(parameters, group, dx, H, d, H1, v1, vdot1)
-        if previous < np.inf:
-            ratio = max(increment / previous, 0.7 * ratio)
-        remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+        ratio, remaining = scheme.estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= scheme.ROUND_OFF:
-            memory[0] = ratio if iteration > 1 else ratio**0.8
+            memory[0] = ratio if iteration > 1 else ratio**scheme.UNMEASURED
             if memory[2] == 0.0 or iteration < memory[2]:
                 memory[2] = iteration
             memory[3] += iteration - memory[2]

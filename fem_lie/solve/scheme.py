@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from fem_lie import lie
 from fem_lie._jit import Array, inlined
 from fem_lie.groups import move
@@ -25,6 +27,9 @@ DIVERGED = 1e3
 AHEAD = 0.1
 """Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""
 
+UNMEASURED = 0.8
+"""Power of the ratio of increments from a step that has none: trust it less and less."""
+
 
 class Scheme(NamedTuple):
     """Parameters of a run; ``mass`` and ``damping`` are ∂v̇₁/∂d and ∂v₁/∂d."""
@@ -37,6 +42,16 @@ class Scheme(NamedTuple):
     mass: float
     damping: float
     length: float
+
+    @property
+    def shift(self) -> float:
+        """Time from that for which ``a`` stands for ``v̇`` to the step's start."""
+        return (self.af - self.am) * self.h
+
+    @property
+    def ahead(self) -> float:
+        """Time over which initial accelerations are differentiated."""
+        return max(self.shift, AHEAD * self.h)
 
 
 def parameters(radius: float, step: float, length: float) -> Scheme:
@@ -133,3 +148,17 @@ def accept(
         v[k] = v1[k]
         vdot[k] = vdot1[k]
     lie.reorthonormalise(H1)
+
+
+@inlined
+def estimate(increment: float, previous: float, ratio: float) -> tuple[float, float]:
+    """Ratio of successive increments, and the sum of all that would follow.
+
+    ``previous`` is inf in the first iteration, and ``ratio`` that of the iterations before.
+    """
+    if previous < np.inf:
+        # one lucky ratio must not end the next steps too early: forget slowly
+        ratio = max(increment / previous, 0.7 * ratio)
+    # of a linearly converging iteration
+    remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+    return ratio, remaining

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie import constraints, lie
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError
-from fem_lie.solve.scheme import AHEAD, Scheme
+from fem_lie.solve.scheme import Scheme
 from fem_lie.solve.steps import State, extrapolate
 from fem_lie.system import System
 
@@ -141,8 +141,7 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
         ValueError: The mass matrix is singular.
     """
     h, n = scheme.h, system.count
-    shift = (scheme.af - scheme.am) * h
-    ahead = max(shift, AHEAD * h)
+    ahead = scheme.ahead
     v = system.velocities.copy()
     vdot, weights = accelerations(system, solver, s.H, v, 0.0, h)
     s.set_start(v[:n], vdot)
@@ -150,7 +149,7 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
     extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
     later.set_start(v[:n], accelerations(system, solver, later.H, v, ahead, h)[0])
     jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
-    s.a[:] -= shift * jerk
+    s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(system, solver, scheme, s, jerk)
     return weights
 

@@ -145,8 +145,8 @@ def correct(
 def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
     H, H1, motion, _ = state
-    v, vdot, a, d, v1, vdot1, _, _ = _parts(motion)
-    for i in range(d.shape[0]):
+    v, vdot, a, _, v1, vdot1, _, _ = _parts(motion)
+    for i in range(v.shape[0]):
         node.accept(scheme, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
     H[:] = H1  # with the prescribed frames
 
