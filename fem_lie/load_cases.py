@@ -8,7 +8,6 @@ from fem_lie import lie
 from fem_lie._jit import Array, Indices
 from fem_lie.loads import (
     History,
-    Load,
     NodalLoad,
     PressureLoad,
     StrainLoad,
@@ -50,7 +49,7 @@ class LoadCases:
             numbering: Of its nodes.
             weight: Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3).
         """
-        self._numbering, self._weight = numbering, weight
+        self._numbering = numbering
         # equal histories are one, under the number of the first load that has it
         distinct: dict[History, int] = {}
         for number, history in histories(scene.loads).items():
@@ -94,9 +93,8 @@ class LoadCases:
             np.add.at(case.dead, leaders, moved)
             np.add.at(case.moment, leaders, values[:, 3:])
 
-    def _in_assembly(self, load: Load) -> tuple[int, Array]:
+    def _in_assembly(self, load: StrainLoad) -> tuple[int, Array]:
         """Number of the load's assembly and the strain of all cells there, shape (M, 6)."""
-        assert isinstance(load, StrainLoad)
         for number, members in enumerate(self._numbering.members):
             if load.body in members:
                 strains = [

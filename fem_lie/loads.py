@@ -12,7 +12,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -81,11 +80,30 @@ class NodalLoad(Load):
 
 
 class StrainLoad(Load):
-    """A strain that a beam would have without stress."""
+    """A strain that a beam would have without stress.
+
+    Attributes:
+        beam: What is strained.
+        cells: Name of a group of cells; default: all.
+    """
+
+    beam: Beam
+    cells: str | None
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
 
     @abstractmethod
     def strains(self) -> Array:
         """Strain (Γ, κ) of each cell of the body, shape (m, 6)."""
+
+    def _in_cells(self, strain: Array) -> Array:
+        """The strain, (6,) or (m, 6), in the loaded cells, zero elsewhere."""
+        values, cells = np.zeros((len(self.beam.stiffness), 6)), self.beam.cells_of(self.cells)
+        values[cells] = np.broadcast_to(strain, values.shape)[cells]
+        return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,14 +259,9 @@ class Eigenstrain(StrainLoad):
         vector(self.strain, 6, f"eigenstrain of {self.beam.label}")
         self.beam.cells_of(self.cells)
 
-    @property
-    def body(self) -> Beam:
-        """The body that carries the load."""
-        return self.beam
-
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6)."""
-        return _in_cells(self.beam, self.cells, np.asarray(self.strain, dtype=np.float64))
+        return self._in_cells(np.asarray(self.strain, dtype=np.float64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,16 +292,11 @@ class Temperature(StrainLoad):
         vector(self.gradient, 2, f"gradient of temperature of {self.beam.label}")
         self.beam.cells_of(self.cells)
 
-    @property
-    def body(self) -> Beam:
-        """The body that carries the load."""
-        return self.beam
-
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
         y, z = np.asarray(self.gradient, dtype=np.float64)
         strain = self.expansion * np.array([self.rise, 0, 0, 0, z, -y])
-        return _in_cells(self.beam, self.cells, strain)
+        return self._in_cells(strain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,23 +320,11 @@ class PreStress(StrainLoad):
         vector(self.resultant, 6, f"pre-stress of {self.beam.label}")
         self.beam.cells_of(self.cells)
 
-    @property
-    def body(self) -> Beam:
-        """The body that carries the load."""
-        return self.beam
-
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
-        beam, resultant = self.beam, np.asarray(self.resultant, dtype=np.float64)
-        strain = np.linalg.solve(beam.element_stiffness, -resultant[:, np.newaxis])
-        return _in_cells(beam, self.cells, strain[..., 0])
-
-
-def _in_cells(beam: Beam, group: str | None, strain: npt.NDArray[Any]) -> Array:
-    """The strain, (6,) or (m, 6), in the cells of the group, zero elsewhere."""
-    values, cells = np.zeros((len(beam.stiffness), 6)), beam.cells_of(group)
-    values[cells] = np.broadcast_to(strain, values.shape)[cells]
-    return values
+        resultant = np.asarray(self.resultant, dtype=np.float64)
+        strain: Array = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
+        return self._in_cells(strain[..., 0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,8 +29,8 @@ class Chains:
     Attributes:
         order: Cells, one chain after the other, each cell following the one before it, shape (m,).
         first: Where each chain begins in ``order``.
-        lengths: Arc length of each cell: that of the circle with its tangents, shape (m,).
-        arc: Arc length at the two ends of each cell from the start of its chain, shape (m, 2).
+        arc: Arc length at the two ends of each cell from the start of its chain, shape (m, 2). The
+            length of a cell is that of the circle with its tangents.
     """
 
     def __init__(self, mesh: LineMesh) -> None:
@@ -56,11 +56,11 @@ class Chains:
         chord = np.linalg.norm(np.diff(mesh.points[mesh.cells], axis=1)[:, 0], axis=1)
         half = np.linalg.norm(mesh.tangents[:, 1] - mesh.tangents[:, 0], axis=1) / 2  # sin θ/2
         angle = np.arcsin(np.minimum(half, 1.0))
-        self.lengths = chord * np.where(half > 0, angle / np.where(half > 0, half, 1.0), 1.0)
+        lengths = chord * np.where(half > 0, angle / np.where(half > 0, half, 1.0), 1.0)
         self.arc = np.empty((m, 2))
         for begin, end in zip(first, [*first[1:], m], strict=True):
             cells = self.order[begin:end]
-            s = np.concatenate([[0.0], np.cumsum(self.lengths[cells])])
+            s = np.concatenate([[0.0], np.cumsum(lengths[cells])])
             self.arc[cells, 0], self.arc[cells, 1] = s[:-1], s[1:]
 
     def require_one(self, what: str) -> None:

@@ -8,78 +8,67 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._jit import Array, Indices, compiled
+from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._lie_tuples import (
+    Vector,
+    cross,
+    load,
+    load_row,
+    minus,
+    negative,
+    plus,
+    scaled,
+    store,
+)
+from fem_lie.groups import global_components, local_components
 
 
-@compiled
-def _across(H: Array, i: int, j: int, w: Array, out: Array) -> None:
+@inlined
+def _chord(H: Array, i: int, j: int) -> Vector:
+    """``x_j − x_i``."""
+    return minus(load_row(H[j], 0), load_row(H[i], 0))
+
+
+@inlined
+def _across(H: Array, i: int, j: int, w: Vector) -> Vector:
     """``½ (R_i + R_j) w``."""
-    for a in range(3):
-        out[a] = 0.0
-        for k in range(3):
-            out[a] += 0.5 * (H[i, 1 + k, a] + H[j, 1 + k, a]) * w[k]
-
-
-@compiled
-def _cross(a: Array, b: Array, out: Array) -> None:
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+    return scaled(0.5, plus(global_components(H[i], w), global_components(H[j], w)))
 
 
 @compiled
 def _add_forces(H: Array, pairs: Indices, w: Array, out: Array) -> None:
     """``out −= forces`` in the nodes' frames, shape (n, 6)."""
-    across, f = np.empty(3), np.empty(3)
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
-        _across(H, i, j, w[e], across)
-        _cross(H[j, 0] - H[i, 0], across, f)
+        half = scaled(0.5, cross(_chord(H, i, j), _across(H, i, j, load_row(w, e))))
         for node in (i, j):
-            for k in range(3):
-                out[node, k] -= 0.5 * (
-                    H[node, 1 + k, 0] * f[0] + H[node, 1 + k, 1] * f[1] + H[node, 1 + k, 2] * f[2]
-                )
+            store(out[node], 0, minus(load(out[node], 0), local_components(H[node], half)))
 
 
 @compiled
 def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
     """``blocks[e, a, b]`` (6, 6): derivative of the forces on node a of piece e in twists of b."""
-    across, f, change = np.empty(3), np.empty(3), np.empty(3)
-    turned, unit = np.empty(3), np.empty(3)
+    unit = np.eye(3)
     blocks[:] = 0.0
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
-        _across(H, i, j, w[e], across)
-        chord = H[j, 0] - H[i, 0]
-        _cross(chord, across, f)
+        chord, across = _chord(H, i, j), _across(H, i, j, load_row(w, e))
+        half = scaled(0.5, cross(chord, across))
         for b in range(2):
             node = pairs[e, b]
-            sign = -1.0 if b == 0 else 1.0
-            for column in range(6):
-                if column < 3:
-                    # δx along a director
-                    _cross(sign * H[node, 1 + column], across, change)
-                else:
-                    # δ(R w) = R (η × w)
-                    unit[:] = 0.0
-                    unit[column - 3] = 1.0
-                    _cross(unit, w[e], turned)
-                    for k in range(3):
-                        unit[k] = 0.5 * (
-                            H[node, 1, k] * turned[0]
-                            + H[node, 2, k] * turned[1]
-                            + H[node, 3, k] * turned[2]
-                        )
-                    _cross(chord, unit, change)
+            for k in range(3):
+                # δx along a director, and δ(R w) = R (η × w)
+                shift = scaled(b - 0.5, cross(load_row(H[node], 1 + k), across))
+                turned = global_components(H[node], cross(load_row(unit, k), load_row(w, e)))
+                turn = scaled(0.25, cross(chord, turned))
                 for a in range(2):
-                    for k in range(3):
-                        blocks[e, a, b, k, column] -= 0.5 * np.dot(H[pairs[e, a], 1 + k], change)
+                    frame, block = H[pairs[e, a]], blocks[e, a, b]
+                    block[0, k], block[1, k], block[2, k] = negative(local_components(frame, shift))
+                    column = negative(local_components(frame, turn))
+                    block[0, 3 + k], block[1, 3 + k], block[2, 3 + k] = column
         for a in range(2):
             # the force's components turn with the frame: δ(Rᵀ f) = (Rᵀ f) × η
-            n0 = 0.5 * np.dot(H[pairs[e, a], 1], f)
-            n1 = 0.5 * np.dot(H[pairs[e, a], 2], f)
-            n2 = 0.5 * np.dot(H[pairs[e, a], 3], f)
+            n0, n1, n2 = local_components(H[pairs[e, a]], half)
             block = blocks[e, a, a]
             block[0, 4] += n2
             block[0, 5] -= n1

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 import fem_lie as fl
 from demos.rotating_beam import flapping
 from fem_lie import inertia, lie
+from fem_lie.solve.steady import linearised
 from fem_lie.system import System
 
 E, RHO = 2e11, 7800.0
@@ -200,7 +201,7 @@ def test_stiffness_of_steady_motion_is_the_derivative_of_the_residual():
 
     _, v = residual(H)
     system.elastic.reset_stress(H)
-    blocks = system.linearised(H, v, weights)[2]
+    blocks = linearised(system, H, v, weights)[2]
     dense = np.zeros((n, 6, n, 6))
     rows = np.repeat(np.arange(n), np.diff(system.kkt.indptr))
     dense[rows, :, system.kkt.indices] = blocks

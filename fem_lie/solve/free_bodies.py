@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fem_lie._jit import Array, Indices
+from fem_lie.groups import from_local, move_all
 from fem_lie.info import SceneInfo
 from fem_lie.loads import History as LoadHistory
 from fem_lie.loads import NodalLoad, amplitudes, histories
@@ -26,7 +27,6 @@ from fem_lie.solve import free_body, scheme
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
-from fem_lie.solve.scheme import AHEAD
 from fem_lie.system import refuse_ranks
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class _Bodies(NamedTuple):
         mass: Shape (n,).
         J: Inertia tensors about the centre of mass, shape (n, 3, 3).
         size: Length of the tolerance, shape (n,).
-        group: :data:`scheme.SE3` or :data:`scheme.R3XSO3`, shape (n,).
+        group: Of each, see :class:`fem_lie.groups.Group`, shape (n,).
     """
 
     mass: Array
@@ -147,7 +147,7 @@ class Run:
         self.p = scheme.parameters(options.radius, step, 1.0)
         self.s = _State(
             self.numbering.frames.copy(),
-            self.numbering.velocities.copy(),
+            np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             # no ratio and no matrix yet: the first step makes one, whatever it costs
@@ -177,24 +177,24 @@ class Run:
 
     def start(self) -> None:
         """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
-        p, s = self.p, self.s
+        s, ahead = self.s, self.p.ahead
         bodies, loads = tuple(self.bodies), tuple(self.loads)
-        shift = (p.af - p.am) * p.h
-        ahead = max(shift, AHEAD * p.h)
         amplitude = amplitudes(self.histories, [0.0, ahead])
-        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.H, s.v, s.vdot)
+        group, twists = self.bodies.group, self.numbering.velocities
+        from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
+        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
-        free_body.move_all(self.bodies.group, s.H, d, H1)
+        move_all(group, s.H, d, H1)
         v1 = s.v + ahead * s.vdot
-        free_body.accelerations(bodies, loads, amplitude[1], s.H, H1, v1, later)
-        s.a[:] = s.vdot - shift / ahead * (later - s.vdot)
+        free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
+        s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
 
     def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
         """All steps; see :meth:`GeneralisedAlpha.run`."""
         info = SceneInfo(self.numbering.bodies(), ())
         history = History(info, steps, self.p.h, save_every, progress)
         self.start()
-        history.frames[0], history.velocities[0] = self.s.H, self.s.v
+        history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
         start = np.zeros(1, dtype=np.int64)
         self._keep(history, start, start, amplitudes(self.histories, [0.0]))
         failed, count, factorisations = np.zeros(3), 0, 0

@@ -4,12 +4,11 @@ The equations of a free body in its own frame at the centre of mass, with forces
 ``f, m`` fixed in space and ``f', m'`` following::
 
     m (u̇ + ω×u) = Rᵀf + f'           J ω̇ + ω×Jω = Rᵀm + m'                 on SE(3)
-    m ü = Rᵀ(f + R₁ f')              the same                              on R³×SO(3)
+    m ẍ = f + R f'                   the same                              on R³×SO(3)
 
-On R³×SO(3) the translation is in components of the frame at the start of the step
-(:mod:`fem_lie.solve.scheme`). Turning does not depend on the translation, so the 6×6 matrix of
-Newton's method is block triangular, and its factorisation is two 3×3 inverses and the block between
-them. It is constant in these frames but for the gyroscopic and load terms, and is kept.
+Turning does not depend on the translation, so the 6×6 matrix of Newton's method is block
+triangular, and its factorisation is two 3×3 inverses and the block between them. It is constant but
+for the gyroscopic and load terms, and is kept.
 """
 
 from __future__ import annotations
@@ -38,6 +37,7 @@ from fem_lie._lie_tuples import (
     store_row,
     tangent_coefficients,
 )
+from fem_lie.groups import Group, to_local
 from fem_lie.solve import scheme
 
 # --- one body -----------------------------------------------------------------------------------
@@ -56,7 +56,7 @@ def load_of(loads: tuple[Any, ...], amplitude: Array, i: int, f: Array) -> None:
 
 @inlined
 def residual(
-    group: int, m: float, J: Array, f: Array, H: Array, H1: Array, v1: Array, vdot1: Array
+    group: int, m: float, J: Array, f: Array, H1: Array, v1: Array, vdot1: Array
 ) -> tuple[Vector, Vector]:
     """Inertia minus load at the end of a step: translation and rotation."""
     d1, d2, d3 = load_row(H1, 1), load_row(H1, 2), load_row(H1, 3)
@@ -67,12 +67,11 @@ def residual(
     moment = plus(rotate_back(d1, d2, d3, load(f, 3)), load(f, 9))
     turning = minus(plus(rate, gyroscopic), moment)
     acceleration = load(vdot1, 0)
-    if group == scheme.SE3:
+    if group == Group.SE3:
         acceleration = plus(acceleration, cross(ω, load(v1, 0)))
         force = plus(rotate_back(d1, d2, d3, load(f, 0)), load(f, 6))
     else:
-        fixed = plus(load(f, 0), rotate(d1, d2, d3, load(f, 6)))
-        force = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), fixed)
+        force = plus(load(f, 0), rotate(d1, d2, d3, load(f, 6)))
     return minus(scaled(m, acceleration), force), turning
 
 
@@ -91,7 +90,6 @@ def _columns(
     m: float,
     J: Array,
     f: Array,
-    H: Array,
     H1: Array,
     v1: Array,
     d: Array,
@@ -110,12 +108,11 @@ def _columns(
     h = blend(k, θ, e)
     turning = combined(mass, Je, damping, plus(cross(ω, Je), cross(e, Jω)))
     turning = minus(turning, cross(rotate_back(d1, d2, d3, load(f, 3)), h))
-    if group == scheme.SE3:
+    if group == Group.SE3:
         coupling = scaled(m * damping, cross(e, load(v1, 0)))
         coupling = minus(coupling, cross(rotate_back(d1, d2, d3, load(f, 0)), h))
         return turning, coupling, combined(m * mass, e, m * damping, cross(ω, e))
-    turned = rotate(d1, d2, d3, cross(h, load(f, 6)))
-    coupling = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), negative(turned))
+    coupling = negative(rotate(d1, d2, d3, cross(h, load(f, 6))))
     return turning, coupling, scaled(m * mass, e)
 
 
@@ -126,16 +123,15 @@ def factorise(
     m: float,
     J: Array,
     f: Array,
-    H: Array,
     H1: Array,
     v1: Array,
     d: Array,
     kept: Array,
 ) -> None:
     """Renew the kept matrix."""
-    a = _columns(parameters, group, m, J, f, H, H1, v1, d, (1.0, 0.0, 0.0))
-    b = _columns(parameters, group, m, J, f, H, H1, v1, d, (0.0, 1.0, 0.0))
-    c = _columns(parameters, group, m, J, f, H, H1, v1, d, (0.0, 0.0, 1.0))
+    a = _columns(parameters, group, m, J, f, H1, v1, d, (1.0, 0.0, 0.0))
+    b = _columns(parameters, group, m, J, f, H1, v1, d, (0.0, 1.0, 0.0))
+    c = _columns(parameters, group, m, J, f, H1, v1, d, (0.0, 0.0, 1.0))
     for block in range(3):
         rows = (a[block], b[block], c[block])
         if block != 1:
@@ -174,23 +170,21 @@ def make_step(
     translation = turning = (0.0, 0.0, 0.0)
     failed[2] = 0.0
     for iteration in range(1, limit + 1):
-        translation, turning = residual(group, m, J, f, H, H1, v1, vdot1)
+        translation, turning = residual(group, m, J, f, H1, v1, vdot1)
         due = memory[3] >= cost if iteration == 1 else (iteration - 1) % patience == 0
         if due:
-            factorise(parameters, group, m, J, f, H, H1, v1, d, kept)
+            factorise(parameters, group, m, J, f, H1, v1, d, kept)
             memory[2], memory[3] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
         increment = scheme.correct(parameters, group, dx, H, d, H1, v1, vdot1)
-        if previous < np.inf:
-            ratio = max(increment / previous, 0.7 * ratio)
-        remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+        ratio, remaining = scheme.estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= scheme.ROUND_OFF:
-            memory[0] = ratio if iteration > 1 else ratio**0.8
+            memory[0] = ratio if iteration > 1 else ratio**scheme.UNMEASURED
             if memory[2] == 0.0 or iteration < memory[2]:
                 memory[2] = iteration
             memory[3] += iteration - memory[2]
-            scheme.accept(parameters, group, H, v, vdot, a, H1, v1, vdot1)
+            scheme.accept(parameters, v, vdot, a, H1, v1, vdot1)
             H[:] = H1
             return iteration, renewed
         if not increment < scheme.DIVERGED:
@@ -211,27 +205,19 @@ def accelerations(
     loads: tuple[Any, ...],
     amplitude: Array,
     H: Array,
-    H1: Array,
     v: Array,
     vdot: Array,
 ) -> None:
-    """``v̇`` at the frames ``H1`` of a step that started at ``H``; ``v`` and ``v̇`` are of there."""
+    """``v̇`` of all bodies at frames ``H`` with velocities ``v``."""
     mass, J, _, group = bodies
     f = np.empty(12)
     vdot[:] = 0.0
     for i in range(v.shape[0]):
         load_of(loads, amplitude, i, f)
-        r, turning = residual(group[i], mass[i], J[i], f, H[i], H1[i], v[i], vdot[i])
+        r, turning = residual(group[i], mass[i], J[i], f, H[i], v[i], vdot[i])
         store(vdot[i], 0, scaled(-1.0 / mass[i], r))
         J1, J2, J3 = load_row(J[i], 0), load_row(J[i], 1), load_row(J[i], 2)
         store(vdot[i], 3, negative(rotate_back(*inverse(J1, J2, J3), turning)))
-
-
-@compiled
-def move_all(group: Indices, H: Array, d: Array, H1: Array) -> None:
-    """The ends ``H1`` of steps from ``H``."""
-    for i in range(d.shape[0]):
-        scheme.move(group[i], H[i], d[i], H1[i])
 
 
 @compiled
@@ -261,7 +247,7 @@ def advance(
         span: First and last step, and the row of the first one that will be kept.
         steps: Number of steps of the run, and how many lie between two that are kept.
         frames: Kept frames, shape (rows, n, 4, 3).
-        velocities: Kept velocities, shape (rows, n, 6).
+        velocities: Kept twists, shape (rows, n, 6).
         iterations: Of each step, of the body that takes most, shape (last − first + 1,).
         failed: Of the earliest failure: body, last increment and residual; shape (3,).
 
@@ -275,7 +261,7 @@ def advance(
     first, last, kept_row = span
     total, every = steps
     end = (np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
-    f, note = np.empty(12), np.zeros(3)
+    f, rate, note = np.empty(12), np.empty(6), np.zeros(3)
     factorisations = 0
     for i in range(v.shape[0]):
         own = (h, am, af, gamma, beta, damped, damping, size[i])
@@ -299,7 +285,7 @@ def advance(
             iterations[index - first] = max(count, iterations[index - first])
             if index % every == 0 or index == total:
                 frames[row, i] = here[0]
-                velocities[row, i] = here[1]
+                to_local(group[i], here[0], here[1], here[2], velocities[row, i], rate)
                 row += 1
     return last, factorisations
 

@@ -28,7 +28,15 @@ from fem_lie.solve import free_bodies
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
-from fem_lie.solve.scheme import DIVERGED, ROTATION, ROUND_OFF, failure, parameters
+from fem_lie.solve.scheme import (
+    DIVERGED,
+    ROTATION,
+    ROUND_OFF,
+    UNMEASURED,
+    estimate,
+    failure,
+    parameters,
+)
 from fem_lie.solve.start import check_velocities, set_start
 from fem_lie.solve.steps import State, accept, correct, predict
 from fem_lie.system import System
@@ -156,7 +164,7 @@ class _Run:
         system.set_time(0.0)
         system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
         self._fill(s.H, s.H, turned=False)
-        self.scale[:] = system.constraint_scale(s.H)
+        self.scale[:] = system.tangent.constraint_scale(s.H)
         self._warm_up()
 
     def _warm_up(self) -> None:
@@ -166,6 +174,7 @@ class _Run:
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
         correct(scheme, state, zero, self.scale, self.measure, weights)
         accept(scheme, state)
+        estimate(1.0, np.inf, 1.0)
         if self._turned:
             self._fill(self.s.H, self.s.H, turned=True)
             turn_all(self.s.H, zero, self.system.count)
@@ -238,15 +247,10 @@ class _Run:
                 twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
                 system.elastic.carry(s.H1, h.ravel())
             self._increment = correct(*self._plain, self.dx, self.scale, self.measure, self.weights)
-            if previous < np.inf:
-                # one lucky ratio must not end the next steps too early: forget slowly
-                ratio = max(self._increment / previous, 0.7 * ratio)
-            # the sum of all further increments of a linearly converging iteration
-            remaining = self._increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+            ratio, remaining = estimate(self._increment, previous, ratio)
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
-                # not measured in this step: trust it less and less, until it is measured again
-                self._last_ratio = ratio if iteration > 1 else ratio**0.8
+                self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
                 accept(*self._plain)
                 return iteration

@@ -1,19 +1,19 @@
 """Generalised-α at one node: parameters, prediction, correction and acceptance of a step.
 
-Formulas in :mod:`fem_lie.solve.generalised_alpha`. What a node's six-vectors ``v, v̇, a, d`` mean
-depends on its group. On SE(3) they are local, and ``H₁ = H exp(d)``. On R³×SO(3) the translation
-parts are vectors in space, in components of the frame at the start of the step: ``x₁ = x + R d_u``,
-``R₁ = R exp(d_θ)``; when the step is accepted they are turned into the new frame. At the start of
-a step ``v = (Rᵀẋ, ω)`` on both, while ``v̇_u = Rᵀẍ − ω×v_u`` on SE(3) and ``Rᵀẍ`` on R³×SO(3).
+Formulas in :mod:`fem_lie.solve.generalised_alpha`. Velocities, accelerations and increments are
+those of the node's group, see :mod:`fem_lie.groups`: translations are in the node's frame on SE(3)
+and in global components on R³×SO(3).
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from fem_lie import lie
 from fem_lie._jit import Array, inlined
-from fem_lie._lie_tuples import load, load_row, plus, rotate, rotate_back, store, store_row
+from fem_lie.groups import move
 
 ROTATION = 0.1
 """A rotation counts in the size of an increment as a displacement of this part of the model."""
@@ -27,8 +27,8 @@ DIVERGED = 1e3
 AHEAD = 0.1
 """Part of a step over which initial accelerations are differentiated, if not over α_f − α_m."""
 
-SE3, R3XSO3 = 0, 1
-"""Groups."""
+UNMEASURED = 0.8
+"""Power of the ratio of increments from a step that has none: trust it less and less."""
 
 
 class Scheme(NamedTuple):
@@ -42,6 +42,16 @@ class Scheme(NamedTuple):
     mass: float
     damping: float
     length: float
+
+    @property
+    def shift(self) -> float:
+        """Time from that for which ``a`` stands for ``v̇`` to the step's start."""
+        return (self.af - self.am) * self.h
+
+    @property
+    def ahead(self) -> float:
+        """Time over which initial accelerations are differentiated."""
+        return max(self.shift, AHEAD * self.h)
 
 
 def parameters(radius: float, step: float, length: float) -> Scheme:
@@ -75,18 +85,9 @@ def failure(
 
 
 @inlined
-def move(group: int, H: Array, d: Array, H1: Array) -> None:
-    """The end ``H1`` of a step from ``H``."""
-    lie.retract(H, d, H1)
-    if group == R3XSO3:
-        along = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), load(d, 0))
-        store_row(H1, 0, plus(load_row(H, 0), along))
-
-
-@inlined
 def predict(
     scheme: tuple[float, ...],
-    group: int,
+    kind: int,
     H: Array,
     v: Array,
     vdot: Array,
@@ -106,47 +107,38 @@ def predict(
         v1[k] = v[k] + h * ((1.0 - gamma) * a[k] + gamma * a1)
         size = abs(d[k])
         largest = max(largest, size / length if k < 3 else ROTATION * size)
-    move(group, H, d, H1)
+    move(kind, H, d, H1)
     return largest
 
 
 @inlined
 def correct(
     scheme: tuple[float, ...],
-    group: int,
-    dx: Array,
+    kind: int,
+    x: Array,
     H: Array,
     d: Array,
     H1: Array,
     v1: Array,
     vdot1: Array,
 ) -> float:
-    """Apply a Newton correction; returns its size, see :data:`ROTATION`; nan stays."""
+    """Subtract a Newton correction ``x`` of ``d``; returns its size, see :data:`ROTATION`."""
     _, _, _, _, _, mass, damping, length = scheme
     largest = 0.0
     for k in range(6):
-        x = dx[k]
-        d[k] -= x
-        v1[k] -= damping * x
-        vdot1[k] -= mass * x
-        size = abs(x) / length if k < 3 else ROTATION * abs(x)
-        if size > largest or size != size:
+        d[k] -= x[k]
+        v1[k] -= damping * x[k]
+        vdot1[k] -= mass * x[k]
+        size = abs(x[k]) / length if k < 3 else ROTATION * abs(x[k])
+        if size > largest or size != size:  # nan stays
             largest = size
-    move(group, H, d, H1)
+    move(kind, H, d, H1)
     return largest
 
 
 @inlined
 def accept(
-    scheme: tuple[float, ...],
-    group: int,
-    H: Array,
-    v: Array,
-    vdot: Array,
-    a: Array,
-    H1: Array,
-    v1: Array,
-    vdot1: Array,
+    scheme: tuple[float, ...], v: Array, vdot: Array, a: Array, H1: Array, v1: Array, vdot1: Array
 ) -> None:
     """Make the end of the step the start of the next, but for the frame, which is set right."""
     _, am, af, _, _, _, _, _ = scheme
@@ -156,14 +148,17 @@ def accept(
         v[k] = v1[k]
         vdot[k] = vdot1[k]
     lie.reorthonormalise(H1)
-    if group == R3XSO3:
-        _turn(H, H1, v)
-        _turn(H, H1, vdot)
-        _turn(H, H1, a)
 
 
 @inlined
-def _turn(H: Array, H1: Array, w: Array) -> None:
-    """``w_u ← R₁ᵀ R w_u``."""
-    fixed = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), load(w, 0))
-    store(w, 0, rotate_back(load_row(H1, 1), load_row(H1, 2), load_row(H1, 3), fixed))
+def estimate(increment: float, previous: float, ratio: float) -> tuple[float, float]:
+    """Ratio of successive increments, and the sum of all that would follow.
+
+    ``previous`` is inf in the first iteration, and ``ratio`` that of the iterations before.
+    """
+    if previous < np.inf:
+        # one lucky ratio must not end the next steps too early: forget slowly
+        ratio = max(increment / previous, 0.7 * ratio)
+    # of a linearly converging iteration
+    remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+    return ratio, remaining

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie import constraints, lie
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError
-from fem_lie.solve.scheme import AHEAD, Scheme
+from fem_lie.solve.scheme import Scheme
 from fem_lie.solve.steps import State, extrapolate
 from fem_lie.system import System
 
@@ -96,8 +96,7 @@ def accelerations(
     rate[n + 1 :] = driven
     constraints.rates(H, rate, system.table, drive, first)
     r[6 * n :] = second + drive
-    # modes that the step does not resolve would start with accelerations that mean nothing to it
-    system.fill_start_matrix(H, 0.25 * step**2)
+    _fill(system, H, step)
     try:
         solver.factorise()
     except SingularMatrixError as error:
@@ -106,6 +105,19 @@ def accelerations(
         ) from error
     solver.solve()
     return -solver.solution[: 6 * n].reshape(n, 6), -solver.solution[6 * n :]
+
+
+def _fill(system: System, H: Array, step: float) -> None:
+    """``M + h² K/4`` bordered by the unscaled constraints, into the KKT.
+
+    Modes that the step does not resolve would start with accelerations that mean nothing to it.
+    """
+    tangent = system.tangent
+    tangent.clear()
+    system.elastic.reset_stress(H)
+    tangent.add_elastic(H)
+    tangent.add_mass(H, system.kinds)
+    tangent.fill(tangent.A + 0.25 * step**2 * tangent.K, H, np.ones(system.m))
 
 
 def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) -> Array:
@@ -129,8 +141,7 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
         ValueError: The mass matrix is singular.
     """
     h, n = scheme.h, system.count
-    shift = (scheme.af - scheme.am) * h
-    ahead = max(shift, AHEAD * h)
+    ahead = scheme.ahead
     v = system.velocities.copy()
     vdot, weights = accelerations(system, solver, s.H, v, 0.0, h)
     s.set_start(v[:n], vdot)
@@ -138,7 +149,7 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
     extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
     later.set_start(v[:n], accelerations(system, solver, later.H, v, ahead, h)[0])
     jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
-    s.a[:] -= shift * jerk
+    s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(system, solver, scheme, s, jerk)
     return weights
 
@@ -172,9 +183,9 @@ def velocity_defect(
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
     solver.right_hand_side[: 6 * n] = 0.0
     solver.right_hand_side[6 * n :] = (
-        system.jacobian(s.H) @ (h**2 * (c * local + defect / 12)).ravel()
+        system.tangent.jacobian(s.H) @ (h**2 * (c * local + defect / 12)).ravel()
     )
-    system.fill_start_matrix(s.H, 0.25 * h**2)
+    _fill(system, s.H, h)
     solver.factorise()
     solver.solve()
     across = solver.solution[: 6 * n].reshape(n, 6).copy()

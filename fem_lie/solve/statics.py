@@ -21,6 +21,7 @@ from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.rotation import Rotation
+from fem_lie.solve.steady import fill_steady
 from fem_lie.system import System
 
 if TYPE_CHECKING:
@@ -218,7 +219,7 @@ class _Newton:
         self.last: float = 0.0
         system.elastic.reset_stress(self.H)
         self._fill()
-        self._scale[:] = system.constraint_scale(self.H)
+        self._scale[:] = system.tangent.constraint_scale(self.H)
 
         self._factors: list[float] = []
         self._frames: list[Array] = []
@@ -295,7 +296,7 @@ class _Newton:
         system.residual(H, v, zero, self.multipliers, self._scale, self._r)
         self.residual = float(np.abs(self._r).max(initial=0.0))
         if self._rotation:
-            system.fill_steady(H, v, self.multipliers, self._scale)
+            fill_steady(system, H, v, self.multipliers, self._scale)
         else:
             self._fill()
         self._solver.factorise()

@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie._lie_tuples import load, store
 from fem_lie.groups import from_local, global_components, move, to_local
-from fem_lie.solve.scheme import ROTATION
+from fem_lie.solve import scheme as node
 
 
 class State(NamedTuple):
@@ -98,20 +97,15 @@ def extrapolate(
 
 @compiled
 def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
-    """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
-    h, am, _, gamma, beta, _, _, length = scheme
+    """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
     H, H1, motion, kinds = state
     v, vdot, a, d, v1, vdot1, twist, rate = _parts(motion)
     largest = 0.0
     for i in range(d.shape[0]):
-        for k in range(6):
-            vdot1[i, k] = vdot[i, k]
-            a1 = (vdot[i, k] - am * a[i, k]) / (1.0 - am)
-            d[i, k] = h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1)
-            v1[i, k] = v[i, k] + h * ((1.0 - gamma) * a[i, k] + gamma * a1)
-            size = abs(d[i, k])
-            largest = max(largest, size / length if k < 3 else ROTATION * size)
-        move(kinds[i], H[i], d[i], H1[i])
+        size = node.predict(
+            scheme, kinds[i], H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i]
+        )
+        largest = max(largest, size)
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
     return largest
 
@@ -125,8 +119,7 @@ def correct(
     measure: Array,
     weights: Array,
 ) -> float:
-    """Apply a Newton correction; returns its size, see :data:`ROTATION`."""
-    _, _, _, _, _, mass, damping, length = scheme
+    """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
     H, H1, motion, kinds = state
     _, _, _, d, v1, vdot1, twist, rate = _parts(motion)
     largest = 0.0
@@ -134,14 +127,9 @@ def correct(
         x = dx[6 * i : 6 * i + 6]
         if kinds[i] & 1:
             store(x, 0, global_components(H1[i], load(x, 0)))
-        for k in range(6):
-            d[i, k] -= x[k]
-            v1[i, k] -= damping * x[k]
-            vdot1[i, k] -= mass * x[k]
-            size = abs(x[k]) / length if k < 3 else ROTATION * abs(x[k])
-            if size > largest or size != size:  # nan stays
-                largest = size
-        move(kinds[i], H[i], d[i], H1[i])
+        size = node.correct(scheme, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
+        if size > largest or size != size:  # nan stays
+            largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
     at = 6 * d.shape[0]
     for c in range(weights.shape[0]):
@@ -156,16 +144,10 @@ def correct(
 @compiled
 def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
-    _, am, af, _, _, _, _, _ = scheme
     H, H1, motion, _ = state
-    v, vdot, a, d, v1, vdot1, _, _ = _parts(motion)
-    for i in range(d.shape[0]):
-        for k in range(6):
-            rate = (1.0 - af) * vdot1[i, k] + af * vdot[i, k]
-            a[i, k] = (rate - am * a[i, k]) / (1.0 - am)
-            v[i, k] = v1[i, k]
-            vdot[i, k] = vdot1[i, k]
-        lie.reorthonormalise(H1[i])
+    v, vdot, a, _, v1, vdot1, _, _ = _parts(motion)
+    for i in range(v.shape[0]):
+        node.accept(scheme, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
     H[:] = H1  # with the prescribed frames
 
 

@@ -1,7 +1,7 @@
 """Small vibrations about any equilibrium: unloaded, loaded, or in steady rotation.
 
 With ``H exp(h)`` beside the equilibrium ``H`` the linear equations are, without any further
-assumption on what is in the scene (:meth:`fem_lie.system.System.linearised`)::
+assumption on what is in the scene (:func:`fem_lie.solve.steady.linearised`)::
 
     M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    B h = 0
 
@@ -24,6 +24,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.spectrum import Complex, Pencil
 from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.steady import linearised
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
@@ -126,7 +127,7 @@ class _Linear:
         none, r = np.zeros_like(self.v), np.empty(system.size)
         system.residual(self.H, self.v, none, np.zeros(system.m), np.ones(system.m), r)
         self.gap = float(np.abs(r[n:]).max(initial=0.0)) / max(1.0, system.length)
-        self.B = system.jacobian(self.H) @ sp.diags(self.weight)
+        self.B = system.tangent.jacobian(self.H) @ sp.diags(self.weight)
         force = self.weight * r[:n]
         self.multipliers: Array = np.zeros(system.m)
         if system.m:
@@ -135,7 +136,7 @@ class _Linear:
         self.force = float(np.abs(force).max(initial=0.0))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
         system.elastic.reset_stress(self.H)
-        self.blocks = system.linearised(self.H, self.v, self.multipliers)
+        self.blocks = linearised(system, self.H, self.v, self.multipliers)
 
     def balanced(self, tolerance: float = _BALANCED) -> bool:
         """Whether joints can balance all other forces."""

@@ -1,0 +1,173 @@
+"""The matrix of a scene as a sum of parts, each in blocks on one pattern of node pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie import constraints, inertia
+from fem_lie._jit import Array, Indices
+from fem_lie.constraints import JointTable
+from fem_lie.elastic import Elastic
+from fem_lie.kkt import KKT, Flags
+from fem_lie.nodal import Inertia, add_blocks, combine, rigid_tangent, to_inertial
+
+
+class Tangent:
+    """Parts are added to ``A`` and ``K``, and the sum is filled into the bordered matrix.
+
+    Attributes:
+        kkt: The bordered matrix.
+        A: Derivatives in corrections of the nodes' increments, blocks of ``kkt``, (nnz, 6, 6).
+        K: Derivatives in the twists ``h`` of the nodes' frames, likewise.
+    """
+
+    def __init__(
+        self,
+        mass: Inertia,
+        damping: Inertia | None,
+        elastic: Elastic,
+        table: JointTable,
+        held: Flags,
+        *,
+        viscous: bool,
+    ) -> None:
+        """Find the pattern.
+
+        Args:
+            mass: Inertia of the leaders.
+            damping: Damping that goes with mass.
+            elastic: All assemblies, and pressure.
+            table: The joints.
+            held: Which nodes do not move, shape (n,).
+            viscous: Whether the viscous forces of ``elastic`` count.
+        """
+        self._mass, self._damping = mass, damping
+        self._elastic, self._viscous = elastic, viscous
+        self._table, self._held, self._count = table, held, len(held)
+        diagonal = np.arange(self._count)
+        pair = (np.repeat(diagonal, np.diff(mass.indptr)), mass.indices)
+        self.kkt = KKT([pair, *elastic.pairs], table, held)
+        place = self.kkt.place
+        self._place_mass = place(*pair)
+        self._place_elastic = [place(*pair) for pair in elastic.pairs]
+        self._diagonal = place(diagonal, diagonal)
+        a, b = table.nodes.T
+        self._place_joints = np.stack(
+            [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
+        )
+        self._nodes = np.repeat(table.nodes, np.diff(table.first), axis=0)
+        self._rows = np.zeros((len(self._nodes), 2, 6))
+        self.A = np.zeros((len(self.kkt.indices), 6, 6))
+        self.K = np.zeros_like(self.A)
+
+    def jacobian(self, H: Array) -> sp.csr_matrix:
+        """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
+        constraints.jacobian(H, self._table, self._rows)
+        c, side = np.nonzero(self._nodes < self._count)
+        node = self._nodes[c, side]
+        free = ~self._held[node]
+        c, side, node = c[free], side[free], node[free]
+        columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
+        values = self._rows[c, side].ravel()
+        shape = (len(self._nodes), 6 * self._count)
+        return sp.csr_matrix((values, (np.repeat(c, 6), columns)), shape=shape)
+
+    def constraint_scale(self, H: Array) -> Array:
+        """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` in ``A``, shape (m,).
+
+        Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
+        ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
+        """
+        diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
+        B = self.jacobian(H)
+        weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
+        return 1.0 / np.asarray(weighted.sum(axis=1)).ravel()
+
+    # --- parts ---
+
+    def clear(self) -> None:
+        """Start anew."""
+        self.A[:] = 0.0
+        self.K[:] = 0.0
+
+    def add_inertia(
+        self,
+        H: Array,
+        v: Array,
+        a: Array,
+        kinds: Indices,
+        force: Array,
+        moment: Array,
+        factors: tuple[float, float],
+    ) -> None:
+        """Inertia and nodal loads, see :func:`~fem_lie.nodal.rigid_tangent`."""
+        rigid_tangent(
+            H,
+            v,
+            a,
+            kinds,
+            self._mass,
+            self._place_mass,
+            force,
+            moment,
+            self._diagonal,
+            factors,
+            self.A,
+            self.K,
+        )
+
+    def add_mass(self, H: Array, kinds: Indices) -> None:
+        """The mass matrix, to ``A``."""
+        still = np.zeros((self._count, 6))
+        inertia.tangents(
+            H, still, still, kinds, *self._mass, self._place_mass, 1.0, 0.0, self.A, self.K
+        )
+
+    def add_elastic(self, H: Array) -> None:
+        """Elements, with the stress they carry, and pressure, to ``K``."""
+        for place, blocks in zip(self._place_elastic, self._elastic.tangents(H), strict=True):
+            add_blocks(self.K, place, blocks)
+
+    def add_geometric(self, H: Array, weights: Array) -> None:
+        """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
+        constraints.geometric(H, self._table, weights, self._place_joints, self.K)
+
+    def add_viscosity(self, H: Array, factor: float) -> None:
+        """``factor`` times the derivative of viscous forces in the twists' rates, to ``A``."""
+        if self._viscous:
+            for k, blocks in self._elastic.viscous_tangents(H):
+                add_blocks(self.A, self._place_elastic[k], factor * blocks)
+
+    def add_mass_damping(self, H: Array, v: Array, factor: float) -> None:
+        """``factor Lᵀ D L`` to ``A``, ``Lᵀ D ∂(L v)/∂h`` to ``K``.
+
+        ``L v`` is the acceleration ``v`` of a body at rest.
+        """
+        if self._damping is None:
+            return
+        still, rate = np.zeros((self._count, 6)), v[: self._count]
+        local = np.zeros(self._count, dtype=np.int64)
+        place = self._place_mass
+        inertia.tangents(H, still, rate, local, *self._damping, place, factor, 0.0, self.A, self.K)
+
+    # --- sum ---
+
+    def fill(self, blocks: Array, H: Array, scale: Array) -> None:
+        """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
+        constraints.jacobian(H, self._table, self._rows)
+        self.kkt.fill(blocks, self._rows, self._rows, scale)
+
+    def fill_increments(
+        self, H: Array, kinds: Indices, d: Array, scale: Array, *, inertial: bool
+    ) -> None:
+        """``A + K T(d)``, bordered by the constraints at ``H``, into the KKT.
+
+        In components along the nodes' axes, or along fixed ones if ``inertial``.
+        """
+        constraints.jacobian(H, self._table, self._rows)
+        columns, bind = self._rows.copy(), self.kkt.indices
+        combine(self.A, self.K, self._rows, kinds, d, self._nodes, bind)
+        if inertial:
+            to_inertial(self.A, columns, self._rows, H, self._nodes, self.kkt.indptr, bind)
+        self.kkt.fill(self.A, columns, self._rows, scale)
