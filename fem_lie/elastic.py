@@ -54,29 +54,32 @@ class Elastic:
 
     def add_forces(self, H: Array, r: Array) -> None:
         """Add the elastic forces at frames ``H`` of the leaders to ``r``, (≥ 6 count,)."""
-        if self._attachment.trivial:
-            for where, assembly in self._assemblies:
-                assembly.add_forces(H[where], r[6 * where.start : 6 * where.stop])
-            if self._pressure is not None:
-                self._pressure.add_forces(H, r[: 6 * self._attachment.count].reshape(-1, 6))
-            return
-        frames, forces = self._attachment.frames(H), self._all
-        forces[:] = 0.0
+        frames, forces = self._attachment.frames(H), self._on_all(r)
         for where, assembly in self._assemblies:
             assembly.add_forces(frames[where], forces[where].reshape(-1))
         if self._pressure is not None:
             self._pressure.add_forces(frames, forces)
-        self._attachment.collect(forces, r[: 6 * self._attachment.count].reshape(-1, 6))
+        self._collect(forces, r)
 
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
         """Likewise the viscous forces at twists ``v`` of the leaders."""
-        attachment, forces = self._attachment, self._all
-        frames, twists = attachment.frames(H), attachment.twists(v)
-        forces[:] = 0.0
+        frames, forces = self._attachment.frames(H), self._on_all(r)
+        twists = self._attachment.twists(v)
         for where, assembly in self._assemblies:
             if assembly.viscous:
                 assembly.add_viscous_forces(frames[where], twists[where], forces[where].reshape(-1))
-        attachment.collect(forces, r[: 6 * attachment.count].reshape(-1, 6))
+        self._collect(forces, r)
+
+    def _on_all(self, r: Array) -> Array:
+        """To add forces on all nodes to, (N, 6): ``r`` itself if every node leads, or zeros."""
+        if self._attachment.trivial:
+            return r[: self._all.size].reshape(-1, 6)
+        self._all[:] = 0.0
+        return self._all
+
+    def _collect(self, forces: Array, r: Array) -> None:
+        if not self._attachment.trivial:
+            self._attachment.collect(forces, r[: 6 * self._attachment.count].reshape(-1, 6))
 
     def energy(self, H: Array) -> float:
         """Stored energy."""

@@ -99,10 +99,11 @@ class StrainLoad(Load):
     def strains(self) -> Array:
         """Strain (Γ, κ) of each cell of the body, shape (m, 6)."""
 
-    def _in_cells(self, strain: Array) -> Array:
+    def _in_cells(self, strain: npt.ArrayLike) -> Array:
         """The strain, (6,) or (m, 6), in the loaded cells, zero elsewhere."""
         values, cells = np.zeros((len(self.beam.stiffness), 6)), self.beam.cells_of(self.cells)
-        values[cells] = np.broadcast_to(strain, values.shape)[cells]
+        given = np.asarray(strain, dtype=np.float64)
+        values[cells] = np.broadcast_to(given, values.shape)[cells]
         return values
 
 
@@ -261,7 +262,7 @@ class Eigenstrain(StrainLoad):
 
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6)."""
-        return self._in_cells(np.asarray(self.strain, dtype=np.float64))
+        return self._in_cells(self.strain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,7 +324,7 @@ class PreStress(StrainLoad):
     def strains(self) -> Array:
         """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
         resultant = np.asarray(self.resultant, dtype=np.float64)
-        strain: Array = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
+        strain = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
         return self._in_cells(strain[..., 0])
 
 
