@@ -181,9 +181,10 @@ def make_step(
         ratio, remaining = scheme.estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= scheme.ROUND_OFF:
             memory[0] = ratio if iteration > 1 else ratio**scheme.UNMEASURED
-            if memory[2] == 0.0 or iteration < memory[2]:
-                memory[2] = iteration
-            memory[3] += iteration - memory[2]
+            counted = max(iteration, 2)  # as policies.Automatic: one iteration is luck
+            if memory[2] == 0.0 or counted < memory[2]:
+                memory[2] = counted
+            memory[3] += counted - memory[2]
             scheme.accept(parameters, v, vdot, a, H1, v1, vdot1)
             H[:] = H1
             return iteration, renewed

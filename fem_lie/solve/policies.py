@@ -110,7 +110,7 @@ class Automatic(Policy):
     a factorisation is made when the iteration converges badly.
     """
 
-    def __init__(self, cost: float = 100.0, patience: int = 8) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8) -> None:
         """Set the costs.
 
         Args:
