@@ -31,6 +31,7 @@ from fem_lie.nodal import (
     add_blocks,
     add_mass_damping,
     combine,
+    drop_turning,
     load_potential,
     rigid_residual,
     rigid_tangent,
@@ -60,7 +61,8 @@ class System:
         table: All joints.
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
-        held: Which of the moving nodes are clamped, shape (n,).
+        held: Which unknowns of the moving nodes are zero, shape (n, 6).
+        uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
         choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
@@ -94,7 +96,7 @@ class System:
         self.frames = np.concatenate([self.numbering.frames, fixed])
         still = np.zeros((len(fixed), 6))
         self.velocities = np.concatenate([self.numbering.velocities, still])
-        self.held = np.zeros(self.count, dtype=bool)
+        self.held, self.uncoupled = self.numbering.held.copy(), self.numbering.uncoupled
         for clamp in scene.clamps:
             self.held[self.numbering.node(clamp.point)] = True
         self.joints, self.table = self._tabulate(scene)
@@ -113,6 +115,7 @@ class System:
         self._work = np.zeros((2, self.count, 4, 3))
         self._damping_work = np.zeros_like(self._work)
         self._still = np.zeros((self.count, 6))
+        self._applied, self._any_uncoupled = np.zeros((self.count, 6)), self.uncoupled.any()
         self.choices = Choices(gyroscopic=True, geometric=True)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
@@ -125,7 +128,7 @@ class System:
             joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
             sides.append((self.numbering.node(motion.point), self.count + 1 + k))
         nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
-        still = np.append(self.held, [True] * (len(self.frames) - self.count))[nodes]
+        still = np.append(self.held.all(axis=1), [True] * (len(self.frames) - self.count))[nodes]
         self._reported = (still[:, 0] & ~still[:, 1]).astype(np.int64)
         nodes[self._reported == 1] = nodes[self._reported == 1, ::-1]
         frames = np.empty((len(joints), 2, 4, 3))
@@ -231,10 +234,10 @@ class System:
         constraints.jacobian(H, self.table, self._rows)
         c, side = np.nonzero(self._per_constraint < self.count)
         node = self._per_constraint[c, side]
-        free = ~self.held[node]
+        free = ~self.held[node].all(axis=1)
         c, side, node = c[free], side[free], node[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
-        values = self._rows[c, side].ravel()
+        values = np.where(self.held[node], 0.0, self._rows[c, side]).ravel()
         return sp.csr_matrix((values, (np.repeat(c, 6), columns)), shape=(self.m, 6 * self.count))
 
     def _check_redundancy(self) -> None:
@@ -277,6 +280,19 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
         """
+        self.applied(H, v, a, weights, scale, r)
+        self.elastic.add_forces(H, r)
+        if self._viscous:
+            self.elastic.add_viscous_forces(H, v, r)
+        if self._damping is not None:
+            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
+        if self.held.any():
+            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+
+    def applied(
+        self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array
+    ) -> None:
+        """What :meth:`residual` is without elastic forces and damping."""
         rigid_residual(
             H,
             v,
@@ -289,13 +305,7 @@ class System:
             self._work,
             r,
         )
-        self.elastic.add_forces(H, r)
-        if self._viscous:
-            self.elastic.add_viscous_forces(H, v, r)
-        if self._damping is not None:
-            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
-        if self.scene.clamps:
-            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+        self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
     def fill_matrix(
         self,
@@ -340,6 +350,8 @@ class System:
             self._add_damping(H, v, damping)
         if self.choices.geometric:
             constraints.geometric(H, self.table, weights, self._place_joints, self._K)
+        if self._any_uncoupled:
+            drop_turning(self._applied, self.uncoupled, self._diagonal, self._K)
         constraints.jacobian(ahead, self.table, self._rows)
         nodes, bind = self._per_constraint, self.kkt.indices
         columns = self._rows.copy()
