@@ -181,9 +181,7 @@ def drop_turning(applied: Array, chosen: Flags, diagonal: Indices, K: Array) -> 
 
 
 @compiled
-def load_vector(
-    H: Array, dead: Array, moment: Array, following: Array, r: Array
-) -> None:
+def load_vector(H: Array, dead: Array, moment: Array, following: Array, r: Array) -> None:
     """``r = Lᵀ dead + loads`` on the moving nodes, shape (n, 6)."""
     r[:] = 0.0
     _add_moments(H, moment, following, r.reshape(-1))

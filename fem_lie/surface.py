@@ -20,12 +20,8 @@ from fem_lie.mesh import _count, _find, _indices, _members, _points
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
 
-_NODES = {
-    ("triangle", 1): 3,
-    ("quadrilateral", 1): 4,
-    ("triangle", 2): 6,
-    ("quadrilateral", 2): 9,
-}
+# number of nodes and degree
+_DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 
@@ -130,7 +126,7 @@ class SurfaceMesh:
     @property
     def degree(self) -> int:
         """Of the cells' edges."""
-        return next(degree for (cell, degree), k in _NODES.items() if self._kind(cell, k))
+        return _DEGREES[self.cell][self.cells.shape[1]]
 
     @property
     def corners(self) -> Indices:
@@ -191,9 +187,6 @@ class SurfaceMesh:
             )
         return np.asarray(mean)
 
-    def _kind(self, cell: str, count: int) -> bool:
-        return (cell, count) == (self.cell, self.cells.shape[1])
-
     def _check_neighbours(self) -> None:
         round_ = self.corners
         directed = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -242,8 +235,11 @@ def surface(
     Raises:
         ValueError: A cell has no area, or something is out of range.
     """
-    if (cell, degree) not in _NODES:
-        raise ValueError(f"cells must be {sorted(_NODES)}, got {(cell, degree)}")
+    if cell not in _DEGREES or degree not in (1, 2):
+        raise ValueError(
+            "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
+            f"{cell!r} of degree {degree!r}"
+        )
     n, m = (degree * _count(count) for count in cells)
     places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
     number = np.arange(len(places)).reshape(n + 1, m + 1)
@@ -252,14 +248,15 @@ def surface(
         [function(a, b) for a, b in places],
         _grid_cells(number, cell, degree),
         cell,
-        curves={
-            name: np.column_stack([p[:-1:degree], p[degree::degree], p[1::2]][: degree + 1])
-            if degree == 2
-            else np.column_stack([p[:-1], p[1:]])
-            for name, p in sides.items()
-        },
+        curves={name: _edges(along, degree) for name, along in sides.items()},
         named_points={f"{i}{j}": np.atleast_1d(number[-i, -j]) for i in (0, 1) for j in (0, 1)},
     )
+
+
+def _edges(along: Indices, degree: int) -> Indices:
+    """Edges of successive points: two ends, and what is between."""
+    parts = [along[:-1:degree], along[degree::degree], *([along[1::2]] if degree == 2 else [])]
+    return np.column_stack(parts)
 
 
 def _grid_cells(number: Indices, cell: str, degree: int) -> Indices:
@@ -282,9 +279,9 @@ def _grid_cells(number: Indices, cell: str, degree: int) -> Indices:
 
 def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     cells = np.asarray(value)
-    known = sorted(k for name, k in ((c, k) for (c, _), k in _NODES.items()) if name == cell)
-    if not known:
+    if cell not in _DEGREES:
         raise ValueError(f"cell must be 'triangle' or 'quadrilateral', got {cell!r}")
+    known = list(_DEGREES[cell])
     if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
         raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
     indices = _indices(cells, points, "cells")
@@ -296,11 +293,10 @@ def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
 
 def _cell_normals(points: Array, cells: Indices, cell: str) -> Array:
     """Unit normals of each cell's own interpolation at its nodes, shape (m, k, 3)."""
-    degree = next(d for (name, d), k in _NODES.items() if (name, k) == (cell, cells.shape[1]))
     element = basix.create_element(
         basix.ElementFamily.P,
         basix.CellType[cell],
-        degree,
+        _DEGREES[cell][cells.shape[1]],
         basix.LagrangeVariant.gll_warped,
     )
     slopes = element.tabulate(1, element.points)[1:, :, :, 0]

@@ -99,6 +99,7 @@ class System:
         self.held, self.uncoupled = self.numbering.held.copy(), self.numbering.uncoupled
         for clamp in scene.clamps:
             self.held[self.numbering.node(clamp.point)] = True
+        self._any_held = bool(self.held.any())
         self.joints, self.table = self._tabulate(scene)
         self.m = len(self.table.selection)
         self.size = 6 * self.count + self.m
@@ -129,7 +130,8 @@ class System:
             sides.append((self.numbering.node(motion.point), self.count + 1 + k))
         nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
         still = np.append(self.held.all(axis=1), [True] * (len(self.frames) - self.count))[nodes]
-        self._reported = (still[:, 0] & ~still[:, 1]).astype(np.int64)
+        turned = np.array([joint.reversible for joint in joints], dtype=bool)
+        self._reported = (turned & still[:, 0] & ~still[:, 1]).astype(np.int64)
         nodes[self._reported == 1] = nodes[self._reported == 1, ::-1]
         frames = np.empty((len(joints), 2, 4, 3))
         for k, joint in enumerate(joints):
@@ -286,12 +288,10 @@ class System:
             self.elastic.add_viscous_forces(H, v, r)
         if self._damping is not None:
             add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
-        if self.held.any():
+        if self._any_held:
             r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
 
-    def applied(
-        self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array
-    ) -> None:
+    def applied(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
         """What :meth:`residual` is without elastic forces and damping."""
         rigid_residual(
             H,
@@ -487,6 +487,13 @@ class System:
         constraints.wrenches(H, self.table, weights, self._reported, forces)
         return forces
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether the static equations have a symmetric matrix in every state."""
+        bound = bool(self.table.selection[:, 3:].any())
+        turning = self._loads.turning or self._loads.pressure is not None
+        return bool(self.uncoupled.all()) and not bound and not turning
+
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""
         total, n, flat = self.numbering.total, self.count, int((self.kinds & 1).sum())
@@ -503,15 +510,17 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
-        leaders = self.numbering.attachment.leaders
+        leaders, table = self.numbering.attachment.leaders, self.table
+        # drawn on its side A, or on B if A is ground
+        sides = (table.nodes[:, 0] >= self.count).astype(np.int64)
         joints = tuple(
             JointInfo(
                 name=joint.label,
                 kind=type(joint).__name__,
-                node=int(leaders[self.table.nodes[k, 0]]),
-                offset=self.table.frames[k, 0, 0],
+                node=int(leaders[table.nodes[k, side]]),
+                offset=table.frames[k, side, 0],
             )
-            for k, joint in enumerate(self.joints)
+            for k, (joint, side) in enumerate(zip(self.joints, sides, strict=True))
         )
         return SceneInfo(self.numbering.bodies(), joints)
 
