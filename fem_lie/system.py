@@ -355,7 +355,10 @@ class System:
         constraints.jacobian(ahead, self.table, self._rows)
         nodes, bind = self._per_constraint, self.kkt.indices
         columns = self._rows.copy()
-        combine(self._A, self._K, self._rows, self.kinds, d, nodes, bind)
+        if d.any():
+            combine(self._A, self._K, self._rows, self.kinds, d, nodes, bind)
+        else:
+            self._A += self._K
         if inertial:
             to_inertial(self._A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
         self.kkt.fill(self._A, columns, self._rows, scale)

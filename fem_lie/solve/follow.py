@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -29,10 +30,12 @@ class PathResult(StaticResult):
     Attributes:
         load_steps: Number of accepted steps, those between the wanted loads included.
         failed_steps: Number of steps that were given up.
+        seconds: Wall time from the first assembly to the last solution.
     """
 
     load_steps: int
     failed_steps: int
+    seconds: float
 
 
 def follow_loads(
@@ -60,12 +63,13 @@ def follow_loads(
     _check(scene)
     model = SceneEquilibrium(scene, petsc_options_prefix)
     options = ArcLength() if arc_length is None else arc_length
+    start = perf_counter()
     try:
         path = options.follow(model, levels)
     except ConvergenceError as error:
-        reached = error.result
-        raise ConvergenceError(str(error), _result(model, reached, levels)) from None
-    return _result(model, path, levels)
+        result = _result(model, error.result, levels, perf_counter() - start)
+        raise ConvergenceError(str(error), result) from None
+    return _result(model, path, levels, perf_counter() - start)
 
 
 def _check(scene: Scene) -> None:
@@ -169,7 +173,9 @@ class SceneEquilibrium:
         self.system.elastic.restore(state.carried)
 
 
-def _result(model: SceneEquilibrium, path: Path, levels: Sequence[float]) -> PathResult:
+def _result(
+    model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
+) -> PathResult:
     system, reached = model.system, list(levels[: len(path.states)])
     attachment, counts = system.numbering.attachment, np.cumsum([0, *path.iterations])
     ends = [0] + [1 + path.factors.index(level) for level in reached]
@@ -187,4 +193,5 @@ def _result(model: SceneEquilibrium, path: Path, levels: Sequence[float]) -> Pat
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         load_steps=len(path.iterations),
         failed_steps=path.failed_steps,
+        seconds=seconds,
     )
