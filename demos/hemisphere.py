@@ -59,9 +59,9 @@ def pinched(thickness: float, mesh: int, formulation: fl.ShellFormulation) -> fl
     )
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
+    shell.guide("00", (0, 0, 1))
     scene = fl.Scene()
     scene.add(shell)
-    scene.add(fl.InPlane(fl.ground(), shell["00"], axis=(0, 0, 1)))
     force = CASES[thickness][0]
     scene.add(fl.PointLoad(shell["00"], force=(force / 2, 0, 0)))
     scene.add(fl.PointLoad(shell["10"], force=(0, -force / 2, 0)))

@@ -52,6 +52,8 @@ class Body:
         faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
         thickness: Of those, shape (m,), for drawing.
         held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
+        supports: Axes fixed in space along which ``held`` translations are, nan where they are the
+            node's own, shape (n, 3, 3).
         uncoupled: Whether statics moves its nodes by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and
             not by ``H exp(h)``; the tangent of its assembly is then the second derivative along
             that motion.
@@ -85,6 +87,7 @@ class Body:
         self.faces = np.empty((0, 4), dtype=np.int64)
         self.thickness = np.empty(0)
         self.held = np.zeros((len(self.frames), 6), dtype=bool)
+        self.supports = np.full((len(self.frames), 3, 3), np.nan)
         self._points = points
 
     @property

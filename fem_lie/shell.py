@@ -132,7 +132,6 @@ class Shell(Body):
         sections = _section_per_cell(mesh, centres, section)
         self.stiffness = np.array([s.stiffness for s in sections])
         self.density = np.array([s.inertia for s in sections])
-        self.thickness = np.array([s.thickness for s in sections])
         self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
         self.axes = _axes(mesh, centres, along)
         directors = mesh.directors(kink_angle) if director is None else _given(mesh, director)
@@ -145,7 +144,7 @@ class Shell(Body):
             group=group,
             name=name,
         )
-        self.faces = mesh.corners
+        self.faces, self.thickness = mesh.corners, np.array([s.thickness for s in sections])
         self.held[:, 5] = True
 
     @property
@@ -212,6 +211,36 @@ class Shell(Body):
         for node in nodes:
             self._bind(int(node), n)
 
+    def guide(self, name: str, normal: npt.ArrayLike) -> None:
+        """Hold displacements along a direction fixed in space; directors stay free.
+
+        Args:
+            name: A named point, curve or group.
+            normal: The direction, global components.
+
+        Raises:
+            ValueError: There is nothing of this name, the direction is zero, or it is held already.
+        """
+        nodes, n = self._nodes(name), vector(normal, 3, f"direction of guide {name!r}")
+        for node in nodes:
+            self._hold_along(int(node), n)
+
+    def _hold_along(self, node: int, direction: Array) -> None:
+        """Hold one more translation of a node, along axes fixed in space from here on."""
+        held, axes = self.held[node], self.supports[node]
+        own = axes if np.isfinite(axes[0, 0]) else self.frames[node, 1:]
+        before = own[held[:3]]
+        rest = direction - before.T @ (before @ direction)
+        if not np.linalg.norm(rest) > 1e-9 * np.linalg.norm(direction):
+            raise ValueError(
+                f"node {node} of {self.label} is held along {direction} already, or that is zero"
+            )
+        known = np.vstack([before, rest / np.linalg.norm(rest)])
+        # the others are any that are perpendicular
+        free = np.linalg.svd(known)[2][len(known) :]
+        self.supports[node] = np.vstack([known, free])
+        held[:3] = np.arange(3) < len(known)
+
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).
 
@@ -259,18 +288,21 @@ class Shell(Body):
     def _bind(self, node: int, normal: Array) -> None:
         """Turn the frame of a node and hold what leaves the plane."""
         H, held = self.frames[node], self.held[node]
-        if not held[0]:
+        if held[4] and abs(H[2] @ normal) < 1.0 - 1e-6:
+            raise ValueError(
+                f"node {node} of {self.label} is on planes of symmetry that are not perpendicular"
+            )
+        tilt = 3 if held[4] else 4
+        if tilt == 4:
             # the director stays as it is to the last digit
             e1 = normal - (normal @ H[3]) * H[3]
             H[1] = e1 / np.linalg.norm(e1)
             H[2] = np.cross(H[3], H[1])
-            held[[0, 4]] = True
-        elif abs(H[2] @ normal) > 1.0 - 1e-6:
-            held[[1, 3]] = True
-        elif abs(H[1] @ normal) < 1.0 - 1e-6:
-            raise ValueError(
-                f"node {node} of {self.label} is on planes of symmetry that are not perpendicular"
-            )
+        held[tilt] = True
+        if np.isfinite(self.supports[node, 0, 0]):
+            self._hold_along(node, normal)
+        else:
+            held[4 - tilt] = True
 
     def _measure(self) -> tuple[Array, Array]:
         """Shape functions (g, k) and weights times area (m, g) at points of integration."""

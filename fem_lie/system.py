@@ -40,6 +40,7 @@ from fem_lie.nodal import (
 from fem_lie.numbering import Numbering
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
+from fem_lie.supports import Supports
 
 
 def refuse_ranks() -> None:
@@ -63,6 +64,7 @@ class System:
             :mod:`fem_lie.groups`.
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
         uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
+        supports: Which of them have unknowns along axes fixed in space.
         choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
@@ -112,6 +114,11 @@ class System:
         self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressure)
         self._viscous = dynamics and self.elastic.viscous
         self._build_matrix()
+        if dynamics and self.supports:
+            raise ValueError(
+                "supports along axes fixed in space (Shell.guide) are for statics; use InPlane "
+                "joints in dynamics"
+            )
         self._check_redundancy()
         self._work = np.zeros((2, self.count, 4, 3))
         self._damping_work = np.zeros_like(self._work)
@@ -227,6 +234,9 @@ class System:
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
         self._per_constraint = np.repeat(self.table.nodes, np.diff(self.table.first), axis=0)
+        self.supports = Supports(
+            self.numbering.supports, self.kkt.indptr, self.kkt.indices, self._per_constraint
+        )
         self._A = np.zeros((len(self.kkt.indices), 6, 6))
         self._K = np.zeros_like(self._A)
         self._rows = np.zeros((self.m, 2, 6))
@@ -234,6 +244,7 @@ class System:
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
         constraints.jacobian(H, self.table, self._rows)
+        self.supports.turn_border(H, self._rows)
         c, side = np.nonzero(self._per_constraint < self.count)
         node = self._per_constraint[c, side]
         free = ~self.held[node].all(axis=1)
@@ -288,6 +299,8 @@ class System:
             self.elastic.add_viscous_forces(H, v, r)
         if self._damping is not None:
             add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
+        if self.supports:
+            self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
         if self._any_held:
             r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
 
@@ -359,6 +372,10 @@ class System:
             combine(self._A, self._K, self._rows, self.kinds, d, nodes, bind)
         else:
             self._A += self._K
+        if self.supports:
+            self.supports.turn_blocks(H, self._A)
+            self.supports.turn_border(H, columns)
+            self.supports.turn_border(H, self._rows)
         if inertial:
             to_inertial(self._A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
         self.kkt.fill(self._A, columns, self._rows, scale)

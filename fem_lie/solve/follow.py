@@ -125,6 +125,7 @@ class SceneEquilibrium:
             self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
         )
         load_vector(self._H, *self._loads, load)
+        system.supports.turn(self._H, load)
         load[system.held] = 0.0
         return self._internal.copy(), self._load.copy()
 
@@ -144,7 +145,9 @@ class SceneEquilibrium:
         """See the protocol."""
         self._solver.right_hand_side[:] = b
         self._solver.solve()
-        return self._solver.solution.copy()
+        x, count = self._solver.solution.copy(), self.system.count
+        self.system.supports.turn_back(self._H, x[: 6 * count].reshape(-1, 6))
+        return x
 
     def move(self, dx: Array) -> None:
         """See the protocol."""

@@ -309,6 +309,8 @@ class _Newton:
             self._fill()
         self._solver.factorise()
         self._solver.solve()
+        if system.supports:
+            system.supports.turn_back(H, self._dx[: 6 * system.count].reshape(-1, 6))
         if self._carried:
             system.elastic.carry(H, -self._dx[: 6 * system.count])
         self.last = advance(H, self._dx, system.held, system.uncoupled, system.length)
