@@ -150,9 +150,9 @@ def ghost_options() -> dict[str, Any]:
 def create_surface_mesh(
     points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int
 ) -> dolfinx.mesh.Mesh:
-    """Plane mesh on this process alone, from points ``(n, 2)`` and cells as DOLFINx orders them.
+    """Mesh on this process alone, from points ``(n, gdim)`` and cells as DOLFINx orders them.
 
     The call is by keyword: two arguments were swapped in 0.10.
     """
-    element = basix.ufl.element("Lagrange", cell, degree, shape=(2,))
+    element = basix.ufl.element("Lagrange", cell, degree, shape=(points.shape[1],))
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)

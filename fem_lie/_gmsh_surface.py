@@ -149,14 +149,51 @@ def _sizes(gmsh: Any, sizes: CellSizes) -> None:
 
 
 def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
-    """Cells of groups of surfaces, with their points from 0 on."""
+    """Cells of groups of surfaces in a plane, with their points from 0 on."""
+    block = cell_block(gmsh, groups, what)
+    used, local = np.unique(block.cells, return_inverse=True)
+    return RawSurface(
+        points=_plane(coordinates_of(gmsh, used), what),
+        cells=local.reshape(block.cells.shape).astype(np.int64),
+        regions=block.regions,
+        names=tuple(groups),
+        cell=block.cell,
+        degree=block.degree,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class CellBlock:
+    """Cells of one kind by gmsh's node tags, in DOLFINx's order.
+
+    Attributes:
+        cells: Node tags, shape (m, k).
+        regions: Number of each cell's group, shape (m,).
+        surfaces: gmsh's tag of the surface of each cell, shape (m,).
+        cell: ``triangle`` or ``quadrilateral``.
+        degree: Of the cells' edges.
+    """
+
+    cells: Indices
+    regions: Indices
+    surfaces: Indices
+    cell: str
+    degree: int
+
+
+def cell_block(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> CellBlock:
+    """Cells of groups of surfaces.
+
+    Raises:
+        ValueError: They are of several kinds, of an unknown one, or there are none.
+    """
     blocks, owner, kinds = [], [], set()
     for region, surfaces in enumerate(groups.values()):
         for surface in surfaces:
             for kind, _, nodes in zip(*gmsh.model.mesh.getElements(2, surface), strict=True):
                 kinds.add(int(kind))
                 blocks.append(nodes.astype(np.int64))
-                owner.append((region, int(kind)))
+                owner.append((region, surface))
     if len(kinds) != 1 or not kinds <= set(_CELLS):
         names = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in sorted(kinds)]
         raise ValueError(
@@ -164,19 +201,21 @@ def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
             f"{' and '.join(names) or 'no surface cells'}"
         )
     cell, degree, order = _CELLS[kinds.pop()]
-    cells = np.concatenate([block.reshape(-1, len(order)) for block in blocks])[:, order]
     counts = [len(block) // len(order) for block in blocks]
-    used, local = np.unique(cells, return_inverse=True)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    rows = np.argsort(tags)[np.searchsorted(np.sort(tags), used)]
-    return RawSurface(
-        points=_plane(coordinates.reshape(-1, 3)[rows], what),
-        cells=local.reshape(cells.shape).astype(np.int64),
+    return CellBlock(
+        cells=np.concatenate([block.reshape(-1, len(order)) for block in blocks])[:, order],
         regions=np.repeat([region for region, _ in owner], counts),
-        names=tuple(groups),
+        surfaces=np.repeat([surface for _, surface in owner], counts),
         cell=cell,
         degree=degree,
     )
+
+
+def coordinates_of(gmsh: Any, tags: Indices) -> Array:
+    """Coordinates of nodes, shape (n, 3)."""
+    known, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(known)
+    return np.asarray(coordinates.reshape(-1, 3)[order[np.searchsorted(known[order], tags)]])
 
 
 def _plane(points: Array, what: str) -> Array:

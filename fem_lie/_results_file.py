@@ -12,7 +12,7 @@ import numpy as np
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 
-_FORMAT, _VERSION = "fem_lie results", 2
+_FORMAT, _VERSION = "fem_lie results", 3
 _NUMBERS = ("factorisations", "seconds")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info"))
 
@@ -86,6 +86,7 @@ def _groups(file: Any, name: str) -> list[Any]:
 def _write_body(group: Any, body: BodyInfo) -> None:
     group.attrs.update({"name": body.name, "kind": body.kind})
     group["nodes"], group["cells"] = body.nodes, body.cells
+    group["faces"], group["thickness"] = body.faces, body.thickness
     group["point_names"] = list(body.points) or np.empty(0, dtype="S1")
     group["point_nodes"] = np.array(list(body.points.values()), dtype=np.int64)
     for name in ("outline", "box"):
@@ -100,6 +101,8 @@ def _read_body(group: Any) -> BodyInfo:
         kind=group.attrs["kind"],
         nodes=group["nodes"][()],
         cells=group["cells"][()],
+        faces=group["faces"][()],
+        thickness=group["thickness"][()],
         outline=group["outline"][()] if "outline" in group else None,
         box=group["box"][()] if "box" in group else None,
         points={n: int(i) for n, i in zip(names, group["point_nodes"][()], strict=True)},

@@ -96,7 +96,7 @@ class Assembly:
         forms: LocalFrameForms,
         order: Indices,
         cell_order: Indices,
-        eigenstrain: fem.Function,
+        eigenstrain: fem.Function | None,
     ) -> None:
         """Pack the forms and make the matrices.
 
@@ -105,7 +105,8 @@ class Assembly:
             forms: The element in local frames.
             order: See the class.
             cell_order: See the class.
-            eigenstrain: Strain without stress, a DG0 function that the forms contain.
+            eigenstrain: Strain without stress, a DG0 function that the forms contain, or ``None``
+                without one.
         """
         self.order, self.cell_order, self.count = order, cell_order, len(order)
         self.inertia: NodalInertia | None = None
@@ -152,13 +153,17 @@ class Assembly:
         return self._blocks(H, self._forms.viscous_tangent)
 
     def _blocks(self, H: Array, form: fem.Form) -> Array:
+        return self._assembled(H, form).reshape(-1, 6, 6)
+
+    def _assembled(self, H: Array, form: fem.Form) -> Array:
         self._frames.frames[:] = H
         self._matrix.set_value(np.float64(0.0))
         fem.assemble_matrix(self._matrix, form)
-        return np.asarray(self._matrix.data, dtype=np.float64).reshape(-1, 6, 6)
+        return np.asarray(self._matrix.data, dtype=np.float64)
 
     def set_eigenstrain(self, values: Array) -> None:
         """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""
+        assert self._eigenstrain is not None
         self._eigenstrain.x.array.reshape(-1, 6)[self.cell_order] = values
         self._residual.pack()
         self._energy.pack()
@@ -173,6 +178,13 @@ class Assembly:
         """Make the carried stress zero."""
         if self._forms.stress is not None:
             self._forms.stress.x.array[:] = 0.0
+
+    @property
+    def carried(self) -> Array:
+        """What is carried from iterate to iterate: stress, or the cells' own unknowns."""
+        forms = self._forms
+        function = forms.stress if forms.local is None else forms.local
+        return np.empty(0) if function is None else function.x.array
 
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""

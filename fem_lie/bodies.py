@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -49,8 +49,20 @@ class Body:
         size: A length of the body, for tolerances.
         leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
         group: On which its nodes move in time integration.
+        faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
+        thickness: Of those, shape (m,), for drawing.
+        held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
+        supports: Axes fixed in space along which ``held`` translations are, nan where they are the
+            node's own, shape (n, 3, 3).
+        uncoupled: Whether statics moves its nodes by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and
+            not by ``H exp(h)``; the tangent of its assembly is then the second derivative along
+            that motion.
+        drills: Whether its nodes turn about their third directors.
         name: How messages and results call it; the scene gives one if it is empty.
     """
+
+    uncoupled: ClassVar[bool] = False
+    drills: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -72,6 +84,10 @@ class Body:
         self.size, self.name = size, name
         self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
         self.group = Group(group)
+        self.faces = np.empty((0, 4), dtype=np.int64)
+        self.thickness = np.empty(0)
+        self.held = np.zeros((len(self.frames), 6), dtype=bool)
+        self.supports = np.full((len(self.frames), 3, 3), np.nan)
         self._points = points
 
     @property

@@ -110,6 +110,15 @@ class Elastic:
         for where, assembly in self._assemblies:
             assembly.carry(frames[where], twists[where].ravel())
 
+    def carried(self) -> list[Array]:
+        """Copies of what the assemblies carry from iterate to iterate."""
+        return [assembly.carried.copy() for _, assembly in self._assemblies]
+
+    def restore(self, carried: list[Array]) -> None:
+        """Carry again what was carried when it was copied."""
+        for (_, assembly), values in zip(self._assemblies, carried, strict=True):
+            assembly.carried[:] = values
+
     def clear_stress(self) -> None:
         """Make all carried stresses zero: a tangent without geometric stiffness."""
         for _, assembly in self._assemblies:

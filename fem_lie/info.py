@@ -30,6 +30,8 @@ class BodyInfo:
             (m, k, 2); nan where there is none. ``None``: there is none at all.
         box: Edges of a box about the body's frame, shape (3,): how a rigid body is drawn.
         points: Node of each named point.
+        faces: Corners of cells that are surfaces, shape (m, 3 or 4); none if there are none.
+        thickness: Of those, shape (m,).
     """
 
     name: str
@@ -39,6 +41,8 @@ class BodyInfo:
     outline: Array | None = None
     box: Array | None = None
     points: Mapping[str, int] = field(default_factory=dict)
+    faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
+    thickness: Array = field(default_factory=lambda: np.empty(0))
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -51,6 +55,8 @@ class BodyInfo:
             outline=body.outline,
             box=body.box,
             points={key: int(nodes[node]) for key, node in body.point_names.items()},
+            faces=nodes[body.faces],
+            thickness=body.thickness,
         )
 
 

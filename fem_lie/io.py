@@ -1,4 +1,4 @@
-"""Line meshes from gmsh and from DOLFINx."""
+"""Line and surface meshes from gmsh and from DOLFINx."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie.mesh import KINK_ANGLE, LineMesh
+from fem_lie.surface import SurfaceMesh
 
 if TYPE_CHECKING:
     import dolfinx
@@ -99,6 +100,94 @@ def from_dolfinx(
             for name, vertices in names.items()
         },
         kink_angle=kink_angle,
+    )
+
+
+def read_gmsh_surface(
+    path: str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None
+) -> SurfaceMesh:
+    """Surfaces of a gmsh file or model, with the names of its physical groups.
+
+    Physical groups of surfaces become groups of cells, those of curves named curves, those of
+    points named points; a group without a name is called by its number. Surfaces outside of groups
+    count only if no surface is in one. A ``.geo`` file is meshed here; its normals are those of the
+    CAD surfaces. A ``.msh`` file has no surfaces any more; normals come from its cells.
+
+    Args:
+        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
+        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, a parameter is not in it, it has no surface cells or those
+            of several kinds, or anything that the class refuses.
+    """
+    from fem_lie._gmsh_shell import model_shell, read_shell
+
+    if path is None and parameters:
+        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
+    raw = model_shell("the gmsh model") if path is None else read_shell(path, parameters)
+    return SurfaceMesh.from_cells(
+        raw.points,
+        raw.cells,
+        raw.cell,
+        normals=raw.normals,
+        groups=raw.groups,
+        curves=raw.curves,
+        named_points=raw.named_points,
+    )
+
+
+def surface_from_dolfinx(
+    mesh: dolfinx.mesh.Mesh,
+    cell_tags: dolfinx.mesh.MeshTags | None = None,
+    facet_tags: dolfinx.mesh.MeshTags | None = None,
+    vertex_tags: dolfinx.mesh.MeshTags | None = None,
+    *,
+    groups: Mapping[str, int] | None = None,
+    curves: Mapping[str, int] | None = None,
+    named_points: Mapping[str, int] | None = None,
+) -> SurfaceMesh:
+    """A DOLFINx mesh of a surface; cells keep DOLFINx's numbers, points those of its geometry.
+
+    Args:
+        mesh: Triangles or quadrilaterals of first order in space, on one process.
+        cell_tags: Tags of cells.
+        facet_tags: Tags of edges.
+        vertex_tags: Tags of vertices.
+        groups: Name of each tag of cells; default: the tags' numbers are the names.
+        curves: Name of each tag of edges; default likewise.
+        named_points: Name of each tag of vertices; default likewise.
+
+    Raises:
+        ValueError: The mesh has other cells, lies in a plane of two dimensions or is spread over
+            processes, a tag does not exist, or anything that the class refuses.
+    """
+    from dolfinx.mesh import entities_to_geometry
+
+    from fem_lie._compat import geometry_dofmap
+
+    if mesh.comm.size > 1:
+        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    cell, cells = mesh.topology.cell_name(), geometry_dofmap(mesh)
+    if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:
+        raise ValueError(
+            "the mesh must consist of triangles or quadrilaterals of order 1 in space (gdim 3), "
+            f"got {cell} cells with {cells.shape[1]} nodes and gdim {mesh.geometry.dim}"
+        )
+    mesh.topology.create_connectivity(0, 2)
+    mesh.topology.create_connectivity(1, 2)
+    edges = _tagged(facet_tags, curves, "facet_tags")
+    vertices = _tagged(vertex_tags, named_points, "vertex_tags")
+    return SurfaceMesh.from_cells(
+        mesh.geometry.x,
+        cells,
+        cell,
+        groups=_tagged(cell_tags, groups, "cell_tags"),
+        curves={name: entities_to_geometry(mesh, 1, found) for name, found in edges.items()},
+        named_points={
+            name: entities_to_geometry(mesh, 0, found).ravel() for name, found in vertices.items()
+        },
     )
 
 

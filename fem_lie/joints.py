@@ -34,9 +34,9 @@ _NO_TURN = ({10: 0.5, 8: -0.5}, {5: 0.5, 9: -0.5}, {6: 0.5, 4: -0.5})  # axial(s
 class Joint:
     """What all joints have in common; use one of the subclasses.
 
-    A subclass states its ``selection`` of ``(Δ, Q)``, which must forbid the same with the two sides
-    exchanged: a side that does not move by itself becomes B, because the Jacobian on A's side of
-    what touches ``Δ`` alone is constant in local frames.
+    A subclass states its ``selection`` of ``(Δ, Q)``. If it forbids the same with the two sides
+    exchanged, a side that does not move by itself becomes B, because the Jacobian on A's side of
+    what touches ``Δ`` alone is constant in local frames; otherwise it is not ``reversible``.
 
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.ground`.
@@ -54,6 +54,7 @@ class Joint:
     name: str = ""
 
     selection: ClassVar[Array]
+    reversible: ClassVar[bool] = True
 
     def frame(self) -> Array:
         """The joint's frame in the initial configuration, shape (4, 3).
@@ -104,6 +105,17 @@ class Spherical(Joint):
     """Common point."""
 
     selection = _rows(*_COINCIDE)
+
+
+class InPlane(Joint):
+    """Point ``b`` stays in the plane through ``a`` with the normal ``axis`` fixed to ``a``.
+
+    Both coincide in the initial configuration. With ground as ``a``: no displacement of ``b`` along
+    ``axis``.
+    """
+
+    selection = _rows({2: 1.0})
+    reversible = False
 
 
 class Revolute(Joint):

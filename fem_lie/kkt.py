@@ -7,7 +7,7 @@
 
 with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: with ``(BT)ᵀ``
 as columns a body that turns by θ in a step would converge at the rate θ/2. It is filled by one
-compiled loop into a PETSc matrix that shares its memory; nodes that are held have unit rows.
+compiled loop into a PETSc matrix that shares its memory; unknowns that are held have unit rows.
 """
 
 from __future__ import annotations
@@ -43,16 +43,15 @@ def _fill(
         for k in range(6):
             for b in range(bptr[i], bptr[i + 1]):
                 j = bind[b]
-                free = not (held[i] or held[j])
                 for n in range(6):
-                    if free:
+                    if not (held[i, k] or held[j, n]):
                         data[at] = blocks[b, k, n]
                     else:
                         data[at] = 1.0 if i == j and k == n else 0.0
                     at += 1
             for entry in range(iptr[i], iptr[i + 1]):
                 c, side = ipairs[entry, 0], ipairs[entry, 1]
-                data[at] = 0.0 if held[i] else columns[c, side, k] * scale[c]
+                data[at] = 0.0 if held[i, k] else columns[c, side, k] * scale[c]
                 at += 1
     for c in range(rows.shape[0]):
         for order in range(2):
@@ -67,8 +66,10 @@ def _fill(
 def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
     for c in range(rows.shape[0]):
         for side in range(2):
-            if nodes[c, side] >= held.shape[0] or held[nodes[c, side]]:
-                rows[c, side, :] = 0.0
+            node = nodes[c, side]
+            for k in range(6):
+                if node >= held.shape[0] or held[node, k]:
+                    rows[c, side, k] = 0.0
 
 
 class KKT:
@@ -90,7 +91,7 @@ class KKT:
         Args:
             pairs: Rows and columns of coupled node pairs; joints and the diagonal are added.
             table: The joints.
-            held: Which nodes do not move, shape (n,).
+            held: Which unknowns of the nodes are zero, shape (n, 6).
         """
         count, m = len(held), len(table.selection)
         per_constraint = np.repeat(np.arange(len(table.nodes)), np.diff(table.first))

@@ -39,6 +39,7 @@ class LoadCases:
     Attributes:
         time_dependent: Whether any load has a history.
         pressure: All pressures, or ``None``.
+        turning: Whether there are moments or following loads.
     """
 
     def __init__(self, scene: Scene, numbering: Numbering, weight: Array) -> None:
@@ -75,6 +76,7 @@ class LoadCases:
                 pieces.append(pairs)
         self.pressure = Pressure(np.concatenate(pieces)) if self._pushes else None
         self.time_dependent = bool(distinct)
+        self.turning = any(case.moment.any() or case.following.any() for case in self._cases)
         self._last: Array | None = None
 
     def _add_nodal(self, case: _Case, load: NodalLoad) -> None:

@@ -27,6 +27,9 @@ class Numbering:
         frames: Initial frames of the leaders, shape (count, 4, 3).
         velocities: Initial local velocities of the leaders, shape (count, 6).
         groups: The group of each leader, shape (count,).
+        held: Which unknowns of the leaders their bodies hold, shape (count, 6).
+        supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
+        uncoupled: Which leaders move by ``x + R u`` in statics, shape (count,).
     """
 
     def __init__(self, bodies: Sequence[Body], links: Sequence[RigidLink] = ()) -> None:
@@ -59,10 +62,14 @@ class Numbering:
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
         groups: Indices = np.empty(self.total, dtype=np.int64)
+        supports = np.empty((self.total, 3, 3))
+        held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             groups[nodes] = body.group
+            held[nodes], uncoupled[nodes] = body.held, body.uncoupled
+            supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(leaders, follows, strict=True)]
@@ -71,6 +78,9 @@ class Numbering:
         self.frames = frames[self.attachment.leaders]
         self.velocities = velocities[self.attachment.leaders]
         self.groups = groups[self.attachment.leaders]
+        self.held = held[self.attachment.leaders]
+        self.uncoupled = uncoupled[self.attachment.leaders]
+        self.supports = supports[self.attachment.leaders]
         self._check_velocities(velocities)
 
     def _check_velocities(self, given: lie.Array) -> None:

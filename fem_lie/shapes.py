@@ -1,8 +1,8 @@
-"""Surfaces of bodies in given frames: sections swept along beams, boxes for rigid bodies."""
+"""Surfaces of bodies in given frames: swept sections, sheets of a thickness, boxes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,7 @@ class Shape:
         outline: Outline of each cell's section, enlarged if it is too thin to be seen, (m, k, 2).
         box: Edges of a rigid body's box, shape (3,).
         steps: Pieces in which a cell is drawn.
+        sheet: Thickness of a shell at each of its nodes, enlarged likewise, shape (n,).
     """
 
     faces: Indices
@@ -39,9 +40,14 @@ class Shape:
     outline: Array
     box: Array
     steps: int
+    sheet: Array = field(default_factory=lambda: np.empty(0))
 
     def points(self, frames: Array) -> Array:
         """Corners of the polygons for the frames of all nodes, shape (N, 4, 3)."""
+        if len(self.body.faces):
+            middle = frames[self.body.nodes]
+            half = 0.5 * self.sheet[:, np.newaxis] * middle[:, 3]
+            return np.concatenate([middle[:, 0] - half, middle[:, 0] + half])
         if not len(self.body.cells):
             centres = frames[self.body.nodes]
             corners = np.einsum("ck,nkj->ncj", _CORNERS * self.box, centres[:, 1:])
@@ -73,7 +79,34 @@ def joint_places(info: SceneInfo, frames: Array) -> Array:
     return np.array(places).reshape(-1, 3)
 
 
+def _sheet(body: BodyInfo, size: float) -> Shape:
+    """Both faces of a shell, and its rim."""
+    number = np.full(body.nodes.max() + 1, -1)
+    number[body.nodes] = np.arange(len(body.nodes))
+    top, count = number[body.faces] + len(body.nodes), len(body.nodes)
+    directed = np.stack([top, np.roll(top, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, first, uses = np.unique(
+        np.sort(directed, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    a, b = directed[first[uses == 1]].T
+    rim = np.column_stack([a, a - count, b - count, b])
+    faces = [_polygons(top), _polygons(top[:, ::-1] - count), _polygons(rim)]
+    corners = (top - count).ravel()
+    total = np.bincount(corners, np.repeat(body.thickness, top.shape[1]), count)
+    sheet = total / np.maximum(1, np.bincount(corners, minlength=count))
+    return Shape(
+        np.concatenate(faces),
+        body,
+        np.empty((0, 0, 2)),
+        np.zeros(3),
+        1,
+        np.maximum(sheet, _THINNEST * size),
+    )
+
+
 def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
+    if len(body.faces):
+        return _sheet(body, size)
     box: Array = np.full(3, 4.0 * _THINNEST * size)
     if body.box is not None:
         box = np.maximum(body.box, 2.0 * _THINNEST * size)

@@ -50,7 +50,8 @@ class System:
         table: All joints.
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
-        held: Which of the moving nodes are clamped, shape (n,).
+        held: Which unknowns of the moving nodes are zero, shape (n, 6).
+        uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
         inertia: That of the moving nodes.
         elastic: Elements and pressure.
         tangent: The matrix; ``kkt`` is what it is filled into.
@@ -89,9 +90,10 @@ class System:
         self.frames = np.concatenate([self.numbering.frames, fixed])
         still = np.zeros((len(fixed), 6))
         self.velocities = np.concatenate([self.numbering.velocities, still])
-        self.held = np.zeros(self.count, dtype=bool)
+        self.held, self.uncoupled = self.numbering.held.copy(), self.numbering.uncoupled
         for clamp in scene.clamps:
             self.held[self.numbering.node(clamp.point)] = True
+        self._any_held = bool(self.held.any())
         self.joints, self.table, self._reported = self._tabulate(scene)
         self.m = len(self.table.selection)
         self.size = 6 * self.count + self.m
@@ -111,15 +113,22 @@ class System:
             self.elastic,
             self.table,
             self.held,
+            self.numbering.supports,
             viscous=self._viscous,
         )
-        self.kkt = self.tangent.kkt
+        self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
+        if dynamics and self.supports:
+            raise ValueError(
+                "supports along axes fixed in space (Shell.guide) are for statics; use InPlane "
+                "joints in dynamics"
+            )
         B = self.tangent.jacobian(self.frames)
         check_redundancy(B, self.joints, self.table, self.length)
         self._work = np.zeros((2, self.count, 4, 3))
         self.force = self._work[1]
         self._damping_work = np.zeros_like(self._work)
         self._still = np.zeros((self.count, 6))
+        self._applied, self._any_uncoupled = np.zeros((self.count, 6)), self.uncoupled.any()
         self.choices = Choices(gyroscopic=True, geometric=True)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
@@ -135,8 +144,9 @@ class System:
             joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
             sides.append((self.numbering.node(motion.point), self.count + 1 + k))
         nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
-        still = np.append(self.held, [True] * (len(self.frames) - self.count))[nodes]
-        turned = still[:, 0] & ~still[:, 1]
+        still = np.append(self.held.all(axis=1), [True] * (len(self.frames) - self.count))[nodes]
+        reversible = np.array([joint.reversible for joint in joints], dtype=bool)
+        turned = reversible & still[:, 0] & ~still[:, 1]
         nodes[turned] = nodes[turned, ::-1]
         frames = np.empty((len(joints), 2, 4, 3))
         for k, joint in enumerate(joints):
@@ -187,6 +197,19 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
         """
+        self.applied(H, v, a, weights, scale, r)
+        self.elastic.add_forces(H, r)
+        if self._viscous:
+            self.elastic.add_viscous_forces(H, v, r)
+        if self._damping is not None:
+            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
+        if self.supports:
+            self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
+        if self._any_held:
+            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+
+    def applied(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
+        """What :meth:`residual` is without elastic forces and damping."""
         rigid_residual(
             H,
             v,
@@ -199,13 +222,8 @@ class System:
             self._work,
             r,
         )
-        self.elastic.add_forces(H, r)
-        if self._viscous:
-            self.elastic.add_viscous_forces(H, v, r)
-        if self._damping is not None:
-            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self.force, r)
-        if self.scene.clamps:
-            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+        if self._any_uncoupled:
+            self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
     def fill_matrix(
         self,
@@ -243,6 +261,8 @@ class System:
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
             tangent.add_geometric(H, weights)
+        if self._any_uncoupled:
+            tangent.drop_turning(self._applied, self.uncoupled)
         ahead = H if joint_frames is None else joint_frames
         tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
 
@@ -255,6 +275,13 @@ class System:
         forces = np.empty((len(self.joints), 6))
         constraints.wrenches(H, self.table, weights, self._reported, forces)
         return forces
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the static equations have a symmetric matrix in every state."""
+        bound = bool(self.table.selection[:, 3:].any())
+        turning = self._loads.turning or self._loads.pressure is not None
+        return bool(self.uncoupled.all()) and not bound and not turning
 
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""
@@ -272,15 +299,17 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
-        leaders = self.numbering.attachment.leaders
+        leaders, table = self.numbering.attachment.leaders, self.table
+        # drawn on its side A, or on B if A is ground
+        sides = (table.nodes[:, 0] >= self.count).astype(np.int64)
         joints = tuple(
             JointInfo(
                 name=joint.label,
                 kind=type(joint).__name__,
-                node=int(leaders[self.table.nodes[k, 0]]),
-                offset=self.table.frames[k, 0, 0],
+                node=int(leaders[table.nodes[k, side]]),
+                offset=table.frames[k, side, 0],
             )
-            for k, joint in enumerate(self.joints)
+            for k, (joint, side) in enumerate(zip(self.joints, sides, strict=True))
         )
         return SceneInfo(self.numbering.bodies(), joints)
 

@@ -10,7 +10,15 @@ from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
 from fem_lie.kkt import KKT, Flags
-from fem_lie.nodal import Inertia, add_blocks, combine, rigid_tangent, to_inertial
+from fem_lie.nodal import (
+    Inertia,
+    add_blocks,
+    combine,
+    drop_turning,
+    rigid_tangent,
+    to_inertial,
+)
+from fem_lie.supports import Supports
 
 
 class Tangent:
@@ -18,6 +26,7 @@ class Tangent:
 
     Attributes:
         kkt: The bordered matrix.
+        supports: Which nodes have unknowns along axes fixed in space.
         A: Derivatives in corrections of the nodes' increments, blocks of ``kkt``, (nnz, 6, 6).
         K: Derivatives in the twists ``h`` of the nodes' frames, likewise.
     """
@@ -29,6 +38,7 @@ class Tangent:
         elastic: Elastic,
         table: JointTable,
         held: Flags,
+        axes: Array,
         *,
         viscous: bool,
     ) -> None:
@@ -39,7 +49,8 @@ class Tangent:
             damping: Damping that goes with mass.
             elastic: All assemblies, and pressure.
             table: The joints.
-            held: Which nodes do not move, shape (n,).
+            held: Which unknowns of the nodes are zero, shape (n, 6).
+            axes: Fixed axes of the supports, see :class:`~fem_lie.supports.Supports`.
             viscous: Whether the viscous forces of ``elastic`` count.
         """
         self._mass, self._damping = mass, damping
@@ -57,6 +68,7 @@ class Tangent:
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
         self._nodes = np.repeat(table.nodes, np.diff(table.first), axis=0)
+        self.supports = Supports(axes, self.kkt.indptr, self.kkt.indices, self._nodes)
         self._rows = np.zeros((len(self._nodes), 2, 6))
         self.A = np.zeros((len(self.kkt.indices), 6, 6))
         self.K = np.zeros_like(self.A)
@@ -64,12 +76,13 @@ class Tangent:
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
         constraints.jacobian(H, self._table, self._rows)
+        self.supports.turn_border(H, self._rows)
         c, side = np.nonzero(self._nodes < self._count)
         node = self._nodes[c, side]
-        free = ~self._held[node]
+        free = ~self._held[node].all(axis=1)
         c, side, node = c[free], side[free], node[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
-        values = self._rows[c, side].ravel()
+        values = np.where(self._held[node], 0.0, self._rows[c, side]).ravel()
         shape = (len(self._nodes), 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(c, 6), columns)), shape=shape)
 
@@ -151,6 +164,10 @@ class Tangent:
         place = self._place_mass
         inertia.tangents(H, still, rate, local, *self._damping, place, factor, 0.0, self.A, self.K)
 
+    def drop_turning(self, applied: Array, nodes: Flags) -> None:
+        """See :func:`~fem_lie.nodal.drop_turning`."""
+        drop_turning(applied, nodes, self._diagonal, self.K)
+
     # --- sum ---
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
@@ -167,7 +184,14 @@ class Tangent:
         """
         constraints.jacobian(H, self._table, self._rows)
         columns, bind = self._rows.copy(), self.kkt.indices
-        combine(self.A, self.K, self._rows, kinds, d, self._nodes, bind)
+        if d.any():
+            combine(self.A, self.K, self._rows, kinds, d, self._nodes, bind)
+        else:
+            self.A += self.K
+        if self.supports:
+            self.supports.turn_blocks(H, self.A)
+            self.supports.turn_border(H, columns)
+            self.supports.turn_border(H, self._rows)
         if inertial:
             to_inertial(self.A, columns, self._rows, H, self._nodes, self.kkt.indptr, bind)
         self.kkt.fill(self.A, columns, self._rows, scale)

@@ -41,11 +41,11 @@ def write_series(
         raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
     folder = target.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
-    lines, vertices, bodies = _cells(info)
+    lines, vertices, faces, bodies = _cells(info)
     digits = len(str(len(times) - 1))
     rows = []
     for k, time in enumerate(times):
-        data = pyvista.PolyData(frames[k, :, 0], lines=lines, verts=vertices)
+        data = pyvista.PolyData(frames[k, :, 0], faces, lines=lines, verts=vertices)
         for i in (1, 2, 3):
             data.point_data[f"e{i}"] = frames[k, :, i]
         data.point_data["displacement"] = frames[k, :, 0] - frames[0, :, 0]
@@ -65,18 +65,25 @@ def write_series(
     )
 
 
-def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices]:
-    """Lines and single nodes in VTK's notation, and the body of each; VTK has vertices first."""
+def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | None, Indices]:
+    """Lines, single nodes and faces in VTK's notation, and the body of each in VTK's order."""
     lines = [np.insert(body.cells, 0, 2, axis=1) for body in info.bodies if len(body.cells)]
     single = [
         np.column_stack([np.ones_like(body.nodes), body.nodes])
         for body in info.bodies
-        if not len(body.cells)
+        if not len(body.cells) and not len(body.faces)
     ]
-    owners = [np.full(len(b.nodes), i) for i, b in enumerate(info.bodies) if not len(b.cells)]
-    owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies) if len(b.cells)]
-    return _joined(lines), _joined(single), np.concatenate(owners)
+    faces = [np.insert(b.faces, 0, b.faces.shape[1], axis=1) for b in info.bodies if len(b.faces)]
+    # VTK has vertices first, then lines, then faces
+    owners = [
+        np.full(len(b.nodes), i)
+        for i, b in enumerate(info.bodies)
+        if not len(b.cells) and not len(b.faces)
+    ]
+    owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies)]
+    owners += [np.full(len(b.faces), i) for i, b in enumerate(info.bodies)]
+    return _joined(lines), _joined(single), _joined(faces), np.concatenate(owners)
 
 
 def _joined(parts: list[Indices]) -> Indices | None:
-    return np.concatenate(parts).ravel() if parts else None
+    return np.concatenate([part.ravel() for part in parts]) if parts else None

@@ -334,11 +334,13 @@ def test_failure_keeps_the_states_before():
 
 def test_increment_that_is_nan_anywhere_is_seen():
     """One nan, followed by numbers, must come out: the step has failed."""
-    from fem_lie.solve.statics import _advance
+    from fem_lie.solve.statics import advance
 
     dx = np.full(12, 1e-3)
     dx[2] = np.nan
-    assert np.isnan(_advance(lie.se3_exp(np.zeros((2, 6))), dx, np.zeros(2, dtype=bool), 1.0))
+    held = np.zeros((2, 6), dtype=bool)
+    for uncoupled in (np.zeros(2, dtype=bool), np.ones(2, dtype=bool)):
+        assert np.isnan(advance(lie.se3_exp(np.zeros((2, 6))), dx, held, uncoupled, 1.0))
 
 
 def test_singular_structure_is_reported():

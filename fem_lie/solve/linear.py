@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from fem_lie.system import System
 
 
 class ConvergenceError(RuntimeError):
@@ -26,32 +31,65 @@ class SingularMatrixError(ArithmeticError):
     """The matrix has no factorisation."""
 
 
+@dataclass(frozen=True)
+class Method:
+    """A factorisation, and the package that does it.
+
+    Attributes:
+        kind: PETSc's name, ``lu`` or ``cholesky``.
+        package: PETSc's name of the package.
+    """
+
+    kind: str
+    package: str
+
+
+CHAINS = (Method("lu", "klu"),)
+"""The fastest for chains of bodies: block triangular, little fill."""
+
+SURFACES = (Method("lu", "mumps"),)
+"""For surfaces, whose factors fill."""
+
+SYMMETRIC = (Method("cholesky", "cholmod"), Method("cholesky", "mumps"))
+"""For symmetric matrices of surfaces: positive definite, or else indefinite."""
+
+INDEFINITE = SYMMETRIC[1:]
+"""For symmetric matrices of surfaces that are bordered by constraints."""
+
+
+def methods_for(system: System) -> tuple[Method, ...]:
+    """What is fastest for the static equations of a scene."""
+    if not system.uncoupled.any():
+        return CHAINS
+    if not system.symmetric:
+        return SURFACES
+    return SYMMETRIC if system.m == 0 else INDEFINITE
+
+
 class DirectSolver:
     """Factorise now, solve many times.
 
-    KLU is the fastest for chains of bodies (block triangular, little fill). Any other direct solver
-    of PETSc can be chosen at run time with ``-<prefix>pc_factor_mat_solver_type``.
+    Any other direct solver of PETSc can be chosen at run time with
+    ``-<prefix>pc_factor_mat_solver_type``.
 
     Attributes:
         factorisations: How many there were.
         right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
     """
 
-    def __init__(self, matrix: PETSc.Mat, prefix: str) -> None:
+    def __init__(self, matrix: PETSc.Mat, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
         """Keep the matrix; nothing is factorised yet.
 
         Args:
             matrix: Square matrix whose values change between factorisations.
             prefix: Prefix of the PETSc options.
+            methods: What to try, one after the other.
         """
-        self._ksp = PETSc.KSP().create(matrix.comm)
-        self._ksp.setOptionsPrefix(prefix)
-        self._ksp.setOperators(matrix)
-        self._ksp.setType(PETSc.KSP.Type.PREONLY)
-        self._ksp.getPC().setType(PETSc.PC.Type.LU)
-        self._ksp.getPC().setFactorSolverType("klu")
-        self._ksp.setFromOptions()
-        self._matrix = matrix
+        self._matrix, self._prefix, self._methods = matrix, prefix, tuple(methods)
+        if all(method.kind == "cholesky" for method in methods):
+            matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._solvers: dict[Method, PETSc.KSP] = {}
+        self._ksp = self._solver(self._methods[0])
         self.factorisations = 0
         size = matrix.getSize()[0]
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
@@ -64,12 +102,32 @@ class DirectSolver:
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
-        self._ksp.setOperators(self._matrix)
-        try:
-            self._ksp.setUp()
-        except PETSc.Error as error:
-            raise SingularMatrixError("the matrix is singular or not finite") from error
-        self.factorisations += 1
+        for method in self._methods:
+            self._ksp = self._solver(method)
+            self._ksp.setOperators(self._matrix)
+            try:
+                self._ksp.setUp()
+            except PETSc.Error as error:
+                # a factorisation that failed half-way is not used again
+                del self._solvers[method]
+                failure = error
+                continue
+            self.factorisations += 1
+            return
+        raise SingularMatrixError("the matrix is singular or not finite") from failure
+
+    def _solver(self, method: Method) -> PETSc.KSP:
+        """PETSc's solver for a method, made when it is first needed."""
+        if method not in self._solvers:
+            ksp = PETSc.KSP().create(self._matrix.comm)
+            ksp.setOptionsPrefix(self._prefix)
+            ksp.setOperators(self._matrix)
+            ksp.setType(PETSc.KSP.Type.PREONLY)
+            ksp.getPC().setType(method.kind)
+            ksp.getPC().setFactorSolverType(method.package)
+            ksp.setFromOptions()
+            self._solvers[method] = ksp
+        return self._solvers[method]
 
     def solve(self) -> None:
         """Solve with the last factorisation."""

@@ -15,11 +15,17 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
+from fem_lie.elements.shell_maps import retract
 from fem_lie.info import SceneInfo
 from fem_lie.joints import Joint
 from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
-from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.linear import (
+    ConvergenceError,
+    DirectSolver,
+    SingularMatrixError,
+    methods_for,
+)
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.steady import fill_steady
 from fem_lie.system import System
@@ -27,22 +33,30 @@ from fem_lie.system import System
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Flags = npt.NDArray[np.bool_]
+
 _log = logging.getLogger(__name__)
 
 
 @compiled
-def _advance(H: Array, dx: Array, held: npt.NDArray[np.bool_], size: float) -> float:
-    """``H ← H exp(−dx)`` for the moving nodes; returns the largest increment over ``size``."""
-    largest, h = 0.0, np.empty(6)
+def advance(H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float) -> float:
+    """Move the nodes by ``−dx``; returns the largest increment over ``size``.
+
+    ``H ← H exp(−dx)``, or for uncoupled nodes the motion of :mod:`fem_lie.elements.shell_maps`.
+    """
+    largest, h = 0.0, np.empty((1, 6))
     for i in range(held.shape[0]):
-        if not held[i]:
+        if not held[i].all():
             for k in range(6):
-                h[k] = -dx[6 * i + k]
-                step = abs(h[k]) / (size if k < 3 else 1.0)
+                h[0, k] = -dx[6 * i + k]
+                step = abs(h[0, k]) / (size if k < 3 else 1.0)
                 if step > largest or step != step:  # nan stays
                     largest = step
-            lie.retract(H[i], h, H[i])
-            lie.reorthonormalise(H[i])
+            if uncoupled[i]:
+                retract(H[i : i + 1], h)
+            else:
+                lie.retract(H[i], h[0], H[i])
+                lie.reorthonormalise(H[i])
     return largest
 
 
@@ -212,7 +226,7 @@ class _Newton:
         self.multipliers: Array = np.zeros(system.m)
         self._zero = np.zeros((system.count, 6))
         self._scale = np.ones(system.m)
-        self._solver = DirectSolver(system.kkt.matrix, prefix)
+        self._solver = DirectSolver(system.kkt.matrix, prefix, methods_for(system))
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0
@@ -301,9 +315,11 @@ class _Newton:
             self._fill()
         self._solver.factorise()
         self._solver.solve()
+        if system.supports:
+            system.supports.turn_back(H, self._dx[: 6 * system.count].reshape(-1, 6))
         if self._carried:
             system.elastic.carry(H, -self._dx[: 6 * system.count])
-        self.last = _advance(H, self._dx, system.held, system.length)
+        self.last = advance(H, self._dx, system.held, system.uncoupled, system.length)
         self.multipliers -= self._scale * self._dx[6 * system.count :]
 
     def _fill(self) -> None:

@@ -71,7 +71,7 @@ def vibrations(
             raise ValueError("the rotation comes with at=...; do not give spin, too")
         rotation = at.steady_rotation
     system = System(scene, dynamics=True)
-    free = 6 * int((~system.held).sum()) - system.m
+    free = int((~system.held).sum()) - system.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     state = _Linear(system, rotation)
@@ -150,7 +150,7 @@ class _Linear:
 
     def _matrix(self, blocks: Array) -> sp.csr_matrix:
         """Of the free unknowns, in units of energy."""
-        kkt, held = self.system.kkt, np.repeat(self.system.held, 6)
+        kkt, held = self.system.kkt, self.system.held.ravel()
         size = (len(held), len(held))
         A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
         weights = sp.diags(self.weight)
@@ -161,14 +161,14 @@ class _Linear:
     def pencil(self) -> Pencil:
         """The eigenvalue problem."""
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
-        free = ~np.repeat(self.system.held, 6)
+        free = ~self.system.held.ravel()
         return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free])
 
     def shape(self, vector: Complex) -> Complex:
         """Increments of all nodes, see :class:`~fem_lie.modes.Modes`, shape (n, 6)."""
         system = self.system
         h = np.zeros((system.count, 6), dtype=np.complex128)
-        h[~system.held] = vector.reshape(-1, 6)
+        h[~system.held] = vector
         h *= self.weight.reshape(-1, 6)
         twists = system.numbering.attachment.twists
         shape = twists(np.ascontiguousarray(h.real)) + 1j * twists(np.ascontiguousarray(h.imag))

@@ -1,0 +1,120 @@
+"""Which shell element a body has: strain measures and the energy made of them, as options."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+
+from fem_lie._jit import Array
+from fem_lie.elements.shell import (
+    Law,
+    displacement,
+    hellinger_reissner,
+    hu_washizu,
+    linear_law,
+)
+from fem_lie.elements.shell_cells import ShellCells
+from fem_lie.elements.shell_measures import MITC3_PLUS, MITC4, MITC6, MITC9, StrainMeasures
+from fem_lie.kernel import LocalFrameForms
+
+_MIXED = {("quadrilateral", 1): MITC4, ("triangle", 1): MITC3_PLUS}
+_PLAIN = {("quadrilateral", 1): MITC4, ("triangle", 2): MITC6, ("quadrilateral", 2): MITC9}
+
+
+@dataclass(frozen=True)
+class ShellFormulation(ABC):
+    """A shell element; use one of the subclasses.
+
+    Attributes:
+        measures: Strain measures; default: those that are usual for the cells of the mesh.
+    """
+
+    measures: StrainMeasures | None = None
+
+    @abstractmethod
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """Strain measures for each kind of cell and degree."""
+
+    @abstractmethod
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """Energy, forces and tangent.
+
+        Args:
+            cells: Geometry and strains.
+            stiffness: Section stiffness of each cell, shape (m, 8, 8).
+        """
+
+    def measures_for(self, cell: str, degree: int) -> StrainMeasures:
+        """The strain measures for these cells.
+
+        Raises:
+            ValueError: There are none, or those that were given are for other cells.
+        """
+        if self.measures is None:
+            found = self.defaults().get((cell, degree))
+            if found is None:
+                known = ", ".join(f"{c}s of degree {d}" for c, d in self.defaults())
+                raise ValueError(
+                    f"{type(self).__name__} is for {known}; the mesh has {cell}s of degree {degree}"
+                )
+            return found
+        if (self.measures.cell, self.measures.degree) != (basix.CellType[cell], degree):
+            raise ValueError(
+                f"these strain measures are for {self.measures.cell.name}s of degree "
+                f"{self.measures.degree}, the mesh has {cell}s of degree {degree}"
+            )
+        return self.measures
+
+
+@dataclass(frozen=True)
+class HellingerReissner(ShellFormulation):
+    """Stress resultants with 14 parameters per quadrilateral, 15 per triangle: the default."""
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _MIXED
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return hellinger_reissner(cells, cells.cellwise(np.linalg.inv(stiffness)))
+
+
+@dataclass(frozen=True)
+class HuWashizu(ShellFormulation):
+    """Strains and stress resultants with parameters of their own, for any law.
+
+    Attributes:
+        law: Energy per area as a UFL function of the eight strains; default: that of the section.
+    """
+
+    law: Law | None = None
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _MIXED
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return hu_washizu(cells, self.law or linear_law(cells.cellwise(stiffness)))
+
+
+@dataclass(frozen=True)
+class Displacement(ShellFormulation):
+    """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9.
+
+    Attributes:
+        law: Energy per area as a UFL function of the eight strains; default: that of the section.
+    """
+
+    law: Law | None = None
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _PLAIN
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return displacement(cells, self.law or linear_law(cells.cellwise(stiffness)))

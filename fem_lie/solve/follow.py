@@ -1,0 +1,200 @@
+"""Statics along the path of equilibrium: scenes for the load-capped arc length."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._jit import Array
+from fem_lie.loads import NodalLoad
+from fem_lie.nodal import load_vector
+from fem_lie.scene import Scene
+from fem_lie.solve.arc_length import ArcLength, Path
+from fem_lie.solve.linear import ConvergenceError, DirectSolver, methods_for
+from fem_lie.solve.rotation import Rotation
+from fem_lie.solve.statics import StaticResult, advance
+from fem_lie.system import System
+
+
+@dataclass(frozen=True)
+class PathResult(StaticResult):
+    """Equilibrium states at the wanted loads.
+
+    ``factors`` are the wanted load factors, ``iterations`` all linear solutions on the way to each
+    of them, without those of failed steps.
+
+    Attributes:
+        load_steps: Number of accepted steps, those between the wanted loads included.
+        failed_steps: Number of steps that were given up.
+        seconds: Wall time from the first assembly to the last solution.
+    """
+
+    load_steps: int
+    failed_steps: int
+    seconds: float
+
+
+def follow_loads(
+    scene: Scene,
+    levels: Sequence[float] = (1.0,),
+    *,
+    arc_length: ArcLength | None = None,
+    petsc_options_prefix: str = "fem_lie_statics_",
+) -> PathResult:
+    """Equilibrium at one or several load factors, by the load-capped arc length.
+
+    All loads, and gravity, grow in proportion to the load factor.
+
+    Args:
+        scene: What there is.
+        levels: Increasing positive load factors.
+        arc_length: Options; see :class:`~fem_lie.solve.arc_length.ArcLength`.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Raises:
+        ValueError: Bad scene or levels; no load; prescribed motions, pressures, strains without
+            stress or loads with a history, which are not in proportion to the load factor.
+        ConvergenceError: Steps became too small; its ``result`` holds the states before.
+    """
+    _check(scene)
+    model = SceneEquilibrium(scene, petsc_options_prefix)
+    options = ArcLength() if arc_length is None else arc_length
+    start = perf_counter()
+    try:
+        path = options.follow(model, levels)
+    except ConvergenceError as error:
+        result = _result(model, error.result, levels, perf_counter() - start)
+        raise ConvergenceError(str(error), result) from None
+    return _result(model, path, levels, perf_counter() - start)
+
+
+def _check(scene: Scene) -> None:
+    if scene.motions:
+        raise ValueError("an arc length has no time for prescribed motions: use statics")
+    for load in scene.loads:
+        if load.history is not None or not isinstance(load, NodalLoad):
+            raise ValueError(
+                "an arc length needs forces and moments in proportion to the load factor, got "
+                f"{type(load).__name__} on {load.body.label}"
+                f"{' with a history' if load.history is not None else ''}: use statics"
+            )
+
+
+class _State(NamedTuple):
+    frames: Array
+    multipliers: Array
+    carried: list[Array]
+
+
+class SceneEquilibrium:
+    """:class:`~fem_lie.solve.arc_length.Equilibrium` of a scene.
+
+    Attributes:
+        system: The equations.
+        diameter: See the protocol.
+    """
+
+    def __init__(self, scene: Scene, prefix: str) -> None:
+        """Number the unknowns; the stress is that of the unloaded frames."""
+        self.system = system = System(scene, dynamics=False)
+        self.diameter = system.length
+        self._H, self._multipliers = system.frames.copy(), np.zeros(system.m)
+        self._zero = np.zeros((system.count, 6))
+        self._scale = np.ones(system.m)
+        system.set_time(1.0, 1.0)
+        self._loads = tuple(system.loads)
+        self._solver = DirectSolver(system.kkt.matrix, prefix, methods_for(system))
+        system.elastic.reset_stress(self._H)
+        self._internal, self._load = np.empty(system.size), np.zeros(system.size)
+        self._scratch = np.empty(system.size)
+        self.forces()
+        if not self._load.any():
+            raise ValueError("the arc length needs a load that is not zero on what can move")
+        self._fill(0.0)
+        self._scale[:] = system.tangent.constraint_scale(self._H)
+
+    def forces(self) -> tuple[Array, Array]:
+        """See the protocol."""
+        system, load = self.system, self._load[: 6 * self.system.count].reshape(-1, 6)
+        system.set_time(0.0, 0.0)
+        system.residual(
+            self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
+        )
+        load_vector(self._H, *self._loads, load)
+        system.supports.turn(self._H, load)
+        load[system.held] = 0.0
+        return self._internal.copy(), self._load.copy()
+
+    def factorise(self, factor: float) -> None:
+        """See the protocol."""
+        self._fill(factor)
+        self._solver.factorise()
+
+    def _fill(self, factor: float) -> None:
+        system, zero = self.system, self._zero
+        state = self._H, zero, zero, self._multipliers, self._scale
+        system.set_time(factor, factor)
+        system.applied(*state, self._scratch)
+        system.fill_matrix(*state, zero, 0.0, 0.0)
+
+    def solve(self, b: Array) -> Array:
+        """See the protocol."""
+        self._solver.right_hand_side[:] = b
+        self._solver.solve()
+        x, count = self._solver.solution.copy(), self.system.count
+        self.system.supports.turn_back(self._H, x[: 6 * count].reshape(-1, 6))
+        return x
+
+    def move(self, dx: Array) -> None:
+        """See the protocol."""
+        system = self.system
+        system.elastic.carry(self._H, dx[: 6 * system.count])
+        advance(self._H, -dx, system.held, system.uncoupled, system.length)
+        self._multipliers += self._scale * dx[6 * system.count :]
+
+    def positions(self) -> Array:
+        """See the protocol."""
+        return self._H[: self.system.count, 0].copy()
+
+    def translations(self, dx: Array) -> Array:
+        """See the protocol."""
+        count = self.system.count
+        u = dx[: 6 * count].reshape(-1, 6)[:, :3]
+        return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
+
+    def state(self) -> _State:
+        """See the protocol."""
+        return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
+
+    def restore(self, state: _State) -> None:
+        """See the protocol."""
+        self._H[:], self._multipliers[:] = state.frames, state.multipliers
+        self.system.elastic.restore(state.carried)
+
+
+def _result(
+    model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
+) -> PathResult:
+    system, reached = model.system, list(levels[: len(path.states)])
+    attachment, counts = system.numbering.attachment, np.cumsum([0, *path.iterations])
+    ends = [0] + [1 + path.factors.index(level) for level in reached]
+    states: list[_State] = path.states
+    frames = [attachment.frames(state.frames).copy() for state in states]
+    forces = [system.joint_forces(state.frames, state.multipliers) for state in states]
+    return PathResult(
+        factors=np.array(reached),
+        frames=np.array(frames).reshape(len(states), system.numbering.total, 4, 3),
+        joint_forces=np.array(forces).reshape(len(states), len(system.joints), 6),
+        iterations=np.diff(counts[ends]),
+        failed_iterations=path.failed_iterations,
+        info=system.info(),
+        initial=attachment.frames(system.frames).copy(),
+        steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        load_steps=len(path.iterations),
+        failed_steps=path.failed_steps,
+        seconds=seconds,
+    )

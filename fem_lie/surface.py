@@ -1,0 +1,310 @@
+"""Surface meshes in space: points, cells with normals at their nodes, named groups, curves, points.
+
+A mesh comes from a helper (:func:`surface`), from gmsh or DOLFINx (:mod:`fem_lie.io`), or from bare
+arrays (:meth:`SurfaceMesh.from_cells`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import degrees, pi, radians
+
+import basix
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._lines import Array, Indices
+from fem_lie.mesh import _count, _find, _indices, _members, _points
+
+# A circle of ten cells is still smooth, a corner of 45 degrees is not.
+KINK_ANGLE = radians(40.0)
+
+# number of nodes and degree
+_DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
+_ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMesh:
+    """Surfaces cut into triangles or quadrilaterals, of first or second order.
+
+    Attributes:
+        points: Coordinates, shape (n, 3); every point belongs to a cell.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        normals: Unit normals at the nodes of each cell, shape (m, k, 3).
+        groups: Cells of each named group.
+        curves: Edges of each named curve, two ends and the node between, if any, shape (e, 2 or 3).
+        named_points: Points of each name.
+
+    Raises:
+        ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
+            area; the sides of neighbours do not agree; more than two cells meet at an edge.
+    """
+
+    points: Array
+    cells: Indices
+    cell: str
+    normals: Array
+    groups: Mapping[str, Indices] = field(default_factory=dict)
+    curves: Mapping[str, Indices] = field(default_factory=dict)
+    named_points: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        points = _points(self.points)
+        cells = _surface_cells(self.cells, self.cell, len(points))
+        normals = np.array(self.normals, dtype=np.float64)
+        if normals.shape != (*cells.shape, 3):
+            raise ValueError(f"normals must have shape {(*cells.shape, 3)}, got {normals.shape}")
+        # also refuses nan
+        if not (np.abs(np.linalg.norm(normals, axis=-1) - 1.0) < 1e-6).all():
+            raise ValueError("normals must be unit vectors")
+        curves = {
+            name: _indices(edges, len(points), f"points of curve {name!r}")
+            for name, edges in self.curves.items()
+        }
+        for name, value in (
+            ("points", points),
+            ("cells", cells),
+            ("normals", normals),
+            ("groups", _members(self.groups, len(cells), "cells")),
+            ("curves", curves),
+            ("named_points", _members(self.named_points, len(points), "points")),
+        ):
+            object.__setattr__(self, name, value)
+        self._check_neighbours()
+
+    @classmethod
+    def from_cells(
+        cls,
+        points: npt.ArrayLike,
+        cells: npt.ArrayLike,
+        cell: str,
+        *,
+        normals: npt.ArrayLike | None = None,
+        groups: Mapping[str, npt.ArrayLike] | None = None,
+        curves: Mapping[str, npt.ArrayLike] | None = None,
+        named_points: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> SurfaceMesh:
+        """Mesh from bare arrays.
+
+        Args:
+            points: Coordinates, shape (n, 3).
+            cells: Points of each cell in DOLFINx's order, shape (m, k).
+            cell: ``"triangle"`` or ``"quadrilateral"``.
+            normals: Those that are known, as in the class, nan elsewhere: there they are those of
+                the cell itself.
+            groups: Cells of each named group.
+            curves: Edges of each named curve.
+            named_points: Points of each name.
+
+        Raises:
+            ValueError: See the class.
+        """
+        x = _points(points)
+        connected = _surface_cells(cells, cell, len(x))
+        found = _cell_normals(x, connected, cell)
+        if normals is not None:
+            known = np.asarray(normals, dtype=np.float64)
+            if known.shape != found.shape:
+                raise ValueError(f"normals must have shape {found.shape}, got {known.shape}")
+            found = np.where(np.isfinite(known), known, found)
+        return cls(
+            x,
+            connected,
+            cell,
+            found,
+            _members(groups or {}, len(connected), "cells"),
+            {
+                name: _indices(edges, len(x), f"points of curve {name!r}")
+                for name, edges in (curves or {}).items()
+            },
+            _members(named_points or {}, len(x), "points"),
+        )
+
+    @property
+    def degree(self) -> int:
+        """Of the cells' edges."""
+        return _DEGREES[self.cell][self.cells.shape[1]]
+
+    @property
+    def corners(self) -> Indices:
+        """Corners of each cell, one after the other around it, shape (m, 3 or 4)."""
+        return self.cells[:, _ROUND[self.cell]]
+
+    def group(self, name: str) -> Indices:
+        """Cells of a group.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return _find(self.groups, name, "group of cells")
+
+    def curve(self, name: str) -> Indices:
+        """Edges of a curve.
+
+        Raises:
+            ValueError: There is no such curve; the message lists those that exist.
+        """
+        return _find(self.curves, name, "curve")
+
+    def nodes(self, name: str) -> Indices:
+        """Nodes of a named point, curve or group of cells.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        if name in self.named_points:
+            return self.named_points[name]
+        if name in self.curves:
+            return np.unique(self.curves[name])
+        if name in self.groups:
+            return np.unique(self.cells[self.groups[name]])
+        known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
+        raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
+
+    def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
+        """Mean of the cells' normals at each point, shape (n, 3).
+
+        Raises:
+            ValueError: Normals of neighbouring cells differ by more than ``kink_angle``, rad.
+        """
+        if not 0.0 <= kink_angle <= pi:
+            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+        total = np.zeros_like(self.points)
+        np.add.at(total, self.cells, self.normals)
+        size = np.linalg.norm(total, axis=1, keepdims=True)
+        mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
+        cosine = np.einsum("mkj,mkj->mk", self.normals, mean[self.cells])
+        # each side of an edge is half the angle away from the mean
+        if cosine.min() < np.cos(0.5 * kink_angle):
+            point = self.cells.ravel()[cosine.argmin()]
+            raise ValueError(
+                f"the surface has a kink of about {degrees(2 * np.arccos(cosine.min())):.0f}° at "
+                f"{self.points[point]}, more than the kink angle of {degrees(kink_angle):.0f}°; "
+                "shells with five parameters per node must be smooth"
+            )
+        return np.asarray(mean)
+
+    def _check_neighbours(self) -> None:
+        round_ = self.corners
+        directed = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
+        owner = np.repeat(np.arange(len(round_)), round_.shape[1])
+        _, edge, count = np.unique(
+            np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True
+        )
+        edge = edge.ravel()
+        if count.max() > 2:
+            k = int(np.flatnonzero(count[edge] > 2)[0])
+            raise ValueError(
+                f"{count[edge[k]]} cells meet at the edge between {self.points[directed[k, 0]]} "
+                f"and {self.points[directed[k, 1]]}; shells with five parameters per node must not "
+                "branch"
+            )
+        forward = np.where(directed[:, 0] < directed[:, 1], 1, -1)
+        balance = np.bincount(edge, weights=forward)
+        flipped = np.flatnonzero((count == 2) & (balance != 0))
+        if len(flipped):
+            a, b = owner[edge == flipped[0]]
+            raise ValueError(
+                f"the normals of the neighbouring cells {a} and {b} point to opposite sides of the "
+                "surface: turn one of them round (in gmsh: Reverse Surface)"
+            )
+
+
+def surface(
+    function: Callable[[float, float], npt.ArrayLike],
+    cells: tuple[int, int],
+    *,
+    cell: str = "quadrilateral",
+    degree: int = 1,
+) -> SurfaceMesh:
+    """Smooth surface over the unit square ``(a, b)``, cut at equal steps of both parameters.
+
+    Its sides are the curves "a=0", "a=1", "b=0" and "b=1", its corners the points "00", "10", "01"
+    and "11". Triangles are two for each square. The normals are those of the cells; give
+    :class:`~fem_lie.shell.Shell` a director where they are known.
+
+    Args:
+        function: Point at ``(a, b)``, shape (3,).
+        cells: Numbers along a and b.
+        cell: ``"quadrilateral"`` or ``"triangle"``.
+        degree: 1 or 2.
+
+    Raises:
+        ValueError: A cell has no area, or something is out of range.
+    """
+    if cell not in _DEGREES or degree not in (1, 2):
+        raise ValueError(
+            "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
+            f"{cell!r} of degree {degree!r}"
+        )
+    n, m = (degree * _count(count) for count in cells)
+    places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
+    number = np.arange(len(places)).reshape(n + 1, m + 1)
+    sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
+    return SurfaceMesh.from_cells(
+        [function(a, b) for a, b in places],
+        _grid_cells(number, cell, degree),
+        cell,
+        curves={name: _edges(along, degree) for name, along in sides.items()},
+        named_points={f"{i}{j}": np.atleast_1d(number[-i, -j]) for i in (0, 1) for j in (0, 1)},
+    )
+
+
+def _edges(along: Indices, degree: int) -> Indices:
+    """Edges of successive points: two ends, and what is between."""
+    parts = [along[:-1:degree], along[degree::degree], *([along[1::2]] if degree == 2 else [])]
+    return np.column_stack(parts)
+
+
+def _grid_cells(number: Indices, cell: str, degree: int) -> Indices:
+    """Cells on a grid of points, in DOLFINx's order."""
+    found = []
+    for i in range(0, number.shape[0] - 1, degree):
+        for j in range(0, number.shape[1] - 1, degree):
+            s = number[i : i + degree + 1, j : j + degree + 1]
+            corners = np.array([s[0, 0], s[-1, 0], s[0, -1], s[-1, -1]])
+            if cell == "quadrilateral":
+                middles = [s[1, 0], s[0, 1], s[-1, 1], s[1, -1], s[1, 1]] if degree == 2 else []
+                found.append([*corners, *middles])
+                continue
+            lower = [s[-1, 1], s[1, 1], s[1, 0]] if degree == 2 else []
+            upper = [s[1, -1], s[0, 1], s[1, 1]] if degree == 2 else []
+            found.append([*corners[[0, 1, 3]], *lower])
+            found.append([*corners[[0, 3, 2]], *upper])
+    return np.array(found, dtype=np.int64)
+
+
+def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
+    cells = np.asarray(value)
+    if cell not in _DEGREES:
+        raise ValueError(f"cell must be 'triangle' or 'quadrilateral', got {cell!r}")
+    known = list(_DEGREES[cell])
+    if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
+        raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
+    indices = _indices(cells, points, "cells")
+    alone = np.setdiff1d(np.arange(points), indices)
+    if len(alone):
+        raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
+    return indices
+
+
+def _cell_normals(points: Array, cells: Indices, cell: str) -> Array:
+    """Unit normals of each cell's own interpolation at its nodes, shape (m, k, 3)."""
+    element = basix.create_element(
+        basix.ElementFamily.P,
+        basix.CellType[cell],
+        _DEGREES[cell][cells.shape[1]],
+        basix.LagrangeVariant.gll_warped,
+    )
+    slopes = element.tabulate(1, element.points)[1:, :, :, 0]
+    g1, g2 = np.einsum("aik,mkj->amij", slopes, points[cells])
+    normal = np.cross(g1, g2)
+    size = np.linalg.norm(normal, axis=-1, keepdims=True)
+    scale = np.linalg.norm(g1, axis=-1, keepdims=True) * np.linalg.norm(g2, axis=-1, keepdims=True)
+    bad = np.flatnonzero((size <= 1e-12 * np.maximum(scale, 1e-300)).any(axis=(1, 2)))
+    if len(bad):
+        raise ValueError(f"cell {bad[0]} (points {cells[bad[0]]}) has no area at a corner")
+    return np.asarray(normal / size)
