@@ -51,10 +51,8 @@ def main(cells: int = 16, pictures: bool = True) -> dict[str, Any]:
     found = moved[:, [0, 2]] * [-1.0, 1.0]
     errors = found / np.array(list(REFERENCE.values())) - 1.0
     print("load     shortening  deflection   errors")
-    for factor, values, error in zip(REFERENCE, found, errors, strict=True):
-        print(
-            f"{factor:4.2f} {values[0]:14.5f} {values[1]:11.5f}   {error[0]:+.2%} {error[1]:+.2%}"
-        )
+    for row in np.column_stack([list(REFERENCE), found, errors]):
+        print("{:4.2f} {:14.5f} {:11.5f}   {:+.2%} {:+.2%}".format(*row))
     record = {
         "cells": cells,
         "shortening": float(found[-1, 0]),

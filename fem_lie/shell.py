@@ -288,6 +288,8 @@ class Shell(Body):
     def _bind(self, node: int, normal: Array) -> None:
         """Turn the frame of a node and hold what leaves the plane."""
         H, held = self.frames[node], self.held[node]
+        if held.all():
+            return
         if held[4] and abs(H[2] @ normal) < 1.0 - 1e-6:
             raise ValueError(
                 f"node {node} of {self.label} is on planes of symmetry that are not perpendicular"

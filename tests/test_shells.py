@@ -82,22 +82,24 @@ Physical Point("corner") = {1};
 """
 
 
-@pytest.mark.parametrize("recombine", ["", "Recombine Surface{out[1]};"])
-def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, recombine):
-    (tmp_path / "roof.geo").write_text(GEO + recombine)
-    if recombine:
-        (tmp_path / "roof.geo").write_text(
-            GEO + "Transfinite Surface{out[1]}; Recombine Surface{out[1]};"
-        )
+@pytest.mark.parametrize(
+    ("command", "cell"),
+    [
+        ("", "triangle"),
+        ("Transfinite Surface{out[1]}; Recombine Surface{out[1]};\n", "quadrilateral"),
+    ],
+)
+def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, cell):
+    (tmp_path / "roof.geo").write_text(GEO + command)
     mesh = fl.read_gmsh_surface(tmp_path / "roof.geo", {"size": 0.2})
-    assert mesh.cell == ("quadrilateral" if recombine else "triangle")
+    assert mesh.cell == cell
     assert len(mesh.group("roof")) == len(mesh.cells)
     np.testing.assert_allclose(mesh.points[mesh.nodes("start"), 1], 0.0, atol=1e-12)
     np.testing.assert_allclose(mesh.points[mesh.nodes("corner")], [[1, 0, 0]], atol=1e-12)
     exact = np.array([outward(x) for x in mesh.points])
     directors = mesh.directors()
     side = np.sign((directors[0] * exact[0]).sum())
-    np.testing.assert_allclose(side * directors, exact, atol=1e-9)
+    np.testing.assert_allclose(side * directors, exact, atol=1e-7)  # gmsh's own digits
 
 
 def test_dolfinx_mesh_with_tags_is_the_same_mesh():
@@ -123,6 +125,11 @@ def test_dolfinx_mesh_with_tags_is_the_same_mesh():
 # --- equilibrium ---
 
 
+def places(result: fl.StaticResult, step: int = -1) -> np.ndarray:
+    """Positions and directors; how frames turn about them depends on the path."""
+    return result.frames[step][:, [0, 3]]
+
+
 def loaded(formulation: fl.ShellFormulation | None = None, cells=(6, 3)) -> fl.Scene:
     shell = arch_shell(cells, formulation=formulation, name="arch")
     shell.clamp("a=0")
@@ -135,8 +142,8 @@ def loaded(formulation: fl.ShellFormulation | None = None, cells=(6, 3)) -> fl.S
 def test_load_steps_and_arc_length_find_the_same_state(formulation):
     followed = fl.follow_loads(loaded(formulation))
     stepped = fl.statics(loaded(formulation), load_steps=4)
-    difference = np.abs(followed.frames[-1] - stepped.frames[-1]).max()
-    assert difference <= 1e-6  # the arc length's tolerance, relative
+    difference = np.abs(places(followed) - places(stepped)).max()
+    assert difference <= 1e-7
     assert np.abs(followed.frames[-1, :, 0] - followed.initial[:, 0]).max() > 0.3
 
 
@@ -144,14 +151,14 @@ def test_states_between_are_those_of_the_load_that_they_belong_to():
     both = fl.follow_loads(loaded(), [0.5, 1.0])
     half = fl.follow_loads(loaded(), [0.5])
     np.testing.assert_allclose(both.factors, [0.5, 1.0])
-    np.testing.assert_allclose(both.frames[0], half.frames[0], atol=1e-6)
+    np.testing.assert_allclose(places(both, 0), places(half), atol=1e-7)
 
 
 def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
     """In equilibrium; supports along fixed axes included."""
     scene = loaded()
     shell = scene.bodies[0]
-    shell.guide("01", (1.0, 0.0, 1.0))
+    shell.guide("10", (1.0, 0.0, 1.0))
     model = SceneEquilibrium(scene, "")
     fl.ArcLength().follow(model)
     model.factorise(1.0)
@@ -206,21 +213,21 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
             shell.guide("11", (1, 0, 1))
         else:
             scene.add(fl.InPlane(fl.ground(), shell["11"], axis=(1, 0, 1)))
-        return fl.follow_loads(scene).frames[-1]
+        return places(fl.follow_loads(scene))
 
     held, joined = state(True), state(False)
-    np.testing.assert_allclose(held, joined, atol=1e-6)
+    np.testing.assert_allclose(held, joined, atol=1e-7)
 
 
 def test_two_shells_are_one_assembly_and_do_not_feel_each_other():
-    alone = fl.follow_loads(loaded()).frames[-1]
+    alone = fl.follow_loads(loaded())
     scene = loaded()
     other = scene.add(arch_shell((2, 2)))
     other.clamp("a=0")
     together = fl.follow_loads(scene)
     shell = together.info.body("arch").nodes
-    single = fl.follow_loads(loaded()).info.body("arch").nodes
-    np.testing.assert_allclose(together.frames[-1][shell], alone[single], atol=1e-6)
+    single = alone.info.body("arch").nodes
+    np.testing.assert_allclose(places(together)[shell], places(alone)[single], atol=1e-7)
     other_nodes = together.info.body(other.name).nodes
     np.testing.assert_allclose(together.frames[-1][other_nodes], other.frames, atol=1e-9)
 
@@ -236,8 +243,8 @@ def test_weight_is_that_of_the_mass():
         # a load that is not zero is asked for
         force = 0.0 if gravity else -0.1 * 2.0 * 0.1
         scene.add(fl.AreaLoad(shell, force=(0, 0, force)))
-        results.append(fl.follow_loads(scene).frames[-1])
-    np.testing.assert_allclose(results[0], results[1], atol=1e-8)
+        results.append(places(fl.follow_loads(scene)))
+    np.testing.assert_allclose(results[0], results[1], atol=1e-7)
 
 
 # --- bad input ---
@@ -367,7 +374,7 @@ def test_mixed_gmsh_mesh_is_refused(tmp_path):
         "Line(5)={2,5}; Line(6)={5,6}; Line(7)={6,3};"
         "Curve Loop(1)={1,2,3,4}; Plane Surface(1)={1};"
         "Curve Loop(2)={5,6,7,-2}; Plane Surface(2)={2};"
-        "Transfinite Surface{1}; Recombine Surface{1};"
+        "Transfinite Surface{1}; Recombine Surface{1};\n"
     )
-    with pytest.raises(ValueError, match="got .*Triangle.* and .*Quadri"):
+    with pytest.raises(ValueError, match=r"got .*Triangle.* and .*Quadri"):
         fl.read_gmsh_surface(path)
