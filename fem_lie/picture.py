@@ -20,6 +20,7 @@ _AMBIENT = 0.45
 _SAME_POINT = 1e-7  # part of the body
 _BALL = 0.008  # radius of a joint, part of the scene
 _THROUGH = 0.35  # opacity of bodies with nodal frames inside
+_BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
 _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
@@ -60,9 +61,11 @@ def draw(
         bodies = shapes(info, steps)
         # backwards: a single configuration is the last one
         strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
-        for strength, step in zip(strengths, steps, strict=True):
-            opacity = _THROUGH if triads else 1.0
-            _add(plotter, info, bodies, np.asarray(step), float(strength), opacity)
+        opacities = np.full(len(steps), _THROUGH if triads else 1.0)
+        if any(len(body.faces) for body in info.bodies):
+            opacities[:-1] = _BEFORE
+        for strength, opacity, step in zip(strengths, opacities, steps, strict=True):
+            _add(plotter, info, bodies, np.asarray(step), float(strength), float(opacity))
         if triads:
             _add_triads(plotter, steps[-1])
         _frame(plotter, steps, paths, units, size)

@@ -59,12 +59,15 @@ class Scene:
         elif isinstance(item, Joint):
             self._check_points(item.label, item.a.body, item.b.body)
             item.frame()
+            if item.selection[:, 3:].any() or item.at is not None:
+                self._check_drilling(item.label, item.a.body, item.b.body)
             if item.a.body is item.b.body and item.a.node == item.b.node:
                 raise ValueError(f"{item.label} joins a point to itself")
             self.joints.append(item)
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)
+            self._check_drilling(item.label, item.a.body, item.b.body)
             self.links.append(item)
         elif isinstance(item, Load):
             item.check()
@@ -73,6 +76,8 @@ class Scene:
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
+            if isinstance(item, PrescribedMotion):
+                self._check_drilling(type(item).__name__, item.point.body)
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
@@ -121,6 +126,15 @@ class Scene:
         if any(other.name == body.name for other in self.bodies):
             raise ValueError(f"the scene has a body named {body.name!r} already")
         self.bodies.append(body)
+
+    def _check_drilling(self, what: str, *bodies: Body | None) -> None:
+        for body in bodies:
+            if body is not None and not body.drills:
+                raise ValueError(
+                    f"{what}: nodes of {body.label} have five parameters, they do not turn about "
+                    "their directors, and nothing that binds a rotation can be joined to them; "
+                    "Spherical and InPlane at the node itself can"
+                )
 
     def _check_points(self, what: str, *bodies: Body | None) -> None:
         for body in bodies:

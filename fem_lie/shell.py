@@ -144,7 +144,8 @@ class Shell(Body):
             group=group,
             name=name,
         )
-        self.faces, self.thickness = mesh.corners, np.array([s.thickness for s in sections])
+        self.faces = mesh.corners
+        self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         self.held[:, 5] = True
 
     @property
@@ -288,6 +289,8 @@ class Shell(Body):
     def _bind(self, node: int, normal: Array) -> None:
         """Turn the frame of a node and hold what leaves the plane."""
         H, held = self.frames[node], self.held[node]
+        if held.all():
+            return
         if held[4] and abs(H[2] @ normal) < 1.0 - 1e-6:
             raise ValueError(
                 f"node {node} of {self.label} is on planes of symmetry that are not perpendicular"
@@ -312,8 +315,9 @@ class Shell(Body):
             self.mesh.degree,
             basix.LagrangeVariant.gll_warped,
         )
-        points, w = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
-        table = element.tabulate(1, points)[..., 0]
+        rule = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
+        points, w = (np.asarray(part, dtype=np.float64) for part in rule)
+        table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
         x = self.frames[self.mesh.cells, 0]
         g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
         return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)

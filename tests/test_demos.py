@@ -264,3 +264,33 @@ def test_section_properties():
         record["channel_shear_centre_of_thin_walls"], rel=0.02
     )
     assert record["coupling_at_shear_centre"] <= 1e-12
+
+
+def test_hemisphere():
+    record = main("hemisphere")
+    assert abs(record["deflection_a"] / 4.0753 - 1) <= 0.01
+    assert abs(record["deflection_b"] / 8.1524 - 1) <= 0.01
+    assert record["iterations"] <= 18
+
+
+@pytest.mark.parametrize("formulation", ["HR", "HW"])
+@pytest.mark.parametrize(("mesh", "bound"), [(24, 0.015), (32, 0.005)])
+def test_thin_hemisphere(mesh, bound, formulation):
+    record = main("hemisphere", thickness=0.01, mesh=mesh, formulation=formulation)
+    assert abs(record["deflection_a"] / 3.8267 - 1) <= bound
+    assert abs(record["deflection_b"] / 7.0991 - 1) <= bound
+    assert record["iterations"] <= 18
+
+
+def test_slit_annulus():
+    record = main("slit_annulus")
+    assert abs(record["deflection_a"] / 13.850 - 1) <= 0.01
+    assert abs(record["deflection_b"] / 17.487 - 1) <= 0.01
+    assert record["failed_iterations"] == 0
+
+
+def test_cantilever_shear():
+    record = main("cantilever_shear")
+    assert abs(record["shortening"] / 3.289678 - 1) <= 0.01
+    assert abs(record["deflection"] / 6.700108 - 1) <= 0.01
+    assert record["path_error"] <= 0.005

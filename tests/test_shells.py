@@ -1,0 +1,380 @@
+"""Shells as bodies of a scene: meshes, directors, supports, loads, statics."""
+
+from mpi4py import MPI
+
+import dolfinx
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.follow import SceneEquilibrium
+
+SOFT = fl.Material(100.0, 0.3, 2.0)
+LAYER = fl.ShellSection.layer(0.1, SOFT)
+
+
+def square(a: float, b: float) -> tuple[float, float, float]:
+    return (2.0 * a, b, 0.0)
+
+
+def arch(a: float, b: float) -> tuple[float, float, float]:
+    """Quarter of a cylinder about y, of radius 1 and length 1."""
+    angle = 0.5 * np.pi * a
+    return (np.cos(angle), 1.0 - b, np.sin(angle))
+
+
+def outward(x: np.ndarray) -> np.ndarray:
+    return x * [1, 0, 1] / np.hypot(x[0], x[2])
+
+
+def arch_shell(cells=(6, 3), **options) -> fl.Shell:
+    """Its normal points outward."""
+    return fl.Shell(fl.surface(arch, cells), LAYER, director=outward, **options)
+
+
+def scene_with(*items) -> fl.Scene:
+    scene = fl.Scene()
+    for item in items:
+        scene.add(item)
+    return scene
+
+
+# --- meshes ---
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_areas_masses_and_edges_are_those_of_the_surface(cell, degree):
+    shell = fl.Shell(
+        fl.surface(square, (3, 2), cell=cell, degree=degree),
+        LAYER,
+        formulation=fl.Displacement(fl.MITC3_PLUS if (cell, degree) == ("triangle", 1) else None),
+    )
+    assert shell.areas().sum() == pytest.approx(2.0)
+    nodes, lengths = shell.edges("a=1")
+    assert lengths.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(shell.frames[nodes, 0, 0], 2.0)
+    mass = shell.element_inertia()
+    assert mass[:, :, 0, :, 0].sum() == pytest.approx(2.0 * 0.1 * 2.0)
+    assert mass[:, :, 3, :, 3].sum() == pytest.approx(2.0 * 0.1**3 / 12 * 2.0)
+
+
+def test_directors_are_means_of_the_cells_normals():
+    """Of second order inside; on a free edge one-sided and of first order."""
+    errors = []
+    for count in (8, 16):
+        mesh = fl.surface(arch, (count, 2))
+        exact = np.array([outward(x) for x in mesh.points])
+        inside = (mesh.points[:, 0] > 1e-9) & (mesh.points[:, 2] > 1e-9)
+        assert np.abs(mesh.directors() - exact)[inside].max() <= 1e-12  # by symmetry
+        errors.append(np.abs(mesh.directors() - exact).max())
+    assert errors[1] == pytest.approx(errors[0] / 2, rel=0.05)
+
+
+GEO = """
+DefineConstant[ size = 0.4 ];
+Point(1) = {1, 0, 0, size}; Point(2) = {0, 0, 1, size}; Point(3) = {0, 0, 0, size};
+Circle(1) = {1, 3, 2};
+out[] = Extrude {0, 1, 0} { Line{1}; };
+Physical Surface("roof") = {out[1]};
+Physical Curve("start") = {1};
+Physical Point("corner") = {1};
+"""
+
+
+@pytest.mark.parametrize(
+    ("command", "cell"),
+    [
+        ("", "triangle"),
+        ("Transfinite Surface{out[1]}; Recombine Surface{out[1]};\n", "quadrilateral"),
+    ],
+)
+def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, cell):
+    (tmp_path / "roof.geo").write_text(GEO + command)
+    mesh = fl.read_gmsh_surface(tmp_path / "roof.geo", {"size": 0.2})
+    assert mesh.cell == cell
+    assert len(mesh.group("roof")) == len(mesh.cells)
+    np.testing.assert_allclose(mesh.points[mesh.nodes("start"), 1], 0.0, atol=1e-12)
+    np.testing.assert_allclose(mesh.points[mesh.nodes("corner")], [[1, 0, 0]], atol=1e-12)
+    exact = np.array([outward(x) for x in mesh.points])
+    directors = mesh.directors()
+    side = np.sign((directors[0] * exact[0]).sum())
+    np.testing.assert_allclose(side * directors, exact, atol=1e-7)  # gmsh's own digits
+
+
+def test_dolfinx_mesh_with_tags_is_the_same_mesh():
+    plane = dolfinx.mesh.create_rectangle(
+        MPI.COMM_SELF, [(0, 0), (2, 1)], [3, 2], dolfinx.mesh.CellType.quadrilateral
+    )
+    with pytest.raises(ValueError, match="gdim 2"):
+        fl.surface_from_dolfinx(plane)
+    given = fl.surface(square, (3, 2))
+    from fem_lie._compat import create_surface_mesh
+
+    mesh = create_surface_mesh(given.points, given.cells, "quadrilateral", 1)
+    mesh.topology.create_connectivity(1, 2)
+    facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < 1e-9)
+    tags = dolfinx.mesh.meshtags(mesh, 1, facets, np.full(len(facets), 7, dtype=np.int32))
+    found = fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 7})
+    np.testing.assert_array_equal(found.points[found.nodes("left"), 0], 0.0)
+    assert len(found.curve("left")) == 2
+    with pytest.raises(ValueError, match=r"no tag 8 .*it has: \[7\]"):
+        fl.surface_from_dolfinx(mesh, facet_tags=tags, curves={"left": 8})
+
+
+# --- equilibrium ---
+
+
+def places(result: fl.StaticResult, step: int = -1) -> np.ndarray:
+    """Positions and directors; how frames turn about them depends on the path."""
+    return result.frames[step][:, [0, 3]]
+
+
+def loaded(formulation: fl.ShellFormulation | None = None, cells=(6, 3)) -> fl.Scene:
+    shell = arch_shell(cells, formulation=formulation, name="arch")
+    shell.clamp("a=0")
+    shell.symmetry("b=0", (0, 1, 0))
+    load = fl.EdgeLoad(shell, "a=1", force=(0.02, 0, -0.02))
+    return scene_with(shell, load, fl.AreaLoad(shell, force=(0, 0, -0.01)))
+
+
+@pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.HuWashizu(), fl.Displacement()])
+def test_load_steps_and_arc_length_find_the_same_state(formulation):
+    followed = fl.follow_loads(loaded(formulation))
+    stepped = fl.statics(loaded(formulation), load_steps=4)
+    difference = np.abs(places(followed) - places(stepped)).max()
+    assert difference <= 1e-7
+    assert np.abs(followed.frames[-1, :, 0] - followed.initial[:, 0]).max() > 0.3
+
+
+def test_states_between_are_those_of_the_load_that_they_belong_to():
+    both = fl.follow_loads(loaded(), [0.5, 1.0])
+    half = fl.follow_loads(loaded(), [0.5])
+    np.testing.assert_allclose(both.factors, [0.5, 1.0])
+    np.testing.assert_allclose(places(both, 0), places(half), atol=1e-7)
+
+
+def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
+    """In equilibrium; supports along fixed axes included."""
+    scene = loaded()
+    shell = scene.bodies[0]
+    shell.guide("10", (1.0, 0.0, 1.0))
+    model = SceneEquilibrium(scene, "")
+    fl.ArcLength().follow(model)
+    model.factorise(1.0)
+    matrix = model.system.kkt.matrix[:, :]
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
+    rng = np.random.default_rng(1)
+    state, step = model.state(), 1e-5
+    # an increment of free unknowns, by way of the solution
+    dx = model.solve(np.where(model.system.held.ravel(), 0.0, rng.normal(size=model.system.size)))
+    dx /= np.abs(dx).max()
+    residuals = []
+    for sign in (1, -1):
+        model.restore(state)
+        model.move(sign * step * dx)
+        internal, load = model.forces()
+        residuals.append(internal - load)
+    model.restore(state)
+    w = dx.copy()
+    model.system.supports.turn(model.state().frames, w.reshape(-1, 6))
+    derivative = (residuals[0] - residuals[1]) / (2 * step)
+    np.testing.assert_allclose(matrix @ w * ~model.system.held.ravel(), derivative, atol=2e-6)
+
+
+def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():
+    def middle(whole: bool) -> np.ndarray:
+        reach = 1.0 if whole else 0.5
+        shell = fl.Shell(
+            fl.surface(
+                lambda a, b: (np.cos(a), reach * (1 - b), np.sin(a)), (4, 4 if whole else 2)
+            ),
+            LAYER,
+            director=outward,
+            name="arch",
+        )
+        shell.clamp("a=0")
+        scene = scene_with(shell)
+        if not whole:
+            shell.symmetry("b=0", (0, 1, 0))
+        for name in ("10", "11") if whole else ("11",):
+            scene.add(fl.PointLoad(shell[name], force=(0.01, 0, -0.02)))
+        result = fl.follow_loads(scene)
+        return result.position("arch.11")[-1]
+
+    np.testing.assert_allclose(middle(True), middle(False), atol=1e-7)
+
+
+def test_guide_holds_a_direction_in_space_as_a_joint_does():
+    def state(guided: bool) -> np.ndarray:
+        scene = loaded()
+        shell = scene.bodies[0]
+        if guided:
+            shell.guide("11", (1, 0, 1))
+        else:
+            scene.add(fl.InPlane(fl.ground(), shell["11"], axis=(1, 0, 1)))
+        return places(fl.follow_loads(scene))
+
+    held, joined = state(True), state(False)
+    np.testing.assert_allclose(held, joined, atol=1e-7)
+
+
+def test_two_shells_are_one_assembly_and_do_not_feel_each_other():
+    alone = fl.follow_loads(loaded())
+    scene = loaded()
+    other = scene.add(arch_shell((2, 2)))
+    other.clamp("a=0")
+    together = fl.follow_loads(scene)
+    shell = together.info.body("arch").nodes
+    single = alone.info.body("arch").nodes
+    np.testing.assert_allclose(places(together)[shell], places(alone)[single], atol=1e-7)
+    other_nodes = together.info.body(other.name).nodes
+    np.testing.assert_allclose(together.frames[-1][other_nodes], other.frames, atol=1e-9)
+
+
+def test_weight_is_that_of_the_mass():
+    """Gravity and the same force per area."""
+    results = []
+    for gravity in (True, False):
+        shell = arch_shell()
+        shell.clamp("a=0")
+        scene = fl.Scene(gravity=(0, 0, -0.1) if gravity else (0, 0, 0))
+        scene.add(shell)
+        # a load that is not zero is asked for
+        force = 0.0 if gravity else -0.1 * 2.0 * 0.1
+        scene.add(fl.AreaLoad(shell, force=(0, 0, force)))
+        results.append(places(fl.follow_loads(scene)))
+    np.testing.assert_allclose(results[0], results[1], atol=1e-7)
+
+
+# --- bad input ---
+
+
+def flipped() -> fl.SurfaceMesh:
+    mesh = fl.surface(square, (2, 1))
+    cells = mesh.cells.copy()
+    cells[1] = cells[1][[1, 0, 3, 2]]
+    return fl.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral")
+
+
+def kinked() -> fl.Shell:
+    place = lambda a, b: (min(a, 0.5), b, max(a - 0.5, 0.0))  # noqa: E731
+    return fl.Shell(fl.surface(place, (2, 1)), LAYER)
+
+
+def branched() -> fl.SurfaceMesh:
+    points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (-1, 0, 0), (0, 0, 1)]
+    return fl.SurfaceMesh.from_cells(points, [(0, 1, 2), (1, 0, 3), (0, 1, 4)], "triangle")
+
+
+def joined(item_of_shell):
+    shell = arch_shell()
+    return scene_with(shell, item_of_shell(shell))
+
+
+def beside_beam(item):
+    beam = fl.Beam.straight(
+        (1, 1, 0), (1, 2, 0), fl.Section.circle(0.1, fl.Material(1.0, 0.3, 1.0)), cells=1
+    )
+    shell = arch_shell()
+    return scene_with(shell, beam, item(shell["00"], beam.start))
+
+
+CASES = {
+    "no thickness": (lambda: fl.ShellSection.layer(0.0, SOFT), "thickness"),
+    "Poisson ratio 1/2": (
+        lambda: fl.ShellSection.layer(0.1, fl.Material(1.0, 0.5, 1.0)),
+        r"below 1/2, got 0\.5",
+    ),
+    "Poisson ratio -1": (
+        lambda: fl.ShellSection.layer(0.1, fl.Material(1.0, -1.0, 1.0)),
+        r"-1",
+    ),
+    "line mesh": (
+        lambda: fl.surface_from_dolfinx(dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)),
+        "interval",
+    ),
+    "lines for cells": (
+        lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1), (1, 2)], "triangle"),
+        r"triangles must have \[3, 6\] points",
+    ),
+    "unknown cell": (lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2)], "tri"), "'tri'"),
+    "no area": (
+        lambda: fl.SurfaceMesh.from_cells(
+            [(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)], "triangle"
+        ),
+        "cell 0 .* no area",
+    ),
+    "flipped normals": (flipped, r"cells 0 and 1 point to opposite sides"),
+    "flipped director": (
+        lambda: fl.Shell(fl.surface(arch, (2, 1)), LAYER, director=lambda x: -outward(x)),
+        "to the side of the cells' normals",
+    ),
+    "director that is no unit vector": (
+        lambda: fl.Shell(fl.surface(arch, (2, 1)), LAYER, director=lambda x: 2 * outward(x)),
+        "unit vector",
+    ),
+    "kink": (kinked, "kink of about 90° at"),
+    "branch": (branched, "3 cells meet at the edge"),
+    "unknown curve": (lambda: arch_shell().clamp("c"), r"'c'; it has: 00, 01, 10, 11, a=0"),
+    "unknown curve of a load": (
+        lambda: joined(lambda shell: fl.EdgeLoad(shell, "c")),
+        "no curve 'c'",
+    ),
+    "unknown point": (lambda: arch_shell()["c"], "no point 'c'"),
+    "section of an unknown group": (
+        lambda: fl.Shell(fl.surface(square, (1, 1)), {"skin": LAYER}),
+        "no group of cells 'skin'",
+    ),
+    "no plane of symmetry": (
+        lambda: arch_shell().symmetry("a=0", (0, 1, 0)),
+        "not on a plane of symmetry",
+    ),
+    "guided twice": (
+        lambda: [arch_shell().guide("00", n) for n in ((0, 0, 1), (0, 0, 0))],
+        "held along",
+    ),
+    "triangles of degree 2 in a mixed element": (
+        lambda: fl.Shell(fl.surface(square, (1, 1), cell="triangle", degree=2), LAYER),
+        "HellingerReissner is for",
+    ),
+    "measures of other cells": (
+        lambda: arch_shell(formulation=fl.HellingerReissner(fl.MITC3_PLUS)),
+        "triangles of degree 1, the mesh has quadrilaterals",
+    ),
+    "beam on five parameters": (lambda: beside_beam(fl.RigidLink), "five parameters"),
+    "fixed joint on five parameters": (lambda: beside_beam(fl.Fixed), "five parameters"),
+    "moving support on five parameters": (
+        lambda: joined(lambda shell: fl.PrescribedMotion(shell["00"], lambda t: shell.frames[0])),
+        "five parameters",
+    ),
+    "nothing to follow": (lambda: fl.follow_loads(scene_with(arch_shell())), "a load that is not"),
+    "pressure on a path": (
+        lambda: fl.follow_loads(
+            joined(lambda shell: fl.AreaLoad(shell, (1, 0, 0), history=lambda t: t))
+        ),
+        "with a history",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_bad_input(case):
+    make, message = CASES[case]
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_mixed_gmsh_mesh_is_refused(tmp_path):
+    path = tmp_path / "mixed.geo"
+    path.write_text(
+        "Point(1)={0,0,0,1}; Point(2)={1,0,0,1}; Point(3)={1,1,0,1}; Point(4)={0,1,0,1};"
+        "Point(5)={2,0,0,1}; Point(6)={2,1,0,1};"
+        "Line(1)={1,2}; Line(2)={2,3}; Line(3)={3,4}; Line(4)={4,1};"
+        "Line(5)={2,5}; Line(6)={5,6}; Line(7)={6,3};"
+        "Curve Loop(1)={1,2,3,4}; Plane Surface(1)={1};"
+        "Curve Loop(2)={5,6,7,-2}; Plane Surface(2)={2};"
+        "Transfinite Surface{1}; Recombine Surface{1};\n"
+    )
+    with pytest.raises(ValueError, match=r"got .*Triangle.* and .*Quadri"):
+        fl.read_gmsh_surface(path)
