@@ -84,8 +84,8 @@ class Body:
         self.size, self.name = size, name
         self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
         self.group = Group(group)
-        self.faces = np.empty((0, 4), dtype=np.int64)
-        self.thickness = np.empty(0)
+        self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)
+        self.thickness: Array = np.empty(0)
         self.held = np.zeros((len(self.frames), 6), dtype=bool)
         self.supports = np.full((len(self.frames), 3, 3), np.nan)
         self._points = points

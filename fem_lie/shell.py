@@ -315,10 +315,10 @@ class Shell(Body):
             basix.LagrangeVariant.gll_warped,
         )
         points, w = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
-        table = element.tabulate(1, points)[..., 0]
+        table = np.asarray(element.tabulate(1, np.asarray(points)))[..., 0]
         x = self.frames[self.mesh.cells, 0]
         g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
-        return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)
+        return table[0], np.asarray(w) * np.linalg.norm(np.cross(g1, g2), axis=-1)
 
 
 def _section_per_cell(

@@ -245,7 +245,7 @@ def surface(
     number = np.arange(len(places)).reshape(n + 1, m + 1)
     sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
     return SurfaceMesh.from_cells(
-        [function(a, b) for a, b in places],
+        np.array([function(a, b) for a, b in places], dtype=np.float64),
         _grid_cells(number, cell, degree),
         cell,
         curves={name: _edges(along, degree) for name, along in sides.items()},
@@ -299,7 +299,7 @@ def _cell_normals(points: Array, cells: Indices, cell: str) -> Array:
         _DEGREES[cell][cells.shape[1]],
         basix.LagrangeVariant.gll_warped,
     )
-    slopes = element.tabulate(1, element.points)[1:, :, :, 0]
+    slopes = np.asarray(element.tabulate(1, np.asarray(element.points)))[1:, :, :, 0]
     g1, g2 = np.einsum("aik,mkj->amij", slopes, points[cells])
     normal = np.cross(g1, g2)
     size = np.linalg.norm(normal, axis=-1, keepdims=True)

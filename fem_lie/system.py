@@ -432,6 +432,8 @@ class System:
         for place, blocks in zip(self._place_elastic, self.elastic.tangents(H), strict=True):
             add_blocks(self._K, place, blocks)
         constraints.geometric(H, self.table, weights, self._place_joints, self._K)
+        if self._any_uncoupled:
+            drop_turning(self._applied, self.uncoupled, self._diagonal, self._K)
         K = self._K + self._A @ ad
         if self._viscous:
             self._add_viscosity(H, 1.0)

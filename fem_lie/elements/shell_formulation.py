@@ -79,7 +79,9 @@ class HellingerReissner(ShellFormulation):
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """See the base class."""
-        return hellinger_reissner(cells, cells.cellwise(np.linalg.inv(stiffness)))
+        return hellinger_reissner(
+            cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
+        )
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ class SceneEquilibrium:
         self._zero = np.zeros((system.count, 6))
         self._scale = np.ones(system.m)
         system.set_time(1.0, 1.0)
-        self._loads = tuple(system.loads)
+        self._loads = system.loads
         self._solver = DirectSolver(system.kkt.matrix, prefix, methods_for(system))
         system.elastic.reset_stress(self._H)
         self._internal, self._load = np.empty(system.size), np.zeros(system.size)
@@ -124,7 +124,8 @@ class SceneEquilibrium:
         system.residual(
             self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
         )
-        load_vector(self._H, *self._loads, load)
+        dead, moment, following = self._loads
+        load_vector(self._H, dead, moment, following, load)
         system.supports.turn(self._H, load)
         load[system.held] = 0.0
         return self._internal.copy(), self._load.copy()
