@@ -291,6 +291,8 @@ class Shell(Body):
         H, held = self.frames[node], self.held[node]
         if held.all():
             return
+        if held.all():
+            return
         if held[4] and abs(H[2] @ normal) < 1.0 - 1e-6:
             raise ValueError(
                 f"node {node} of {self.label} is on planes of symmetry that are not perpendicular"

@@ -225,6 +225,11 @@ class System:
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
+    def drop_turning(self) -> None:
+        """Leave out of the matrix what elements that move by ``x + R u`` leave out of theirs."""
+        if self._any_uncoupled:
+            self.tangent.drop_turning(self._applied, self.uncoupled)
+
     def fill_matrix(
         self,
         H: Array,
@@ -261,8 +266,7 @@ class System:
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
             tangent.add_geometric(H, weights)
-        if self._any_uncoupled:
-            tangent.drop_turning(self._applied, self.uncoupled)
+        self.drop_turning()
         ahead = H if joint_frames is None else joint_frames
         tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie import lie
 from fem_lie.solve.follow import SceneEquilibrium
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
@@ -245,6 +246,46 @@ def test_weight_is_that_of_the_mass():
         scene.add(fl.AreaLoad(shell, force=(0, 0, force)))
         results.append(places(fl.follow_loads(scene)))
     np.testing.assert_allclose(results[0], results[1], atol=1e-7)
+
+
+# --- dynamics ---
+
+
+@pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.Displacement()])
+@pytest.mark.parametrize("group", list(fl.Group))
+def test_free_shell_tumbles_with_its_momentum(formulation, group):
+    """Momentum is that of the start, and the energy too up to the scheme's own damping."""
+    shell = arch_shell((4, 2), formulation=formulation, group=group)
+    shell.turn((0.2, 0.1, 0.3), (0, 0, 0))
+    shell.move((0.1, 0, 0))
+    result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)
+    assert result.momentum_error <= 1e-5
+    assert result.angular_momentum_error <= 1e-3  # of second order in the step
+    assert result.energy_error <= 1e-2
+    turned = lie.so3_log(result.rotation(f"{shell.name}.node 0")[-1] @ shell.frames[0, 1:])
+    assert np.linalg.norm(turned) > 0.5
+    # what is left out of the matrix at a state out of balance does not stop convergence
+    assert result.iterations[-1] <= 8 * len(result.times)
+
+
+def test_first_frequency_of_a_strip_is_that_of_a_beam():
+    """``ω = 1.8751² √(EI/ρA)/ℓ²`` without Poisson's ratio; shear and the mesh make 1 %."""
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)),
+        fl.ShellSection.layer(0.01, fl.Material(1e6, 0.0, 10.0)),
+    )
+    shell.clamp("a=0")
+    modes = fl.vibrations(scene_with(shell), count=1)
+    omega = 1.87510407**2 * np.sqrt(1e6 * 0.01**2 / 12 / 10.0)
+    assert abs(modes.eigenvalues[0]) == pytest.approx(omega, rel=0.01)
+
+
+def test_supports_along_fixed_axes_are_for_statics():
+    shell = arch_shell()
+    shell.clamp("a=0")
+    shell.guide("11", (1, 0, 0))
+    with pytest.raises(ValueError, match="InPlane joints in dynamics"):
+        fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=1.0, step=0.1)
 
 
 # --- bad input ---
