@@ -62,7 +62,9 @@ class ShellAssembly(Assembly):
         out.reshape(-1, 6)[:, :_FIVE] += forces.reshape(-1, _FIVE)
 
     def energy(self, H: Array) -> float:
-        """See the base class."""
+        """See the base class; mixed fields become those of these frames, or energy means nothing."""
+        if self._forms.local is not None:
+            self.reset_stress(H)
         self._frames.frames[:] = H
         return float(fem.assemble_scalar(self._forms.energy))
 
@@ -289,8 +291,6 @@ class Shell(Body):
     def _bind(self, node: int, normal: Array) -> None:
         """Turn the frame of a node and hold what leaves the plane."""
         H, held = self.frames[node], self.held[node]
-        if held.all():
-            return
         if held.all():
             return
         if held[4] and abs(H[2] @ normal) < 1.0 - 1e-6:

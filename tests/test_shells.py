@@ -259,7 +259,8 @@ def test_free_shell_tumbles_with_its_momentum(formulation, group):
     shell.turn((0.2, 0.1, 0.3), (0, 0, 0))
     shell.move((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)
-    assert result.momentum_error <= 1e-5
+    # exact on R³×SO(3) up to the iteration; of second order in the step on SE(3)
+    assert result.momentum_error <= (1e-4 if group == fl.Group.SE3 else 1e-7)
     assert result.angular_momentum_error <= 1e-3  # of second order in the step
     assert result.energy_error <= 1e-2
     turned = lie.so3_log(result.rotation(f"{shell.name}.node 0")[-1] @ shell.frames[0, 1:])
