@@ -144,7 +144,8 @@ class Shell(Body):
             group=group,
             name=name,
         )
-        self.faces, self.thickness = mesh.corners, np.array([s.thickness for s in sections])
+        self.faces = mesh.corners
+        self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         self.held[:, 5] = True
 
     @property
@@ -314,11 +315,12 @@ class Shell(Body):
             self.mesh.degree,
             basix.LagrangeVariant.gll_warped,
         )
-        points, w = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
-        table = np.asarray(element.tabulate(1, np.asarray(points)))[..., 0]
+        rule = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
+        points, w = (np.asarray(part, dtype=np.float64) for part in rule)
+        table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
         x = self.frames[self.mesh.cells, 0]
         g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
-        return table[0], np.asarray(w) * np.linalg.norm(np.cross(g1, g2), axis=-1)
+        return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)
 
 
 def _section_per_cell(

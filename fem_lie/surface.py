@@ -299,7 +299,8 @@ def _cell_normals(points: Array, cells: Indices, cell: str) -> Array:
         _DEGREES[cell][cells.shape[1]],
         basix.LagrangeVariant.gll_warped,
     )
-    slopes = np.asarray(element.tabulate(1, np.asarray(element.points)))[1:, :, :, 0]
+    nodes = np.asarray(element.points, dtype=np.float64)
+    slopes = np.asarray(element.tabulate(1, nodes), dtype=np.float64)[1:, :, :, 0]
     g1, g2 = np.einsum("aik,mkj->amij", slopes, points[cells])
     normal = np.cross(g1, g2)
     size = np.linalg.norm(normal, axis=-1, keepdims=True)

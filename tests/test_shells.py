@@ -284,6 +284,20 @@ def test_first_frequency_of_a_strip_is_that_of_a_beam():
     assert abs(modes.eigenvalues[0]) == pytest.approx(omega, rel=0.01)
 
 
+def test_stretched_strip_vibrates_as_a_stretched_beam():
+    """The tension is ten times EI/ℓ²; loads and elements must leave out the same."""
+    steel, tension = fl.Material(1e6, 0.0, 10.0), 10 * 1e6 * 0.1 * 0.01**3 / 12
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)), fl.ShellSection.layer(0.01, steel)
+    )
+    shell.clamp("a=0")
+    strip = scene_with(shell, fl.EdgeLoad(shell, "a=1", force=(tension / 0.1, 0, 0)))
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.1, 0.01, steel), cells=20)
+    rod = scene_with(beam, fl.Clamp(beam.start), fl.PointLoad(beam.end, force=(tension, 0, 0)))
+    found, wanted = (np.abs(fl.vibrations(scene, count=2).eigenvalues) for scene in (strip, rod))
+    np.testing.assert_allclose(found, wanted, rtol=0.01)
+
+
 def test_supports_along_fixed_axes_are_for_statics():
     shell = arch_shell()
     shell.clamp("a=0")

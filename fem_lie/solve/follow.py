@@ -124,8 +124,8 @@ class SceneEquilibrium:
         system.residual(
             self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
         )
-        dead, moment, following = self._loads
-        load_vector(self._H, dead, moment, following, load)
+        applied = self._loads
+        load_vector(self._H, applied.dead, applied.moment, applied.following, load)
         system.supports.turn(self._H, load)
         load[system.held] = 0.0
         return self._internal.copy(), self._load.copy()
