@@ -62,7 +62,7 @@ class ShellAssembly(Assembly):
         out.reshape(-1, 6)[:, :_FIVE] += forces.reshape(-1, _FIVE)
 
     def energy(self, H: Array) -> float:
-        """See the base class; mixed fields become those of these frames, or energy means nothing."""
+        """See the base class; mixed fields become those of these frames before."""
         if self._forms.local is not None:
             self.reset_stress(H)
         self._frames.frames[:] = H

@@ -254,15 +254,19 @@ def test_weight_is_that_of_the_mass():
 @pytest.mark.parametrize("formulation", [fl.HellingerReissner(), fl.Displacement()])
 @pytest.mark.parametrize("group", list(fl.Group))
 def test_free_shell_tumbles_with_its_momentum(formulation, group):
-    """Momentum is that of the start, and the energy too up to the scheme's own damping."""
+    """It keeps its momentum, of second order in the step.
+
+    It starts without the stretch that its spin makes; those vibrations, 2 % of its energy, are too
+    fast for the steps and damped by the scheme.
+    """
     shell = arch_shell((4, 2), formulation=formulation, group=group)
     shell.turn((0.2, 0.1, 0.3), (0, 0, 0))
     shell.move((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)
     # exact on R³×SO(3) up to the iteration; of second order in the step on SE(3)
     assert result.momentum_error <= (1e-4 if group == fl.Group.SE3 else 1e-7)
-    assert result.angular_momentum_error <= 1e-3  # of second order in the step
-    assert result.energy_error <= 1e-2
+    assert result.angular_momentum_error <= 5e-4  # of second order in the step
+    assert result.energy_error <= 1e-3
     turned = lie.so3_log(result.rotation(f"{shell.name}.node 0")[-1] @ shell.frames[0, 1:])
     assert np.linalg.norm(turned) > 0.5
     # what is left out of the matrix at a state out of balance does not stop convergence
@@ -279,6 +283,20 @@ def test_first_frequency_of_a_strip_is_that_of_a_beam():
     modes = fl.vibrations(scene_with(shell), count=1)
     omega = 1.87510407**2 * np.sqrt(1e6 * 0.01**2 / 12 / 10.0)
     assert abs(modes.eigenvalues[0]) == pytest.approx(omega, rel=0.01)
+
+
+def test_stretched_strip_vibrates_as_a_stretched_beam():
+    """The tension is ten times EI/ℓ²; loads and elements must leave out the same."""
+    steel, tension = fl.Material(1e6, 0.0, 10.0), 10 * 1e6 * 0.1 * 0.01**3 / 12
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (20, 1)), fl.ShellSection.layer(0.01, steel)
+    )
+    shell.clamp("a=0")
+    strip = scene_with(shell, fl.EdgeLoad(shell, "a=1", force=(tension / 0.1, 0, 0)))
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.1, 0.01, steel), cells=20)
+    rod = scene_with(beam, fl.Clamp(beam.start), fl.PointLoad(beam.end, force=(tension, 0, 0)))
+    found, wanted = (np.abs(fl.vibrations(scene, count=2).eigenvalues) for scene in (strip, rod))
+    np.testing.assert_allclose(found, wanted, rtol=0.01)
 
 
 def test_supports_along_fixed_axes_are_for_statics():
