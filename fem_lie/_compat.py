@@ -5,10 +5,12 @@ Where a branch stands for 0.9 (or 0.10) alone, a comment says with which version
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import basix.ufl
 import dolfinx
@@ -156,3 +158,18 @@ def create_surface_mesh(
     """
     element = basix.ufl.element("Lagrange", cell, degree, shape=(points.shape[1],))
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
+
+
+@contextmanager
+def slepc_errors() -> Iterator[None]:
+    """Raise what SLEPc reports as ``PETSc.Error``, as petsc4py does.
+
+    slepc4py 3.25.1, beside DOLFINx 0.11, hides it as the cause of a ``SystemError``; 3.22 does not.
+    Can go when the newest slepc4py raises ``PETSc.Error`` again and 3.25 is no longer in use.
+    """
+    try:
+        yield
+    except SystemError as error:
+        if isinstance(error.__cause__, PETSc.Error):
+            raise error.__cause__ from None
+        raise

@@ -4,12 +4,14 @@ import re
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import fem_lie as fl
 from demos.rotating_beam import flapping
 from fem_lie import inertia, lie
+from fem_lie.solve.spectrum import Pencil
 from fem_lie.solve.steady import linearised
 from fem_lie.system import System
 
@@ -414,6 +416,15 @@ def test_bad_input():
     massless.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
     with pytest.raises(ValueError, match="need the inertia of all sections"):
         fl.vibrations(massless, 1)
+
+
+@pytest.mark.parametrize("rate", [None, 0.1], ids=["linear", "quadratic"])
+def test_singular_pencil_is_named(rate):
+    """The last unknown has neither mass nor stiffness: no shift makes its row regular."""
+    M, K = sp.diags([1.0, 1.0, 1.0, 0.0], format="csr"), sp.diags([1.0, 2, 3, 0], format="csr")
+    C = None if rate is None else sp.csr_matrix(([rate, -rate], ([0, 1], [1, 0])), shape=(4, 4))
+    with pytest.raises(fl.ConvergenceError, match=r"SLEPc failed .*'test_'"):
+        Pencil(M, C, K, sp.csr_matrix((0, 4))).smallest(2, 0.0, "test_")
 
 
 def test_pictures(tmp_path):

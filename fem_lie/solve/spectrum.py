@@ -19,6 +19,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from slepc4py import SLEPc
 
+from fem_lie._compat import slepc_errors
 from fem_lie._jit import Array
 from fem_lie.solve.linear import ConvergenceError
 
@@ -175,7 +176,8 @@ def _set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
     linear.getPC().setFactorSolverType("mumps")
     solver.setFromOptions()
     try:
-        solver.solve()
+        with slepc_errors():
+            solver.solve()
     except PETSc.Error as error:
         raise ConvergenceError(
             f"SLEPc failed (PETSc error {error.ierr}): the shifted matrix may be singular; see its "
