@@ -408,6 +408,14 @@ CASES = {
         lambda: joined(lambda shell: fl.PrescribedMotion(shell["00"], lambda t: shell.frames[0])),
         "five parameters",
     ),
+    "moment about the normal": (
+        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(1, 1, 1))),
+        "about the normal",
+    ),
+    "following moment about the normal": (
+        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(0, 0, 1), following=True)),
+        "about the normal",
+    ),
     "nothing to follow": (lambda: fl.follow_loads(scene_with(arch_shell())), "a load that is not"),
     "pressure on a path": (
         lambda: fl.follow_loads(
