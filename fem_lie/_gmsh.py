@@ -42,6 +42,17 @@ def read_lines(path: str | os.PathLike[str], parameters: Mapping[str, float] | N
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, a parameter is not in it, or it has no lines.
     """
+    with _opened(path, parameters) as (gmsh, file):
+        if gmsh.model.mesh.getNodes()[0].size == 0:
+            _logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
+        return model_lines(str(file))
+
+
+@contextmanager
+def _opened(
+    path: str | os.PathLike[str], parameters: Mapping[str, float] | None
+) -> Iterator[tuple[Any, Path]]:
+    """Gmsh with a file in a model of its own, which is removed afterwards; and the file."""
     file = Path(path)
     if not file.is_file():
         raise FileNotFoundError(f"no mesh file {str(file)!r}")
@@ -50,9 +61,7 @@ def read_lines(path: str | os.PathLike[str], parameters: Mapping[str, float] | N
             _check_parameters(gmsh, file, parameters)
         with _model(gmsh):
             _merge(gmsh, file, parameters or {})
-            if gmsh.model.mesh.getNodes()[0].size == 0:
-                _logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
-            return model_lines(str(file))
+            yield gmsh, file
 
 
 def model_lines(what: str) -> RawLines:

@@ -5,19 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fem_lie._gmsh import (
-    _check_parameters,
     _logged,
-    _merge,
-    _model,
     _named_points,
+    _opened,
     _physical,
-    _session,
 )
 from fem_lie._gmsh_surface import CellBlock, cell_block, coordinates_of
 from fem_lie._lines import Array, Indices
@@ -55,17 +51,10 @@ def read_shell(path: str | os.PathLike[str], parameters: Mapping[str, float] | N
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, a parameter is not in it, or it has no usable cells.
     """
-    file = Path(path)
-    if not file.is_file():
-        raise FileNotFoundError(f"no mesh file {str(file)!r}")
-    with _session() as gmsh:
-        if parameters:
-            _check_parameters(gmsh, file, parameters)
-        with _model(gmsh):
-            _merge(gmsh, file, parameters or {})
-            if not len(gmsh.model.mesh.getElements(2)[0]):
-                _logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
-            return model_shell(str(file))
+    with _opened(path, parameters) as (gmsh, file):
+        if not len(gmsh.model.mesh.getElements(2)[0]):
+            _logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
+        return model_shell(str(file))
 
 
 def model_shell(what: str) -> RawShell:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._cell_sizes import GROWTH, CellSizes
-from fem_lie._gmsh import _check_parameters, _logged, _merge, _model, _physical, _session
+from fem_lie._gmsh import _logged, _model, _opened, _physical, _session
 from fem_lie._lines import Indices
 from fem_lie._outline import Loop, Part
 from fem_lie.section import Array
@@ -79,20 +79,13 @@ def read_surface(
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, or it has no usable cells.
     """
-    file = Path(path)
-    if not file.is_file():
-        raise FileNotFoundError(f"no mesh file {str(file)!r}")
-    with _session() as gmsh:
-        if parameters:
-            _check_parameters(gmsh, file, parameters)
-        with _model(gmsh):
-            _merge(gmsh, file, parameters or {})
-            if not len(gmsh.model.mesh.getElements(2)[0]):
-                _logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
-            groups = _physical(gmsh, 2)
-            if not groups:
-                groups = {"section": [tag for _, tag in gmsh.model.getEntities(2)]}
-            return _cells(gmsh, groups, str(file))
+    with _opened(path, parameters) as (gmsh, file):
+        if not len(gmsh.model.mesh.getElements(2)[0]):
+            _logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
+        groups = _physical(gmsh, 2)
+        if not groups:
+            groups = {"section": [tag for _, tag in gmsh.model.getEntities(2)]}
+        return _cells(gmsh, groups, str(file))
 
 
 def _loop(gmsh: Any, loop: Loop) -> int:
