@@ -3,6 +3,7 @@
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
 from fem_lie.choices import Choices
+from fem_lie.drilling import Parameters
 from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
@@ -100,6 +101,7 @@ __all__ = [
     "Never",
     "NodalFrames",
     "Orthotropic",
+    "Parameters",
     "Parametrisation",
     "PathResult",
     "Ply",

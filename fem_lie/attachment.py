@@ -48,11 +48,11 @@ class Attachment:
     """
 
     def __init__(self, frames: Array, pairs: Iterable[tuple[int, int]]) -> None:
-        """Find the leaders: of nodes that are tied together the first one.
+        """Find the leaders.
 
         Args:
             frames: Initial frames of all nodes, shape (N, 4, 3).
-            pairs: Nodes that are tied to each other.
+            pairs: Nodes that are tied to each other; the second follows what the first follows.
         """
         root = np.arange(len(frames))
 
@@ -63,8 +63,7 @@ class Attachment:
             return node
 
         for a, b in pairs:
-            first, second = sorted((find(a), find(b)))
-            root[second] = first
+            root[find(b)] = find(a)
         roots = np.array([find(i) for i in range(len(frames))], dtype=np.int64)
         self.leaders: Indices = np.flatnonzero(roots == np.arange(len(frames)))
         self.leader: Indices = np.searchsorted(self.leaders, roots)

@@ -54,15 +54,14 @@ class Body:
         held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
         supports: Axes fixed in space along which ``held`` translations are, nan where they are the
             node's own, shape (n, 3, 3).
-        uncoupled: Whether statics moves its nodes by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and
-            not by ``H exp(h)``; the tangent of its assembly is then the second derivative along
-            that motion.
+        uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
+            by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
         drills: Whether its nodes turn about their third directors.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
     uncoupled: ClassVar[bool] = False
-    drills: ClassVar[bool] = True
+    drills: bool = True
 
     def __init__(
         self,
@@ -130,6 +129,21 @@ class Body:
         if not -len(self.frames) <= index < len(self.frames):
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
         return Point(self, index % len(self.frames), f"node {index}")
+
+    def bind_rotation(
+        self, node: int, other: Hashable, what: str, axis: Array | None = None
+    ) -> None:
+        """Learn that something takes hold of the rotation of a node.
+
+        Args:
+            node: Which one.
+            other: What holds it, the same for all nodes that are held by the same rigid thing.
+            what: Its name for messages.
+            axis: The only axis of its moment, if there is but one, global components.
+
+        Raises:
+            ValueError: The node cannot turn about all axes.
+        """
 
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.

@@ -126,17 +126,16 @@ class PointLoad(NodalLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite, or acts on ground or on what cannot turn."""
+        """Raise ``ValueError`` if it is not finite or acts on ground."""
         vector(self.force, 3, f"force at {self.point.label}")
-        moment = vector(self.moment, 3, f"moment at {self.point.label}")
+        vector(self.moment, 3, f"moment at {self.point.label}")
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
-        about = moment[2] if self.following else moment @ self.point.frame[3]
-        if not self.body.drills and abs(about) > 1e-9 * np.linalg.norm(moment):
-            raise ValueError(
-                f"the moment at {self.point.label} has the component {about:g} about the normal of "
-                f"a shell whose nodes have five parameters and do not turn about it, got {moment}"
-            )
+
+    def axis(self) -> Array:
+        """Of the moment before anything moves, global components, shape (3,)."""
+        moment = np.asarray(self.moment, dtype=np.float64)
+        return moment @ self.point.frame[1:] if self.following else moment
 
     @property
     def body(self) -> Body:

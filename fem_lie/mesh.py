@@ -6,8 +6,7 @@ A mesh comes from a helper (:func:`straight`, :func:`curve`), from gmsh or DOLFI
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import pi, radians
@@ -15,6 +14,7 @@ from math import pi, radians
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_number
 from fem_lie._lines import Array, Indices, circle_tangents, flipped, join_tangents, valence
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
@@ -46,7 +46,7 @@ class LineMesh:
     named_points: Mapping[str, Indices] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        points, cells = _points(self.points), _cells(self.cells, len(self.points))
+        points, cells = points_of(self.points), _cells(self.cells, len(self.points))
         _check_cells(points, cells)
         tangents = _tangents(self.tangents, len(cells))
         # also refuses nan
@@ -56,8 +56,8 @@ class LineMesh:
             ("points", points),
             ("cells", cells),
             ("tangents", tangents),
-            ("groups", _members(self.groups, len(cells), "cells")),
-            ("named_points", _members(self.named_points, len(points), "points")),
+            ("groups", members_of(self.groups, len(cells), "cells")),
+            ("named_points", members_of(self.named_points, len(points), "points")),
         ):
             object.__setattr__(self, name, value)
 
@@ -93,7 +93,7 @@ class LineMesh:
         """
         if not 0.0 <= kink_angle <= pi:
             raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
-        x = _points(points)
+        x = points_of(points)
         given = _cells(cells, len(x))
         _check_cells(x, given)
         flip = flipped(given, len(x))
@@ -107,8 +107,8 @@ class LineMesh:
             x,
             directed,
             found,
-            _members(groups or {}, len(given), "cells"),
-            _members(named_points or {}, len(x), "points"),
+            members_of(groups or {}, len(given), "cells"),
+            members_of(named_points or {}, len(x), "points"),
         )
 
     @property
@@ -122,7 +122,7 @@ class LineMesh:
         Raises:
             ValueError: There is no such group; the message lists those that exist.
         """
-        return _find(self.groups, name, "group of cells")
+        return find_name(self.groups, name, "group of cells")
 
     def named(self, name: str) -> Indices:
         """Points of a name.
@@ -130,7 +130,7 @@ class LineMesh:
         Raises:
             ValueError: There is no such name; the message lists those that exist.
         """
-        return _find(self.named_points, name, "named point")
+        return find_name(self.named_points, name, "named point")
 
     def part(self, group: str) -> LineMesh:
         """The mesh of one group, with the names that it contains.
@@ -162,10 +162,10 @@ def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
     Raises:
         ValueError: The ends coincide or are not points, or there is no cell.
     """
-    a, b = _points([start, end])
+    a, b = points_of([start, end])
     if np.array_equal(a, b):
         raise ValueError(f"a line must have a length, but start and end are both {a}")
-    s = np.linspace(0.0, 1.0, _count(cells) + 1)[:, np.newaxis]
+    s = np.linspace(0.0, 1.0, whole_number(cells) + 1)[:, np.newaxis]
     unit = (b - a) / np.linalg.norm(b - a)
     return _chain((1.0 - s) * a + s * b, np.tile(unit, (len(s), 1)))
 
@@ -188,9 +188,9 @@ def curve(
         ValueError: The curve stands still somewhere, has a kink or is not finite, or there is no
             cell.
     """
-    s = np.linspace(0.0, 1.0, _count(cells) + 1)
-    points = _points([function(float(si)) for si in s])
-    along = _points([derivative(float(si)) if derivative else _slope(function, si) for si in s])
+    s = np.linspace(0.0, 1.0, whole_number(cells) + 1)
+    points = points_of([function(float(si)) for si in s])
+    along = points_of([derivative(float(si)) if derivative else _slope(function, si) for si in s])
     speed = np.linalg.norm(along, axis=1, keepdims=True)
     if not speed.min() > 1e-10 * speed.max():
         raise ValueError(f"the curve has no tangent at s = {s[speed.argmin()]:g}")
@@ -241,31 +241,11 @@ def _slope(function: Callable[[float], npt.ArrayLike], s: float) -> Array:
     return np.asarray(weights @ values / step, dtype=np.float64)
 
 
-def _count(cells: int) -> int:
-    try:
-        number = operator.index(cells)
-    except TypeError:
-        number = 0
-    if number < 1:
-        raise ValueError(f"cells must be a whole number of at least 1, got {cells!r}")
-    return number
-
-
-def _points(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
-    points: Array = np.array(value, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
-        raise ValueError(f"points must have shape (n, 3), got {points.shape}")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise ValueError(f"points must be finite; point {bad[0]} is {points[bad[0]]}")
-    return points
-
-
 def _cells(value: npt.ArrayLike, points: int) -> Indices:
     cells = np.asarray(value)
     if cells.ndim != 2 or cells.shape[1] != 2 or not len(cells):
         raise ValueError(f"cells must be pairs of points, shape (m, 2), got {cells.shape}")
-    return _indices(cells, points, "cells")
+    return indices_of(cells, points, "cells")
 
 
 def _tangents(value: npt.ArrayLike, cells: int) -> Array:
@@ -273,15 +253,6 @@ def _tangents(value: npt.ArrayLike, cells: int) -> Array:
     if tangents.shape != (cells, 2, 3):
         raise ValueError(f"tangents must have shape ({cells}, 2, 3), got {tangents.shape}")
     return tangents
-
-
-def _indices(value: npt.ArrayLike, size: int, what: str) -> Indices:
-    index = np.asarray(value)
-    if index.size and index.dtype.kind not in "iu":
-        raise ValueError(f"{what} must be whole numbers, got {index.dtype}")
-    if index.size and not (0 <= index.min() and index.max() < size):
-        raise ValueError(f"{what} must be in 0 … {size - 1}, got {index.min()} … {index.max()}")
-    return index.astype(np.int64)
 
 
 def _check_cells(points: Array, cells: Indices) -> None:
@@ -302,17 +273,3 @@ def _check_cells(points: Array, cells: Indices) -> None:
     alone = np.flatnonzero(valence(cells, len(points)) == 0)
     if len(alone):
         raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
-
-
-def _members(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dict[str, Indices]:
-    return {
-        name: np.unique(_indices(index, size, f"{what} of {name!r}"))
-        for name, index in groups.items()
-    }
-
-
-def _find(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
-    if name not in groups:
-        known = ", ".join(sorted(groups)) or "none"
-        raise ValueError(f"the mesh has no {what} {name!r}; it has: {known}")
-    return groups[name]

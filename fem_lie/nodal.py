@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.constraints import JointTable
 from fem_lie.frames import pull, pull_derivative, push
 from fem_lie.groups import tangent, turn
-
-Flags = npt.NDArray[np.bool_]
 
 
 class Inertia(NamedTuple):
@@ -161,23 +158,6 @@ def rigid_tangent(
     for i in range(count):
         pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
     _add_moment_stiffness(H, moment, diagonal, K)
-
-
-@compiled
-def drop_turning(applied: Array, chosen: Flags, diagonal: Indices, K: Array) -> None:
-    """Take the turning ``(Rᵀf)^`` of forces (n, 6) on the chosen nodes out of their blocks.
-
-    Elements of such nodes leave it out of their tangents, and at equilibrium it is zero in sum.
-    """
-    for i in range(chosen.shape[0]):
-        if chosen[i]:
-            block, n = K[diagonal[i]], applied[i]
-            block[0, 4] += n[2]
-            block[0, 5] -= n[1]
-            block[1, 3] -= n[2]
-            block[1, 5] += n[0]
-            block[2, 3] += n[1]
-            block[2, 4] -= n[0]
 
 
 @compiled

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Indices
@@ -13,6 +14,10 @@ from fem_lie.attachment import Attachment
 from fem_lie.bodies import Body, Point
 from fem_lie.info import BodyInfo
 from fem_lie.joints import RigidLink
+
+Flags = npt.NDArray[np.bool_]
+
+_INDEPENDENT = 1e-9  # relative, as axes that are meant to agree
 
 
 class Numbering:
@@ -36,7 +41,8 @@ class Numbering:
         """Build the assemblies and number their nodes as they do.
 
         Raises:
-            ValueError: Initial velocities of nodes that are tied together contradict each other.
+            ValueError: Initial velocities of nodes that are tied together contradict each other, or
+                supports of a node have no counterpart in the unknowns of the node it follows.
         """
         self.nodes: dict[Body, Indices] = {}
         self.assemblies: list[tuple[slice, Assembly]] = []
@@ -69,6 +75,7 @@ class Numbering:
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             groups[nodes] = body.group
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
+            held[nodes, 5] |= not body.drills
             supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]
@@ -79,9 +86,33 @@ class Numbering:
         self.velocities = velocities[self.attachment.leaders]
         self.groups = groups[self.attachment.leaders]
         self.held = held[self.attachment.leaders]
-        self.uncoupled = uncoupled[self.attachment.leaders]
+        self.uncoupled = np.zeros(self.count, dtype=bool)
+        np.logical_or.at(self.uncoupled, self.attachment.leader, uncoupled)
         self.supports = supports[self.attachment.leaders]
+        self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
         self._check_velocities(velocities)
+
+    def _hold_leaders(self, held: Flags, fixed: Flags) -> None:
+        """Hold the unknowns of leaders that the supports of their followers hold."""
+        follows = np.ones(self.total, dtype=bool)
+        follows[self.attachment.leaders] = False
+        for node in np.flatnonzero(follows & held.any(axis=1)):
+            leader, offset = self.attachment.leader[node], self.attachment.offset[node]
+            # rows of zero motion in the leader's unknowns
+            rows = np.vstack(
+                [np.eye(6)[self.held[leader]], lie.se3_adjoint(lie.se3_inverse(offset))[held[node]]]
+            )
+            reach = rows.T @ np.linalg.pinv(rows.T, rcond=_INDEPENDENT)
+            whole = np.abs(np.diag(reach) - 1.0) < _INDEPENDENT
+            moved = fixed[node] or np.isfinite(self.supports[leader, 0, 0])
+            if round(np.trace(reach)) > whole.sum() or (moved and not whole.all()):
+                body = next(body for body, nodes in self.nodes.items() if node in nodes)
+                raise ValueError(
+                    f"a node of {body.label} has supports and follows another node by a rigid "
+                    "link, whose unknowns are along other axes: support that node instead, or link "
+                    "the other way round"
+                )
+            self.held[leader] = whole
 
     def _check_velocities(self, given: lie.Array) -> None:
         gap = np.abs(self.attachment.twists(self.velocities) - given).max(axis=1, initial=0.0)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie.bodies import Body, vector
+from fem_lie.bodies import Body, Point, ground, vector
 from fem_lie.choices import Choices
 from fem_lie.joints import Joint, RigidLink
-from fem_lie.loads import Clamp, Load, PrescribedMotion
+from fem_lie.loads import Clamp, Load, PointLoad, PrescribedMotion
 
 if TYPE_CHECKING:
     from fem_lie.plot import Units
@@ -59,25 +59,28 @@ class Scene:
         elif isinstance(item, Joint):
             self._check_points(item.label, item.a.body, item.b.body)
             item.frame()
-            if item.selection[:, 3:].any() or item.at is not None:
-                self._check_drilling(item.label, item.a.body, item.b.body)
             if item.a.body is item.b.body and item.a.node == item.b.node:
                 raise ValueError(f"{item.label} joins a point to itself")
+            if item.selection[:, 3:].any() or item.at is not None:
+                _bind(item.label, item.a, item.b)
             self.joints.append(item)
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)
-            self._check_drilling(item.label, item.a.body, item.b.body)
+            _bind(item.label, item.a, item.b)
             self.links.append(item)
         elif isinstance(item, Load):
             item.check()
             self._check_points(type(item).__name__, item.body)
+            if isinstance(item, PointLoad) and np.any(item.moment):
+                what = f"the moment at {item.point.label}"
+                item.body.bind_rotation(item.point.node, item, what, item.axis())
             self.loads.append(item)
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
             if isinstance(item, PrescribedMotion):
-                self._check_drilling(type(item).__name__, item.point.body)
+                _bind(type(item).__name__, item.point, ground())
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
@@ -127,16 +130,14 @@ class Scene:
             raise ValueError(f"the scene has a body named {body.name!r} already")
         self.bodies.append(body)
 
-    def _check_drilling(self, what: str, *bodies: Body | None) -> None:
-        for body in bodies:
-            if body is not None and not body.drills:
-                raise ValueError(
-                    f"{what}: nodes of {body.label} have five parameters, they do not turn about "
-                    "their directors, and nothing that binds a rotation can be joined to them; "
-                    "Spherical and InPlane at the node itself can"
-                )
-
     def _check_points(self, what: str, *bodies: Body | None) -> None:
         for body in bodies:
             if body is not None and body not in self.bodies:
                 raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
+
+
+def _bind(what: str, a: Point, b: Point) -> None:
+    """Tell both bodies that their points hold each other's rotation."""
+    for point, other in ((a, b), (b, a)):
+        if point.body is not None:
+            point.body.bind_rotation(point.node, (other.body, other.node), what)

@@ -14,8 +14,9 @@ import basix
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_number
 from fem_lie._lines import Array, Indices
-from fem_lie.mesh import _count, _find, _indices, _members, _points
+from fem_lie._patches import Edges, Patches, smooth_patches
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
@@ -40,7 +41,7 @@ class SurfaceMesh:
 
     Raises:
         ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
-            area; the sides of neighbours do not agree; more than two cells meet at an edge.
+            area or stands there twice; the normals of smooth neighbours point to opposite sides.
     """
 
     points: Array
@@ -52,7 +53,7 @@ class SurfaceMesh:
     named_points: Mapping[str, Indices] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        points = _points(self.points)
+        points = points_of(self.points)
         cells = _surface_cells(self.cells, self.cell, len(points))
         normals = np.array(self.normals, dtype=np.float64)
         if normals.shape != (*cells.shape, 3):
@@ -61,16 +62,16 @@ class SurfaceMesh:
         if not (np.abs(np.linalg.norm(normals, axis=-1) - 1.0) < 1e-6).all():
             raise ValueError("normals must be unit vectors")
         curves = {
-            name: _indices(edges, len(points), f"points of curve {name!r}")
+            name: indices_of(edges, len(points), f"points of curve {name!r}")
             for name, edges in self.curves.items()
         }
         for name, value in (
             ("points", points),
             ("cells", cells),
             ("normals", normals),
-            ("groups", _members(self.groups, len(cells), "cells")),
+            ("groups", members_of(self.groups, len(cells), "cells")),
             ("curves", curves),
-            ("named_points", _members(self.named_points, len(points), "points")),
+            ("named_points", members_of(self.named_points, len(points), "points")),
         ):
             object.__setattr__(self, name, value)
         self._check_neighbours()
@@ -102,7 +103,7 @@ class SurfaceMesh:
         Raises:
             ValueError: See the class.
         """
-        x = _points(points)
+        x = points_of(points)
         connected = _surface_cells(cells, cell, len(x))
         found = _cell_normals(x, connected, cell)
         if normals is not None:
@@ -115,12 +116,12 @@ class SurfaceMesh:
             connected,
             cell,
             found,
-            _members(groups or {}, len(connected), "cells"),
+            members_of(groups or {}, len(connected), "cells"),
             {
-                name: _indices(edges, len(x), f"points of curve {name!r}")
+                name: indices_of(edges, len(x), f"points of curve {name!r}")
                 for name, edges in (curves or {}).items()
             },
-            _members(named_points or {}, len(x), "points"),
+            members_of(named_points or {}, len(x), "points"),
         )
 
     @property
@@ -131,7 +132,11 @@ class SurfaceMesh:
     @property
     def corners(self) -> Indices:
         """Corners of each cell, one after the other around it, shape (m, 3 or 4)."""
-        return self.cells[:, _ROUND[self.cell]]
+        return self.corners_of(self.cells)
+
+    def corners_of(self, cells: Indices) -> Indices:
+        """The same of cells with other numbers for their nodes."""
+        return cells[:, _ROUND[self.cell]]
 
     def group(self, name: str) -> Indices:
         """Cells of a group.
@@ -139,7 +144,7 @@ class SurfaceMesh:
         Raises:
             ValueError: There is no such group; the message lists those that exist.
         """
-        return _find(self.groups, name, "group of cells")
+        return find_name(self.groups, name, "group of cells")
 
     def curve(self, name: str) -> Indices:
         """Edges of a curve.
@@ -147,7 +152,7 @@ class SurfaceMesh:
         Raises:
             ValueError: There is no such curve; the message lists those that exist.
         """
-        return _find(self.curves, name, "curve")
+        return find_name(self.curves, name, "curve")
 
     def nodes(self, name: str) -> Indices:
         """Nodes of a named point, curve or group of cells.
@@ -164,53 +169,40 @@ class SurfaceMesh:
         known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
         raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
 
-    def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
-        """Mean of the cells' normals at each point, shape (n, 3).
+    def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
+        """Nodes of which each belongs to one smooth patch.
+
+        Args:
+            kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
 
         Raises:
-            ValueError: Normals of neighbouring cells differ by more than ``kink_angle``, rad.
+            ValueError: The angle is out of range, the sides of smooth neighbours do not agree, or
+                the surface has a sharp tip.
         """
         if not 0.0 <= kink_angle <= pi:
             raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
-        total = np.zeros_like(self.points)
-        np.add.at(total, self.cells, self.normals)
-        size = np.linalg.norm(total, axis=1, keepdims=True)
-        mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
-        cosine = np.einsum("mkj,mkj->mk", self.normals, mean[self.cells])
-        # each side of an edge is half the angle away from the mean
-        if cosine.min() < np.cos(0.5 * kink_angle):
-            point = self.cells.ravel()[cosine.argmin()]
+        return smooth_patches(self.points, self.cells, self.cell, self.normals, kink_angle)
+
+    def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
+        """Mean of the cells' normals at each point of a smooth surface, shape (n, 3).
+
+        Raises:
+            ValueError: See :meth:`patches`; the surface has a kink or a branch.
+        """
+        patches = self.patches(kink_angle)
+        if len(patches.split):
+            place = self.points[patches.split[0]]
             raise ValueError(
-                f"the surface has a kink of about {degrees(2 * np.arccos(cosine.min())):.0f}° at "
-                f"{self.points[point]}, more than the kink angle of {degrees(kink_angle):.0f}°; "
-                "shells with five parameters per node must be smooth"
+                f"the surface has a kink of more than {degrees(kink_angle):.0f}°, or a branch, at "
+                f"{place}: its sides have directors of their own there"
             )
-        return np.asarray(mean)
+        return patches.directors
 
     def _check_neighbours(self) -> None:
-        round_ = self.corners
-        directed = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
-        owner = np.repeat(np.arange(len(round_)), round_.shape[1])
-        _, edge, count = np.unique(
-            np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True
-        )
-        edge = edge.ravel()
-        if count.max() > 2:
-            k = int(np.flatnonzero(count[edge] > 2)[0])
-            raise ValueError(
-                f"{count[edge[k]]} cells meet at the edge between {self.points[directed[k, 0]]} "
-                f"and {self.points[directed[k, 1]]}; shells with five parameters per node must not "
-                "branch"
-            )
-        forward = np.where(directed[:, 0] < directed[:, 1], 1, -1)
-        balance = np.bincount(edge, weights=forward)
-        flipped = np.flatnonzero((count == 2) & (balance != 0))
-        if len(flipped):
-            a, b = owner[edge == flipped[0]]
-            raise ValueError(
-                f"the normals of the neighbouring cells {a} and {b} point to opposite sides of the "
-                "surface: turn one of them round (in gmsh: Reverse Surface)"
-            )
+        _, count = np.unique(np.sort(self.corners, axis=1), axis=0, return_counts=True)
+        if count.max() > 1:
+            raise ValueError(f"{count.max()} cells have the same corners")
+        Edges(self.points, self.cells, self.cell, self.normals).smooth_pairs(KINK_ANGLE)
 
 
 def surface(
@@ -240,7 +232,7 @@ def surface(
             "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
             f"{cell!r} of degree {degree!r}"
         )
-    n, m = (degree * _count(count) for count in cells)
+    n, m = (degree * whole_number(count) for count in cells)
     places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
     number = np.arange(len(places)).reshape(n + 1, m + 1)
     sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
@@ -284,7 +276,7 @@ def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     known = list(_DEGREES[cell])
     if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
         raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
-    indices = _indices(cells, points, "cells")
+    indices = indices_of(cells, points, "cells")
     alone = np.setdiff1d(np.arange(points), indices)
     if len(alone):
         raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")

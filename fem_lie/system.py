@@ -128,7 +128,11 @@ class System:
         self.force = self._work[1]
         self._damping_work = np.zeros_like(self._work)
         self._still = np.zeros((self.count, 6))
-        self._applied, self._any_uncoupled = np.zeros((self.count, 6)), self.uncoupled.any()
+        self._applied, self._internal = np.zeros((2, self.count, 6))
+        self._any_uncoupled = bool(self.uncoupled.any())
+        # reactions of what is held in a node's own axes turn with them
+        self._turns = ~self.held
+        self._turns[np.isfinite(self.numbering.supports[:, 0, 0]), :3] = True
         self.choices = Choices(gyroscopic=True, geometric=True)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
@@ -203,6 +207,8 @@ class System:
             self.elastic.add_viscous_forces(H, v, r)
         if self._damping is not None:
             add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
+        if self._any_uncoupled:
+            self._internal[:] = r[: 6 * self.count].reshape(-1, 6) - self._applied
         if self.supports:
             self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
         if self._any_held:
@@ -225,10 +231,15 @@ class System:
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
-    def drop_turning(self) -> None:
-        """Leave out of the matrix what elements that move by ``x + R u`` leave out of theirs."""
+    def follow_motion(self) -> None:
+        """Make the matrix the derivative along the motion of statics, see :attr:`uncoupled`.
+
+        The parts are derivatives in twists of forces in local axes. What is added is linear in the
+        sum of all forces on a node, zero at equilibrium.
+        """
         if self._any_uncoupled:
-            self.tangent.drop_turning(self._applied, self.uncoupled)
+            forces = np.where(self._turns, self._applied + self._internal, 0.0)
+            self.tangent.add_turnings(forces, self.uncoupled)
 
     def fill_matrix(
         self,
@@ -266,7 +277,7 @@ class System:
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
             tangent.add_geometric(H, weights)
-        self.drop_turning()
+        self.follow_motion()
         ahead = H if joint_frames is None else joint_frames
         tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
 

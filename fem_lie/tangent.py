@@ -9,12 +9,12 @@ from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
+from fem_lie.elements.shell_maps import add_turnings
 from fem_lie.kkt import KKT, Flags
 from fem_lie.nodal import (
     Inertia,
     add_blocks,
     combine,
-    drop_turning,
     rigid_tangent,
     to_inertial,
 )
@@ -164,9 +164,9 @@ class Tangent:
         place = self._place_mass
         inertia.tangents(H, still, rate, local, *self._damping, place, factor, 0.0, self.A, self.K)
 
-    def drop_turning(self, applied: Array, nodes: Flags) -> None:
-        """See :func:`~fem_lie.nodal.drop_turning`."""
-        drop_turning(applied, nodes, self._diagonal, self.K)
+    def add_turnings(self, forces: Array, nodes: Flags) -> None:
+        """See :func:`~fem_lie.elements.shell_maps.add_turnings`; to ``K``."""
+        add_turnings(forces, 1.0, self._diagonal, nodes, self.K)
 
     # --- sum ---
 

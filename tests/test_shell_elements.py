@@ -327,8 +327,6 @@ def test_measures_for_other_cells_are_refused():
         ShellCells(q)
     with pytest.raises(ValueError, match=r"degree 2, .* degree 1"):
         ShellCells(q, MITC6)
-    with pytest.raises(ValueError, match="four-node quadrilaterals only"):
-        ShellCells(q, MITC3_PLUS, drilling_stiffness=1.0)
     with pytest.raises(ValueError, match="hellinger_reissner"):
         shell.displacement(ShellCells(q, MITC3_PLUS), quartic)
 

@@ -317,18 +317,22 @@ def flipped() -> fl.SurfaceMesh:
     return fl.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral")
 
 
-def kinked() -> fl.Shell:
+def kinked(**options) -> fl.Shell:
     place = lambda a, b: (min(a, 0.5), b, max(a - 0.5, 0.0))  # noqa: E731
-    return fl.Shell(fl.surface(place, (2, 1)), LAYER)
+    return fl.Shell(fl.surface(place, (2, 1)), LAYER, **options)
 
 
-def branched() -> fl.SurfaceMesh:
+def branched(**options) -> fl.Shell:
     points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (-1, 0, 0), (0, 0, 1)]
-    return fl.SurfaceMesh.from_cells(points, [(0, 1, 2), (1, 0, 3), (0, 1, 4)], "triangle")
+    cells = [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
+    return fl.Shell(fl.SurfaceMesh.from_cells(points, cells, "triangle"), LAYER, **options)
 
 
-def joined(item_of_shell):
-    shell = arch_shell()
+FIVE = {"parameters": fl.Parameters.FIVE}
+
+
+def joined(item_of_shell, **options):
+    shell = arch_shell(**options)
     return scene_with(shell, item_of_shell(shell))
 
 
@@ -336,7 +340,7 @@ def beside_beam(item):
     beam = fl.Beam.straight(
         (1, 1, 0), (1, 2, 0), fl.Section.circle(0.1, fl.Material(1.0, 0.3, 1.0)), cells=1
     )
-    shell = arch_shell()
+    shell = arch_shell(**FIVE)
     return scene_with(shell, beam, item(shell["00"], beam.start))
 
 
@@ -374,8 +378,28 @@ CASES = {
         lambda: fl.Shell(fl.surface(arch, (2, 1)), LAYER, director=lambda x: 2 * outward(x)),
         "unit vector",
     ),
-    "kink": (kinked, "kink of about 90° at"),
-    "branch": (branched, "3 cells meet at the edge"),
+    "kink with five parameters": (
+        lambda: kinked(**FIVE),
+        r"kink or branch at \[.* Parameters.FIVE",
+    ),
+    "branch with five parameters": (lambda: branched(**FIVE), r"branch at .* Parameters.FIVE"),
+    "kink for means of normals": (lambda: kinked().mesh.directors(), "a kink of more than 40°"),
+    "one director for a branch": (lambda: branched(director=lambda x: (0, 0, 1)), "branches"),
+    "sharp tip": (
+        lambda: fl.Shell(
+            fl.SurfaceMesh.from_cells(
+                [(0, 0, 1), *((np.cos(a), np.sin(a), 0) for a in np.arange(12) * np.pi / 6)],
+                [(0, 1 + i, 1 + (i + 1) % 12) for i in range(12)],
+                "triangle",
+            ),
+            LAYER,
+        ),
+        r"tip at \[0\. 0\. 1\.\], where normals are 4.°",
+    ),
+    "a cell twice": (
+        lambda: fl.SurfaceMesh.from_cells(np.eye(3), [(0, 1, 2), (1, 2, 0)], "triangle"),
+        "2 cells have the same corners",
+    ),
     "unknown curve": (lambda: arch_shell().clamp("c"), r"'c'; it has: 00, 01, 10, 11, a=0"),
     "unknown curve of a load": (
         lambda: joined(lambda shell: fl.EdgeLoad(shell, "c")),
@@ -402,19 +426,23 @@ CASES = {
         lambda: arch_shell(formulation=fl.HellingerReissner(fl.MITC3_PLUS)),
         "triangles of degree 1, the mesh has quadrilaterals",
     ),
-    "beam on five parameters": (lambda: beside_beam(fl.RigidLink), "five parameters"),
-    "fixed joint on five parameters": (lambda: beside_beam(fl.Fixed), "five parameters"),
+    "beam on five parameters": (lambda: beside_beam(fl.RigidLink), "Parameters.FIVE"),
+    "fixed joint on five parameters": (lambda: beside_beam(fl.Fixed), "Parameters.FIVE"),
     "moving support on five parameters": (
-        lambda: joined(lambda shell: fl.PrescribedMotion(shell["00"], lambda t: shell.frames[0])),
-        "five parameters",
+        lambda: joined(
+            lambda shell: fl.PrescribedMotion(shell["00"], lambda t: shell.frames[0]), **FIVE
+        ),
+        "PrescribedMotion needs nodes that turn",
     ),
     "moment about the normal": (
-        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(1, 1, 1))),
-        "about the normal",
+        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(1, 1, 1)), **FIVE),
+        "the moment at .*00 needs nodes",
     ),
     "following moment about the normal": (
-        lambda: joined(lambda shell: fl.PointLoad(shell["00"], moment=(0, 0, 1), following=True)),
-        "about the normal",
+        lambda: joined(
+            lambda shell: fl.PointLoad(shell["00"], moment=(0, 0, 1), following=True), **FIVE
+        ),
+        "the moment at .*00 needs nodes",
     ),
     "nothing to follow": (lambda: fl.follow_loads(scene_with(arch_shell())), "a load that is not"),
     "pressure on a path": (

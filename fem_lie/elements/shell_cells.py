@@ -66,7 +66,7 @@ class ShellCells:
         frames: NodalFrames,
         measures: StrainMeasures = MITC4,
         *,
-        drilling_stiffness: float | None = None,
+        drilling_stiffness: float | Array | None = None,
         directions: Array | None = None,
     ) -> None:
         """Evaluate what does not change.
@@ -74,20 +74,17 @@ class ShellCells:
         Args:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
-            drilling_stiffness: γ of :mod:`fem_lie.elements.shell_drilling`, force per length, for
-                six parameters per node.
+            drilling_stiffness: γ of :mod:`fem_lie.elements.shell_drilling`, force per length, one
+                or one for each cell, shape (cells,), for six parameters per node.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
 
         Raises:
-            ValueError: The strain measures are not for the cells or the degree of the frames, or
-                six parameters are wanted of another cell than the four-node quadrilateral.
+            ValueError: The strain measures are not for the cells or the degree of the frames.
         """
         V = frames.function.function_space
         self._frames = frames
         self.drilling_stiffness: Any = None
-        if drilling_stiffness is not None:
-            self.drilling_stiffness = fem.Constant(V.mesh, float(drilling_stiffness))
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
         self._cell, degree = V.mesh.basix_cell(), V.ufl_element().degree
@@ -98,8 +95,6 @@ class ShellCells:
                 f"{measures.degree}, the frames are on cells of type {self._cell.name} and degree "
                 f"{degree}"
             )
-        if drilling_stiffness is not None and (self._cell, degree) != (quadrilateral, 1):
-            raise ValueError("six parameters per node are for four-node quadrilaterals only")
         element = basix.ufl.element("Lagrange", self._cell, degree, shape=(self._map.unknowns,))
         self.increment = fem.Function(fem.functionspace(self._mesh, element), name="increment")
         metadata = {"quadrature_degree": measures.quadrature_degree}
@@ -132,6 +127,8 @@ class ShellCells:
         self.drilling = None
         if drilling_stiffness is not None:
             self.drilling = self._drilling(nodal, now)
+            each = np.broadcast_to(np.asarray(drilling_stiffness, dtype=np.float64), len(nodal))
+            self.drilling_stiffness = self.cellwise(each)
 
     @property
     def jacobian(self) -> fem.Function:
@@ -153,7 +150,8 @@ class ShellCells:
         """
         intermediate, drilling = self._measures.intermediate, self.drilling
         now = self._now
-        own = [] if drilling is None else [shell_drilling.STRESSES]
+        modes = shell_drilling.stress_modes(self._cell, self.point)
+        own = [] if drilling is None else [len(modes)]
         own += [2] if self._measures.bubble else []
         if intermediate is not None:
             start = intermediate(self._now).ufl_shape[0]
@@ -165,7 +163,7 @@ class ShellCells:
         strain, density, rest = self.strain, 0.0, groups[len(sizes) :]
         if drilling is not None:
             density += shell_drilling.perturbed_lagrangian(
-                rest.pop(0), self.point, drilling, self.drilling_stiffness
+                rest.pop(0), modes, drilling, self.drilling_stiffness
             )
         if self._measures.bubble:
             now = replace(now, bubble=rest.pop(0))

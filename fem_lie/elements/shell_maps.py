@@ -10,23 +10,26 @@ frame does not drill.
 *Six parameters.* The drilling ``η₃`` comes last, so that it does not move the director even to
 second order: what it does not stiffen it does not disturb.
 
-**The tangent is the second derivative of the energy along that motion.** It is symmetric in every
-state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``: what that has in addition is ``(Rᵀf_x)^``,
-the turning of the axes in which an unbalanced force is written. Dead loads bring the same with the
-opposite sign, so that nothing is lost at equilibrium, and dead loads need no tangent at all. Off
-equilibrium those terms do harm: they bind the translation of a node to the rotation of its frame
-by forces that are an artefact of the iteration.
+**The tangent of an element is the second derivative of the energy along that motion.** It is
+symmetric in every state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``: that has in addition
+``(Rᵀf_x)^``, the turning of the axes in which an unbalanced force is written, and more of the kind,
+see :func:`add_turning`. At equilibrium all forces on a node together have none of it; off
+equilibrium it does harm: it binds the translation of a node to the rotation of its frame by forces
+that are an artefact of the iteration.
 """
 
 from __future__ import annotations
 
 import numba
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array, Indices, compiled
 from fem_lie.frames import pull, push
 from fem_lie.kernel import FrameMap, frame_function
+
+Flags = npt.NDArray[np.bool_]
 
 
 @compiled
@@ -160,3 +163,37 @@ def retract(H: Array, h: Array) -> None:
             drill[5] = h[i, 5]
             lie.retract(H[i], drill, H[i])
         lie.reorthonormalise(H[i])
+
+
+@compiled
+def add_turning(r: Array, factor: float, block: Array) -> None:
+    """Add ``factor`` times what the second derivative along :func:`retract` has beyond ``∂r/∂h``.
+
+    With ``r = (n, m)`` of a node: ``−n̂`` in (translation, rotation); of the rotations the skew part
+    ``−½ m̂``, and ``½ (m₁η₂ − m₂η₁) η₃`` because the drilling comes last.
+
+    Args:
+        r: Force and moment in the node's frame, shape (6,).
+        factor: 1 to add it, −1 to take it out.
+        block: Of the node's matrix, shape (6, 6).
+    """
+    n0, n1, n2 = factor * r[0], factor * r[1], factor * r[2]
+    m0, m1, m2 = factor * r[3], factor * r[4], factor * r[5]
+    block[0, 4] += n2
+    block[0, 5] -= n1
+    block[1, 3] -= n2
+    block[1, 5] += n0
+    block[2, 3] += n1
+    block[2, 4] -= n0
+    block[3, 4] += 0.5 * m2
+    block[4, 3] -= 0.5 * m2
+    block[3, 5] -= m1
+    block[4, 5] += m0
+
+
+@compiled
+def add_turnings(r: Array, factor: float, diagonal: Indices, chosen: Flags, blocks: Array) -> None:
+    """:func:`add_turning` at the chosen nodes (n,) with forces (n, 6)."""
+    for i in range(chosen.shape[0]):
+        if chosen[i]:
+            add_turning(r[i], factor, blocks[diagonal[i]])

@@ -1,0 +1,82 @@
+"""All shells of one kind, assembled together by DOLFINx."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie._jit import Array
+from fem_lie.assembly import Assembly, NodalInertia
+from fem_lie.elements.shell_cells import ShellCells
+from fem_lie.elements.shell_maps import add_turnings
+from fem_lie.frames import NodalFrames
+
+if TYPE_CHECKING:
+    from fem_lie.shell import Shell
+
+
+class ShellAssembly(Assembly):
+    """All shells of one formulation and kind of cell, on one surface mesh."""
+
+    def __init__(self, bodies: Sequence[Shell]) -> None:
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+        first = bodies[0]
+        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+        frames = np.concatenate([body.frames for body in bodies])
+        cells = np.concatenate(
+            [body.connectivity + start for body, start in zip(bodies, starts[:-1], strict=True)]
+        )
+        cell, degree = first.mesh.cell, first.mesh.degree
+        mesh = _compat.create_surface_mesh(frames[:, 0].copy(), cells, cell, degree)
+        permutation = mesh.topology.original_cell_index
+        nodal = NodalFrames(mesh, degree)
+        order = np.empty(len(frames), dtype=np.int64)
+        given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
+        order[given] = nodal.function.function_space.dofmap.list
+        nodal.frames[order] = frames
+        stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
+        axes = np.concatenate([body.axes for body in bodies])[permutation]
+        measures = first.formulation.measures_for(cell, degree)
+        drilling = None
+        if first.drills:
+            drilling = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
+        self._unknowns = 6 if first.drills else 5
+        shell_cells = ShellCells(nodal, measures, drilling_stiffness=drilling, directions=axes)
+        forms = first.formulation.forms(shell_cells, stiffness)
+        super().__init__(nodal, forms, order, np.argsort(permutation), None)
+        rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
+        self._diagonal = np.flatnonzero(self.indices == rows)
+        self._last, self._all = np.zeros((self.count, 6)), np.ones(self.count, dtype=bool)
+        if all(body.has_mass for body in bodies):
+            elements = np.concatenate([body.element_inertia() for body in bodies])
+            # as the cells of the bodies, and their nodes, are ordered there
+            self.inertia = NodalInertia(self.summed(elements[permutation]))
+
+    def add_forces(self, H: Array, out: Array) -> None:
+        """See the base class; what the cells carry is a coefficient and is packed anew."""
+        self._frames.frames[:] = H
+        forces = fem.assemble_vector(self._forms.residual).array
+        self._last[:, : self._unknowns] = forces.reshape(-1, self._unknowns)
+        out.reshape(-1, 6)[:] += self._last
+
+    def energy(self, H: Array) -> float:
+        """See the base class; mixed fields become those of these frames before."""
+        if self._forms.local is not None:
+            self.reset_stress(H)
+        self._frames.frames[:] = H
+        return float(fem.assemble_scalar(self._forms.energy))
+
+    def _blocks(self, H: Array, form: fem.Form) -> Array:
+        """Derivatives in twists, as of any other body; the forces are those of the last call."""
+        n, blocks = self._unknowns, np.zeros((len(self.indices), 6, 6))
+        blocks[:, :n, :n] = self._assembled(H, form).reshape(-1, n, n)
+        add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
+        return blocks
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        super().carry(H, h.reshape(-1, 6)[:, : self._unknowns].ravel())
