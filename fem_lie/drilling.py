@@ -17,8 +17,8 @@ import numpy as np
 
 from fem_lie._jit import Array, Indices
 
-FRACTION = 0.1
-"""γ over ``G t³/h²``; from 0.1 to 1e-6 nothing changes (docs/six_parameters.md)."""
+FRACTION = 0.01
+"""γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
 

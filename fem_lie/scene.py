@@ -63,6 +63,9 @@ class Scene:
                 raise ValueError(f"{item.label} joins a point to itself")
             if item.selection[:, 3:].any() or item.at is not None:
                 _bind(item.label, item.a, item.b)
+            elif not item.reversible:
+                # its axis belongs to the frame of a
+                _bind(item.label, item.a, ground())
             self.joints.append(item)
         elif isinstance(item, RigidLink):
             item.check()

@@ -16,6 +16,7 @@ import numpy as np
 
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, Indices
+from fem_lie.carried_drilling import CarriedDrilling
 from fem_lie.choices import Choices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
@@ -57,6 +58,7 @@ class System:
         tangent: The matrix; ``kkt`` is what it is filled into.
         force: On (x, d₁, d₂, d₃) in the last residual: ``G q̈`` and mass damping minus dead loads,
             shape (n, 4, 3).
+        carried_drilling: Frames that follow the mid-surface, to be turned after each step.
         choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
@@ -122,6 +124,7 @@ class System:
                 "supports along axes fixed in space (Shell.guide) are for statics; use InPlane "
                 "joints in dynamics"
             )
+        self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
         check_redundancy(B, self.joints, self.table, self.length)
         self._work = np.zeros((2, self.count, 4, 3))

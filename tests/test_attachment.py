@@ -269,9 +269,9 @@ def test_forces_are_the_transposed_of_twists():
     rng = np.random.default_rng(1)
     H = lie.se3_exp(rng.normal(size=(6, 6)))
     attachment = Attachment(H, [(4, 1), (5, 4), (3, 0)])
-    assert attachment.leaders.tolist() == [0, 1, 2]
-    assert attachment.leader.tolist() == [0, 1, 2, 0, 1, 1]
-    moved = lie.se3_retract(H[:3], rng.normal(size=(3, 6)))
+    assert attachment.leaders.tolist() == [2, 3, 5]
+    assert attachment.leader.tolist() == [1, 2, 0, 1, 2, 2]
+    moved = lie.se3_retract(H[attachment.leaders], rng.normal(size=(3, 6)))
     frames, v, f = attachment.frames(moved), rng.normal(size=(3, 6)), rng.normal(size=(6, 6))
     W = attachment.linear()
     np.testing.assert_allclose(

@@ -380,9 +380,9 @@ CASES = {
     ),
     "kink with five parameters": (
         lambda: kinked(**FIVE),
-        r"kink or branch at \[.* Parameters.FIVE",
+        r"kink or branch at .*=Parameters.FIVE",
     ),
-    "branch with five parameters": (lambda: branched(**FIVE), r"branch at .* Parameters.FIVE"),
+    "branch with five parameters": (lambda: branched(**FIVE), r"branch at .*=Parameters.FIVE"),
     "kink for means of normals": (lambda: kinked().mesh.directors(), "a kink of more than 40°"),
     "one director for a branch": (lambda: branched(director=lambda x: (0, 0, 1)), "branches"),
     "sharp tip": (

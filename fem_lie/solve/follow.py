@@ -155,6 +155,7 @@ class SceneEquilibrium:
         system = self.system
         system.elastic.carry(self._H, dx[: 6 * system.count])
         advance(self._H, -dx, system.held, system.uncoupled, system.length)
+        system.carried_drilling.turn(self._H)
         self._multipliers += self._scale * dx[6 * system.count :]
 
     def positions(self) -> Array:

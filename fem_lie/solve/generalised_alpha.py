@@ -38,7 +38,7 @@ from fem_lie.solve.scheme import (
     parameters,
 )
 from fem_lie.solve.start import check_velocities, set_start
-from fem_lie.solve.steps import State, accept, correct, predict
+from fem_lie.solve.steps import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
@@ -253,6 +253,8 @@ class _Run:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
                 accept(*self._plain)
+                if system.carried_drilling:
+                    system.carried_drilling.turn_motion(s.H, s.motion, s.kinds, WRITTEN_LOCALLY)
                 return iteration
             if not self._increment < DIVERGED:
                 return 0

@@ -320,6 +320,7 @@ class _Newton:
         if self._carried:
             system.elastic.carry(H, -self._dx[: 6 * system.count])
         self.last = advance(H, self._dx, system.held, system.uncoupled, system.length)
+        system.carried_drilling.turn(H)
         self.multipliers -= self._scale * self._dx[6 * system.count :]
 
     def _fill(self) -> None:

@@ -15,6 +15,9 @@ from fem_lie._lie_tuples import load, store
 from fem_lie.groups import from_local, global_components, move, to_local
 from fem_lie.solve import scheme as node
 
+WRITTEN_LOCALLY = np.isin(np.arange(8), (6, 7))
+"""Which of :attr:`State.motion` are twists on any group, shape (8,)."""
+
 
 class State(NamedTuple):
     """Start of a step, and its end with index 1.
