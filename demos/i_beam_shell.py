@@ -8,9 +8,9 @@ rigid body to which all nodes of the end are linked; the loads act on its centre
 
 Three loads, each compared with a beam that this script computes, too:
 
-* across the flanges (strong axis) and along them (weak axis, through 6 % of the length): fem_lie's
-  beam with the I as its section, with shear. The shells count the pieces of the web within the
-  flanges twice, which makes them 1.3 % stiffer about the strong axis.
+* across the flanges (strong axis) and along them (weak axis, through 6 % of the length): the beam
+  has the I as its section, with shear. The shells count the pieces of the web within the flanges
+  twice, which makes them 1.3 % stiffer about the strong axis.
 * a torque: both ends are kept from warping, and most of it goes into bending of the flanges. The
   angle of V. Z. Vlasov, *Thin-walled elastic beams* (1961), with GJ of the section and
   ``I_w = t b³ h²/24``: ``θ = T/GJ (ℓ − 2/k tanh(kℓ/2))``, ``k² = GJ/EI_w``. Without that it would be
@@ -44,7 +44,8 @@ def of_shells(along: int, force: tuple[float, ...], torque: float) -> fl.StaticR
     scene = fl.Scene()
     beam = scene.add(fl.Shell(mesh, layers, name="beam"))
     beam.clamp("root")
-    plate = scene.add(fl.RigidBody(1.0, np.eye(3), position=(LENGTH, 0, 0), name="plate"))
+    inertia = np.array([HEIGHT**2 + WIDTH**2, HEIGHT**2, WIDTH**2]) / 12
+    plate = scene.add(fl.RigidBody(1.0, inertia, position=(LENGTH, 0, 0), name="plate"))
     ends = {p.node: p for name in ("top end", "bottom end", "web end") for p in beam.points(name)}
     for point in ends.values():
         scene.add(fl.RigidLink(plate["centre"], point))
