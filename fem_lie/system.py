@@ -19,6 +19,7 @@ from fem_lie._jit import Array, Indices
 from fem_lie.choices import Choices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
+from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Parametrisation
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
@@ -105,7 +106,7 @@ class System:
         self._loads = LoadCases(scene, self.numbering, self._weight(scene))
         self.time_dependent = self._loads.time_dependent or bool(self._motions)
         numbering = self.numbering
-        self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressure)
+        self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressures)
         self._viscous = dynamics and self.elastic.viscous
         self.tangent = Tangent(
             self.inertia,
@@ -284,8 +285,22 @@ class System:
     def symmetric(self) -> bool:
         """Whether the static equations have a symmetric matrix in every state."""
         bound = bool(self.table.selection[:, 3:].any())
-        turning = self._loads.turning or self._loads.pressure is not None
-        return bool(self.uncoupled.all()) and not bound and not turning
+        if bound or self._loads.turning or not self.uncoupled.all():
+            return False
+        return not self._loads.pressures or self._conserves()
+
+    def _conserves(self) -> bool:
+        """Whether all pressures have symmetric load stiffness.
+
+        Its entries are polynomials of the state: what is symmetric in a state without any order is
+        so in all.
+        """
+        H, rng = self.frames.copy(), np.random.default_rng(0)
+        h = np.where(self.held, 0.0, 0.1 * rng.normal(size=(self.count, 6)))
+        h[:, :3] *= self.length
+        self.supports.turn_back(H, h)
+        retract(H[: self.count], h)
+        return self.tangent.symmetric_pressures(H)
 
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""
@@ -296,7 +311,7 @@ class System:
             f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
             f"geometric stiffness: {_yes(self.choices.geometric)}",
             f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",
-            f"pressure: {_yes(self._loads.pressure is not None)}",
+            f"pressure: {_yes(bool(self._loads.pressures))}",
             f"loads or motions in time: {_yes(self.time_dependent)}",
         ]
         return "; ".join(parts)

@@ -20,6 +20,8 @@ from fem_lie.nodal import (
 )
 from fem_lie.supports import Supports
 
+_SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an open edge
+
 
 class Tangent:
     """Parts are added to ``A`` and ``K``, and the sum is filled into the bordered matrix.
@@ -141,6 +143,18 @@ class Tangent:
         """Elements, with the stress they carry, and pressure, to ``K``."""
         for place, blocks in zip(self._place_elastic, self._elastic.tangents(H), strict=True):
             add_blocks(self.K, place, blocks)
+
+    def symmetric_pressures(self, H: Array) -> bool:
+        """Whether each pressure has a symmetric tangent in the free unknowns at frames ``H``."""
+        free = np.flatnonzero(~self._held.ravel())
+        for k, blocks in self._elastic.pressure_tangents(H):
+            self.clear()
+            add_blocks(self.K, self._place_elastic[k], blocks)
+            self.supports.turn_blocks(H, self.K)
+            A = sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()[free][:, free]
+            if abs(A - A.T).max() > _SYMMETRIC * abs(A).max():
+                return False
+        return True
 
     def add_geometric(self, H: Array, weights: Array) -> None:
         """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""

@@ -417,7 +417,7 @@ CASES = {
         "about the normal",
     ),
     "nothing to follow": (lambda: fl.follow_loads(scene_with(arch_shell())), "a load that is not"),
-    "pressure on a path": (
+    "load with a history on a path": (
         lambda: fl.follow_loads(
             joined(lambda shell: fl.AreaLoad(shell, (1, 0, 0), history=lambda t: t))
         ),
