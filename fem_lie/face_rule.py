@@ -39,9 +39,10 @@ class FaceRule:
         element = basix.create_element(
             basix.ElementFamily.P, kind, degree, basix.LagrangeVariant.gll_warped
         )
-        points, weights = basix.make_quadrature(kind, _DEGREES[cell, degree])
+        rule = basix.make_quadrature(kind, _DEGREES[cell, degree])
+        points, weights = (np.asarray(part, dtype=np.float64) for part in rule)
         table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
-        parts = table[0], table[1:], np.asarray(weights, dtype=np.float64)
+        parts = table[0], table[1:], weights
         return cls(*(np.ascontiguousarray(part) for part in parts))
 
     def places(self, x: Array, cells: Indices) -> Array:

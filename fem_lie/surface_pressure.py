@@ -1,9 +1,9 @@
 """Pressure on shells: forces normal to the current surface, with their load stiffness.
 
 At node i of a cell acts ``f_i = ∫ N_i p (x,₁ × x,₂) dξ`` with ``p = p₀ + g·x`` at the present
-place. It is the gradient of ``∫ p dV`` where the surface closes a volume, or ends on fixed lines or planes
-of symmetry; then the load stiffness is symmetric. (K. Schweizerhof & E. Ramm, Comput. Struct. 18
-(1984) 1099.)
+place. It is the gradient of ``∫ p dV`` where the surface closes a volume, or ends on fixed lines or
+planes of symmetry; then the load stiffness is symmetric. (K. Schweizerhof & E. Ramm, Comput.
+Struct. 18 (1984) 1099.)
 """
 
 from __future__ import annotations
