@@ -20,7 +20,7 @@ from fem_lie.choices import Choices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
 from fem_lie.elements.shell_maps import retract
-from fem_lie.groups import Parametrisation
+from fem_lie.groups import Group, Parametrisation
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.load_cases import LoadCases
@@ -85,7 +85,10 @@ class System:
         self.scene = scene
         self.numbering = Numbering(scene.bodies, scene.links)
         self.count = self.numbering.count
-        self.kinds = self.numbering.groups + 2 * int(parametrisation)
+        # what is held along fixed axes is held exactly where translations are along fixed axes
+        supported = np.isfinite(self.numbering.supports[:, 0, 0])
+        groups = np.where(supported, int(Group.R3xSO3), self.numbering.groups)
+        self.kinds = groups + 2 * int(parametrisation)
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
         self.frames = np.concatenate([self.numbering.frames, fixed])
@@ -118,11 +121,6 @@ class System:
             viscous=self._viscous,
         )
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
-        if dynamics and self.supports:
-            raise ValueError(
-                "supports along axes fixed in space (Shell.guide) are for statics; use InPlane "
-                "joints in dynamics"
-            )
         B = self.tangent.jacobian(self.frames)
         check_redundancy(B, self.joints, self.table, self.length)
         self._work = np.zeros((2, self.count, 4, 3))

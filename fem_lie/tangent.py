@@ -187,6 +187,10 @@ class Tangent:
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
         constraints.jacobian(H, self._table, self._rows)
+        if self.supports:
+            blocks = blocks.copy()
+            self.supports.turn_blocks(H, blocks)
+            self.supports.turn_border(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
     def fill_increments(
