@@ -48,7 +48,7 @@ from fem_lie.section_mesh import SectionMesh
 from fem_lie.section_properties import SectionProperties
 from fem_lie.section_shape import SectionShape
 from fem_lie.shell import Shell
-from fem_lie.shell_loads import AreaLoad, EdgeLoad
+from fem_lie.shell_loads import AreaLoad, EdgeLoad, MassLoad, SurfacePressure, VolumeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.follow import PathResult, follow_loads
@@ -96,6 +96,7 @@ __all__ = [
     "LineLoad",
     "LineMesh",
     "LocalFrameForms",
+    "MassLoad",
     "Material",
     "Modes",
     "Never",
@@ -128,8 +129,10 @@ __all__ = [
     "StrainEnergy",
     "StrainMeasures",
     "SurfaceMesh",
+    "SurfacePressure",
     "Temperature",
     "Units",
+    "VolumeLoad",
     "Warping",
     "director_strains",
     "follow_loads",

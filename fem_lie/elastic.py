@@ -5,6 +5,8 @@ Everything is written on all nodes and collected on those that lead.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fem_lie import lie
@@ -12,13 +14,14 @@ from fem_lie._jit import Array, Indices
 from fem_lie.assembly import Assembly
 from fem_lie.attachment import Attachment
 from fem_lie.pressure import Pressure
+from fem_lie.surface_pressure import SurfacePushes
 
 
 class Elastic:
     """Sum of the assemblies, seen from the nodes that lead.
 
     Attributes:
-        pairs: Rows and columns of the node pairs that each assembly couples, then pressure.
+        pairs: Rows and columns of the node pairs that each assembly couples, then each pressure.
         viscous: Whether there are viscous forces.
     """
 
@@ -26,16 +29,16 @@ class Elastic:
         self,
         assemblies: list[tuple[slice, Assembly]],
         attachment: Attachment,
-        pressure: Pressure | None = None,
+        pressures: Sequence[Pressure | SurfacePushes] = (),
     ) -> None:
         """Find the pattern.
 
         Args:
             assemblies: Each with its part of all nodes.
             attachment: Which node follows which.
-            pressure: On pairs of all nodes.
+            pressures: On pairs of all nodes.
         """
-        self._assemblies, self._attachment, self._pressure = assemblies, attachment, pressure
+        self._assemblies, self._attachment, self._pressures = assemblies, attachment, pressures
         self.viscous = any(assembly.viscous for _, assembly in assemblies)
         self._all = np.zeros((len(attachment.leader), 6))
         # Ad(C⁻¹): twist of a node from that of its leader
@@ -47,8 +50,7 @@ class Elastic:
             )
             for where, assembly in assemblies
         ]
-        if pressure is not None:
-            self._nodes.append((pressure.rows, pressure.columns))
+        self._nodes += [(pressure.rows, pressure.columns) for pressure in pressures]
         leader = attachment.leader
         self.pairs: list[tuple[Indices, Indices]] = [(leader[r], leader[c]) for r, c in self._nodes]
 
@@ -57,9 +59,18 @@ class Elastic:
         frames, forces = self._attachment.frames(H), self._on_all(r)
         for where, assembly in self._assemblies:
             assembly.add_forces(frames[where], forces[where].reshape(-1))
-        if self._pressure is not None:
-            self._pressure.add_forces(frames, forces)
+        for pressure in self._pressures:
+            pressure.add_forces(frames, forces)
         self._collect(forces, r)
+
+    def pressure_forces(self, H: Array) -> Array:
+        """Forces of all pressures on the leaders, in their frames, shape (count, 6)."""
+        frames, forces = self._attachment.frames(H), np.zeros_like(self._all)
+        for pressure in self._pressures:
+            pressure.add_forces(frames, forces)
+        found = np.zeros((self._attachment.count, 6))
+        self._attachment.collect(-forces, found)
+        return found
 
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
         """Likewise the viscous forces at twists ``v`` of the leaders."""
@@ -90,9 +101,17 @@ class Elastic:
         """Blocks of the tangent for each entry of ``pairs``, with the carried stress."""
         frames = self._attachment.frames(H)
         blocks = [assembly.tangent(frames[where]) for where, assembly in self._assemblies]
-        if self._pressure is not None:
-            blocks.append(self._pressure.tangent(frames))
+        blocks += [pressure.tangent(frames) for pressure in self._pressures]
         return [self._moved(k, part) for k, part in enumerate(blocks)]
+
+    def pressure_tangents(self, H: Array) -> list[tuple[int, Array]]:
+        """Number of the pair and blocks of the tangent of each pressure at amplitude one."""
+        frames, found = self._attachment.frames(H), []
+        for k, pressure in enumerate(self._pressures, start=len(self._assemblies)):
+            amplitude, pressure.amplitude = pressure.amplitude, 1.0
+            found.append((k, self._moved(k, pressure.tangent(frames))))
+            pressure.amplitude = amplitude
+        return found
 
     def viscous_tangents(self, H: Array) -> list[tuple[int, Array]]:
         """Number of the pair and blocks of the derivative of the viscous forces in the twists."""

@@ -18,6 +18,8 @@ from fem_lie.nodal import Loads
 from fem_lie.numbering import Numbering
 from fem_lie.pressure import Pressure
 from fem_lie.scene import Scene
+from fem_lie.shell_loads import SurfacePressure
+from fem_lie.surface_pressure import SurfacePushes
 
 
 class _Case:
@@ -38,7 +40,7 @@ class LoadCases:
 
     Attributes:
         time_dependent: Whether any load has a history.
-        pressure: All pressures, or ``None``.
+        pressures: The forces of each pressure.
         turning: Whether there are moments or following loads.
     """
 
@@ -62,19 +64,20 @@ class LoadCases:
         self._cases = [_Case(count) for _ in range(1 + len(distinct))]
         self._cases[0].dead += weight
         self._strains: list[tuple[int, int, Array]] = []
-        self._pushes: list[tuple[int, slice, Array]] = []
-        pieces: list[Indices] = [np.empty((0, 2), dtype=np.int64)]
+        self.pressures: list[Pressure | SurfacePushes] = []
+        self._case_of_pressure: list[int] = []
         for number, load in zip(case_of, scene.loads, strict=True):
             if isinstance(load, NodalLoad):
                 self._add_nodal(self._cases[number], load)
             elif isinstance(load, StrainLoad):
                 self._strains.append((number, *self._in_assembly(load)))
             elif isinstance(load, PressureLoad):
-                pairs = self._pieces(load)
-                first = sum(len(p) for p in pieces)
-                self._pushes.append((number, slice(first, first + len(pairs)), load.across()))
-                pieces.append(pairs)
-        self.pressure = Pressure(np.concatenate(pieces)) if self._pushes else None
+                self._case_of_pressure.append(number)
+                self.pressures.append(Pressure(self._pieces(load), load.across()))
+            elif isinstance(load, SurfacePressure):
+                self._case_of_pressure.append(number)
+                cells = numbering.nodes[load.body][load.faces()]
+                self.pressures.append(SurfacePushes(cells, load.rule(), load.on_cells()))
         self.time_dependent = bool(distinct)
         self.turning = any(case.moment.any() or case.following.any() for case in self._cases)
         self._last: Array | None = None
@@ -123,9 +126,8 @@ class LoadCases:
         amplitude = np.concatenate([[factor], amplitudes(self._histories, time)[0]])
         if self._last is None or (amplitude != self._last).any():
             self._set_strains(amplitude)
-            if self.pressure is not None:
-                for case, where, across in self._pushes:
-                    self.pressure.across[where] = amplitude[case] * across
+            for case, pressure in zip(self._case_of_pressure, self.pressures, strict=True):
+                pressure.amplitude = float(amplitude[case])
             self._last = amplitude
         if len(amplitude) == 1 and factor == 1.0:
             return Loads(*self._cases[0].arrays())

@@ -40,7 +40,7 @@ def _add_forces(H: Array, pairs: Indices, w: Array, out: Array) -> None:
     """``out −= forces`` in the nodes' frames, shape (n, 6)."""
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
-        half = scaled(0.5, cross(_chord(H, i, j), _across(H, i, j, load_row(w, e))))
+        half = scaled(0.5, cross(_chord(H, i, j), _across(H, i, j, load(w, 0))))
         for node in (i, j):
             store(out[node], 0, minus(load(out[node], 0), local_components(H[node], half)))
 
@@ -52,14 +52,14 @@ def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
     blocks[:] = 0.0
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
-        chord, across = _chord(H, i, j), _across(H, i, j, load_row(w, e))
+        chord, across = _chord(H, i, j), _across(H, i, j, load(w, 0))
         half = scaled(0.5, cross(chord, across))
         for b in range(2):
             node = pairs[e, b]
             for k in range(3):
                 # δx along a director, and δ(R w) = R (η × w)
                 shift = scaled(b - 0.5, cross(load_row(H[node], 1 + k), across))
-                turned = global_components(H[node], cross(load_row(unit, k), load_row(w, e)))
+                turned = global_components(H[node], cross(load_row(unit, k), load(w, 0)))
                 turn = scaled(0.25, cross(chord, turned))
                 for a in range(2):
                     frame, block = H[pairs[e, a]], blocks[e, a, b]
@@ -79,26 +79,26 @@ def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
 
 
 class Pressure:
-    """All pressures of a scene.
+    """The forces of one pressure on a beam.
 
     Attributes:
         rows: Nodes of the blocks of the tangent, with ``columns``.
-        across: ``w`` of each piece, shape (s, 3); it may be changed.
+        amplitude: Factor of the pressure; it may be changed.
     """
 
-    def __init__(self, pairs: Indices) -> None:
-        """Keep the pieces: pairs of nodes, shape (s, 2)."""
-        self._pairs = pairs
-        self.across = np.zeros((len(pairs), 3))
-        self.rows = np.repeat(pairs, 2, axis=1).ravel()
-        self.columns = np.tile(pairs, (1, 2)).ravel()
+    def __init__(self, pairs: Indices, across: Array) -> None:
+        """Keep the pieces, pairs of nodes (s, 2), and ``w``, shape (3,)."""
+        self._pairs, self._across = pairs, across
+        self.amplitude = 1.0
+        self.rows: Indices = np.repeat(pairs, 2, axis=1).ravel()
+        self.columns: Indices = np.tile(pairs, (1, 2)).ravel()
         self._blocks = np.empty((len(pairs), 2, 2, 6, 6))
 
     def add_forces(self, H: Array, out: Array) -> None:
         """Subtract the forces at frames ``H`` from ``out``, shape (n, 6)."""
-        _add_forces(H, self._pairs, self.across, out)
+        _add_forces(H, self._pairs, self.amplitude * self._across, out)
 
     def tangent(self, H: Array) -> Array:
         """Blocks of the derivative of what :meth:`add_forces` adds, shape (4 s, 6, 6)."""
-        _tangent(H, self._pairs, self.across, self._blocks)
+        _tangent(H, self._pairs, self.amplitude * self._across, self._blocks)
         return self._blocks.reshape(-1, 6, 6)

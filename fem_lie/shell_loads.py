@@ -1,28 +1,37 @@
-"""Loads on shells: along named curves and over the surface, fixed in space."""
+"""Loads on shells: along named curves and over the surface, in space or with the shell."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._jit import Array
+from fem_lie._jit import Array, Indices
 from fem_lie.bodies import Body, vector
-from fem_lie.loads import History, NodalLoad
+from fem_lie.face_rule import FaceRule
+from fem_lie.loads import History, Load, NodalLoad
 from fem_lie.shell import Shell
+
+Field = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
+"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeLoad(NodalLoad):
-    """Force and moment per reference length on a named curve of a shell, fixed in space.
+    """Force and moment per reference length on a named curve of a shell.
 
     Attributes:
         shell: What carries it.
         curve: Name of the curve.
-        force: Three components per length, global.
+        force: Three components per length: global if fixed in space; if following, along the edge
+            with the shell on its left, seen against the directors, outward across the edge, and
+            along the director, all in the unloaded configuration.
         moment: Likewise; a shell does not feel what is along its director.
         history: Factor as a function of time.
+        following: Whether the load turns with the nodes' frames. Those of five parameters turn with
+            the directors and not about them.
     """
 
     shell: Shell
@@ -30,14 +39,18 @@ class EdgeLoad(NodalLoad):
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
     history: History | None = None
-
-    following = False
+    following: bool = False
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the load is not finite or the shell has no such curve."""
+        """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
         vector(self.force, 3, f"edge force on {self.shell.label}")
         vector(self.moment, 3, f"edge moment on {self.shell.label}")
-        self.shell.mesh.curve(self.curve)
+        edges = self.shell.mesh.curve(self.curve)
+        if self.following and not _senses(self.shell, edges).all():
+            raise ValueError(
+                f"a following load needs edges of one cell each, those of {self.curve!r} of "
+                f"{self.shell.label} are between cells and have no outside"
+            )
 
     @property
     def body(self) -> Body:
@@ -47,25 +60,39 @@ class EdgeLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         nodes, lengths = self.shell.edges(self.curve)
-        density = np.concatenate([self.force, self.moment]).astype(np.float64)
+        density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
+        at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
+        if self.following:
+            # components in the nodes' frames, which carry the axes of the edge along
+            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], self._axes(nodes))
+            at_nodes = np.einsum("eaik,hk->eahi", local, density)
         values = np.zeros((len(self.shell.frames), 6))
-        np.add.at(values, nodes, lengths[..., np.newaxis] * density)
+        shares = lengths[..., np.newaxis] * at_nodes.reshape(*nodes.shape, 6)
+        np.add.at(values, nodes, shares)
         return values
+
+    def _axes(self, edges: Indices) -> Array:
+        """Along, outward and director at the nodes of each edge, shape (e, 3, 2 or 3, 3)."""
+        director = self.shell.frames[edges, 3]
+        chord = self.shell.frames[edges[:, 1], 0] - self.shell.frames[edges[:, 0], 0]
+        chord = chord * _senses(self.shell, edges)[:, np.newaxis]
+        outward = np.cross(chord[:, np.newaxis], director)
+        outward /= np.linalg.norm(outward, axis=2, keepdims=True)
+        return np.stack([np.cross(director, outward), outward, director], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
-class AreaLoad(NodalLoad):
-    """Force per reference area on all of a shell or on some of its cells, fixed in space.
+class SurfaceLoad(NodalLoad):
+    """What forces that are spread over a shell have in common; use one of the subclasses.
 
     Attributes:
         shell: What carries it.
-        force: Three components per area, global.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
     """
 
     shell: Shell
-    force: npt.ArrayLike
+    force: Field
     cells: str | None = None
     history: History | None = None
 
@@ -73,8 +100,8 @@ class AreaLoad(NodalLoad):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
-        vector(self.force, 3, f"area force on {self.shell.label}")
         self.shell.cells_of(self.cells)
+        self._shares()
 
     @property
     def body(self) -> Body:
@@ -83,8 +110,171 @@ class AreaLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
-        chosen = self.shell.cells_of(self.cells)
-        shares = self.shell.areas()[chosen, :, np.newaxis] * np.asarray(self.force, dtype=float)
         values = np.zeros((len(self.shell.frames), 6))
-        np.add.at(values[:, :3], self.shell.mesh.cells[chosen], shares)
+        chosen = self.shell.cells_of(self.cells)
+        np.add.at(values[:, :3], self.shell.mesh.cells[chosen], self._scaled(self._factors()))
         return values
+
+    def _factors(self) -> Array:
+        """What a unit of the load is on each cell of the shell per area, shape (m,)."""
+        return np.ones(len(self.shell.mesh.cells))
+
+    def _scaled(self, factors: Array) -> Array:
+        """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
+        return factors[self.shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares()
+
+    def _shares(self) -> Array:
+        """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
+        shell, rule = self.shell, FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
+        cells = shell.mesh.cells[shell.cells_of(self.cells)]
+        x, what = shell.frames[:, 0], f"{type(self).__name__} on {self.shell.label}"
+        if callable(self.force):
+            density = _evaluated(self.force, rule.places(x, cells), what)
+        else:
+            density = vector(self.force, 3, what)
+        areas = np.linalg.norm(rule.normals(x, cells), axis=2)
+        density = np.broadcast_to(density, (*areas.shape, 3))
+        return np.einsum("gk,mg,mgj->mkj", rule.values, areas, density)
+
+
+@dataclass(frozen=True, eq=False)
+class AreaLoad(SurfaceLoad):
+    """Force per reference area on all of a shell or on some of its cells, fixed in space.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per area, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeLoad(SurfaceLoad):
+    """Force per reference volume, fixed in space; it acts at the reference surface.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per volume, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    def _factors(self) -> Array:
+        return self.shell.thickness
+
+
+@dataclass(frozen=True, eq=False)
+class MassLoad(SurfaceLoad):
+    """Force per mass, fixed in space: gravity on a part, or in a frame that is accelerated.
+
+    It is that of the whole thickness, with the lever of a centre of mass off the reference surface.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per mass, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    def check(self) -> None:
+        """See the base class; the shell must have mass."""
+        super().check()
+        if not self.shell.has_mass:
+            raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")
+
+    def _factors(self) -> Array:
+        return self.shell.density[:, 0, 0]
+
+    def on_directors(self) -> Array:
+        """Force on d₃ of each node by the first moment of mass, shape (n, 3, 3)."""
+        values = np.zeros((len(self.shell.frames), 3, 3))
+        chosen = self.shell.cells_of(self.cells)
+        levers = self._scaled(self.shell.density[:, 0, 1])
+        np.add.at(values[:, 2], self.shell.mesh.cells[chosen], levers)
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePressure(Load):
+    """Pressure on a shell: normal to its surface, per *current* area.
+
+    A positive pressure pushes towards the side of the directors. Its load stiffness is in the
+    matrix, which is symmetric where the surface is closed or ends on fixed edges and planes of
+    symmetry, the pressure does not jump between cells, and so there is a potential ``−∫ p dV``.
+
+    Attributes:
+        shell: What carries it.
+        pressure: Force per area, or a function of the unloaded centre of a cell, shape (3,).
+        gradient: Increase of the pressure per length, at the current place, global components; with
+            it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    shell: Shell
+    pressure: float | Callable[[Array], float]
+    gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite or the shell has no such cells."""
+        vector(self.gradient, 3, f"gradient of the pressure on {self.shell.label}")
+        self.shell.cells_of(self.cells)
+        self.on_cells()
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.shell
+
+    def faces(self) -> Indices:
+        """Nodes of the loaded cells, shape (c, k)."""
+        return self.shell.mesh.cells[self.shell.cells_of(self.cells)]
+
+    def rule(self) -> FaceRule:
+        """Points of integration."""
+        return FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
+
+    def on_cells(self) -> Array:
+        """Pressure and its gradient on the loaded cells, to the side of x,₁ × x,₂, shape (c, 4)."""
+        mesh, chosen = self.shell.mesh, self.shell.cells_of(self.cells)
+        values = np.empty((len(chosen), 4))
+        values[:, 1:] = self.gradient
+        for row, cell in enumerate(chosen):
+            centre = mesh.points[mesh.corners[cell]].mean(axis=0)
+            given = self.pressure(centre) if callable(self.pressure) else self.pressure
+            values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
+        return _sides(self.shell)[chosen, np.newaxis] * values
+
+
+def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:
+    """A user's function at places (m, g, 3), checked."""
+    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
+    return np.array(values).reshape(places.shape)
+
+
+def _sides(shell: Shell) -> Array:
+    """1 for cells whose x,₁ × x,₂ is on the directors' side, else -1, shape (m,)."""
+    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), shell.mesh.cells
+    normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
+    directors = shell.frames[cells, 3].sum(axis=1)
+    return np.sign(np.einsum("mj,mj->m", normals, directors))
+
+
+def _senses(shell: Shell, edges: Indices) -> Array:
+    """1 or -1 for edges that run with their cell on the left or right, 0 between cells, (e,)."""
+    round_, count = shell.mesh.corners, len(shell.frames)
+    pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
+
+    def keys(ends: Indices) -> tuple[Indices, Array]:
+        forward = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
+        return count * ends.min(axis=1) + ends.max(axis=1), forward
+
+    key, forward = keys(pairs)
+    known, number = np.unique(key, return_inverse=True)
+    sense = np.repeat(_sides(shell), round_.shape[1]) * forward
+    total = np.bincount(number.ravel(), weights=sense)
+    wanted, forward = keys(edges[:, :2])
+    return np.asarray(forward * total[np.searchsorted(known, wanted)])

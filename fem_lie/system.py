@@ -20,7 +20,8 @@ from fem_lie.carried_drilling import CarriedDrilling
 from fem_lie.choices import Choices
 from fem_lie.constraints import JointTable
 from fem_lie.elastic import Elastic
-from fem_lie.groups import Parametrisation
+from fem_lie.elements.shell_maps import retract
+from fem_lie.groups import Group, Parametrisation
 from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.load_cases import LoadCases
@@ -86,7 +87,10 @@ class System:
         self.scene = scene
         self.numbering = Numbering(scene.bodies, scene.links)
         self.count = self.numbering.count
-        self.kinds = self.numbering.groups + 2 * int(parametrisation)
+        # what is held along fixed axes is held exactly where translations are along fixed axes
+        supported = np.isfinite(self.numbering.supports[:, 0, 0])
+        groups = np.where(supported, int(Group.R3xSO3), self.numbering.groups)
+        self.kinds = groups + 2 * int(parametrisation)
         self._motions = [motion.motion for motion in scene.motions]
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
         self.frames = np.concatenate([self.numbering.frames, fixed])
@@ -107,7 +111,7 @@ class System:
         self._loads = LoadCases(scene, self.numbering, self._weight(scene))
         self.time_dependent = self._loads.time_dependent or bool(self._motions)
         numbering = self.numbering
-        self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressure)
+        self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressures)
         self._viscous = dynamics and self.elastic.viscous
         self.tangent = Tangent(
             self.inertia,
@@ -119,11 +123,6 @@ class System:
             viscous=self._viscous,
         )
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
-        if dynamics and self.supports:
-            raise ValueError(
-                "supports along axes fixed in space (Shell.guide) are for statics; use InPlane "
-                "joints in dynamics"
-            )
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
         check_redundancy(B, self.joints, self.table, self.length)
@@ -298,8 +297,22 @@ class System:
     def symmetric(self) -> bool:
         """Whether the static equations have a symmetric matrix in every state."""
         bound = bool(self.table.selection[:, 3:].any())
-        turning = self._loads.turning or self._loads.pressure is not None
-        return bool(self.uncoupled.all()) and not bound and not turning
+        if bound or self._loads.turning or not self.uncoupled.all():
+            return False
+        return not self._loads.pressures or self._conserves()
+
+    def _conserves(self) -> bool:
+        """Whether all pressures have symmetric load stiffness.
+
+        Its entries are polynomials of the state: what is symmetric in a state without any order is
+        so in all.
+        """
+        H, rng = self.frames.copy(), np.random.default_rng(0)
+        h = np.where(self.held, 0.0, 0.1 * rng.normal(size=(self.count, 6)))
+        h[:, :3] *= self.length
+        self.supports.turn_back(H, h)
+        retract(H[: self.count], h)
+        return self.tangent.symmetric_pressures(H)
 
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""
@@ -310,7 +323,7 @@ class System:
             f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
             f"geometric stiffness: {_yes(self.choices.geometric)}",
             f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",
-            f"pressure: {_yes(self._loads.pressure is not None)}",
+            f"pressure: {_yes(bool(self._loads.pressures))}",
             f"loads or motions in time: {_yes(self.time_dependent)}",
         ]
         return "; ".join(parts)

@@ -20,6 +20,8 @@ from fem_lie.nodal import (
 )
 from fem_lie.supports import Supports
 
+_SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an open edge
+
 
 class Tangent:
     """Parts are added to ``A`` and ``K``, and the sum is filled into the bordered matrix.
@@ -142,6 +144,18 @@ class Tangent:
         for place, blocks in zip(self._place_elastic, self._elastic.tangents(H), strict=True):
             add_blocks(self.K, place, blocks)
 
+    def symmetric_pressures(self, H: Array) -> bool:
+        """Whether each pressure has a symmetric tangent in the free unknowns at frames ``H``."""
+        free = np.flatnonzero(~self._held.ravel())
+        for k, blocks in self._elastic.pressure_tangents(H):
+            self.clear()
+            add_blocks(self.K, self._place_elastic[k], blocks)
+            self.supports.turn_blocks(H, self.K)
+            A = sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()[free][:, free]
+            if abs(A - A.T).max() > _SYMMETRIC * abs(A).max():
+                return False
+        return True
+
     def add_geometric(self, H: Array, weights: Array) -> None:
         """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
         constraints.geometric(H, self._table, weights, self._place_joints, self.K)
@@ -173,6 +187,10 @@ class Tangent:
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
         constraints.jacobian(H, self._table, self._rows)
+        if self.supports:
+            blocks = blocks.copy()
+            self.supports.turn_blocks(H, blocks)
+            self.supports.turn_border(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
     def fill_increments(

@@ -299,14 +299,6 @@ def test_stretched_strip_vibrates_as_a_stretched_beam():
     np.testing.assert_allclose(found, wanted, rtol=0.01)
 
 
-def test_supports_along_fixed_axes_are_for_statics():
-    shell = arch_shell()
-    shell.clamp("a=0")
-    shell.guide("11", (1, 0, 0))
-    with pytest.raises(ValueError, match="InPlane joints in dynamics"):
-        fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=1.0, step=0.1)
-
-
 # --- bad input ---
 
 
@@ -445,7 +437,7 @@ CASES = {
         "the moment at .*00 needs nodes",
     ),
     "nothing to follow": (lambda: fl.follow_loads(scene_with(arch_shell())), "a load that is not"),
-    "pressure on a path": (
+    "load with a history on a path": (
         lambda: fl.follow_loads(
             joined(lambda shell: fl.AreaLoad(shell, (1, 0, 0), history=lambda t: t))
         ),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._jit import Array
-from fem_lie.loads import NodalLoad
+from fem_lie.loads import StrainLoad
 from fem_lie.nodal import load_vector
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength, Path
@@ -56,8 +56,8 @@ def follow_loads(
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or levels; no load; prescribed motions, pressures, strains without
-            stress or loads with a history, which are not in proportion to the load factor.
+        ValueError: Bad scene or levels; no load; prescribed motions, strains without stress or
+            loads with a history, which are not in proportion to the load factor.
         ConvergenceError: Steps became too small; its ``result`` holds the states before.
     """
     _check(scene)
@@ -76,9 +76,9 @@ def _check(scene: Scene) -> None:
     if scene.motions:
         raise ValueError("an arc length has no time for prescribed motions: use statics")
     for load in scene.loads:
-        if load.history is not None or not isinstance(load, NodalLoad):
+        if load.history is not None or isinstance(load, StrainLoad):
             raise ValueError(
-                "an arc length needs forces and moments in proportion to the load factor, got "
+                "an arc length needs loads in proportion to the load factor, got "
                 f"{type(load).__name__} on {load.body.label}"
                 f"{' with a history' if load.history is not None else ''}: use statics"
             )
@@ -126,6 +126,8 @@ class SceneEquilibrium:
         )
         applied = self._loads
         load_vector(self._H, applied.dead, applied.moment, applied.following, load)
+        system.set_time(1.0, 1.0)
+        load += system.elastic.pressure_forces(self._H)
         system.supports.turn(self._H, load)
         load[system.held] = 0.0
         return self._internal.copy(), self._load.copy()

@@ -25,7 +25,12 @@ from fem_lie.groups import Parametrisation, turn_all, turn_all_back, twists
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve import free_bodies
-from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.linear import (
+    ConvergenceError,
+    DirectSolver,
+    SingularMatrixError,
+    methods_in_time,
+)
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.scheme import (
@@ -146,11 +151,14 @@ class _Run:
         system.choices = system.scene.choices.resolve(spin * step)
         _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
         self._turned = options.components == Components.INERTIAL
+        if self._turned and system.supports:
+            raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         turns = ~system.table.selection[:, :3].any(axis=1)
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
-        self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix)
+        methods = methods_in_time(system)
+        self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
 
@@ -263,12 +271,14 @@ class _Run:
 
     def _solve(self) -> None:
         """Solve; the residual and the solution are in local components."""
-        H1, n = self.s.H1, self.system.count
+        system, H1, n = self.system, self.s.H1, self.system.count
         if self._turned:
             turn_all(H1, self.r, n)
         self.solver.solve()
         if self._turned:
             turn_all_back(H1, self.dx, n)
+        if system.supports:
+            system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""

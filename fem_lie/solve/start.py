@@ -35,12 +35,30 @@ def check_velocities(system: System, step: float) -> None:
     speed = max(np.abs(velocities[:, :3]).max() / system.length, np.abs(velocities[:, 3:]).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step) * max(1.0, system.length)
+    _check_held(system, bound)
     if (np.abs(first) > bound).any():
         c = int(np.abs(first).argmax())
         joint = system.joints[int(np.searchsorted(system.table.first, c, side="right")) - 1]
         raise ValueError(
             f"the initial velocities break {joint.label}: its constraint changes at the rate "
             f"{first[c]:g}; give both bodies velocities that the joint allows"
+        )
+
+
+def _check_held(system: System, bound: float) -> None:
+    """Check the velocities of what bodies hold; shells of five parameters may be said to drill."""
+    v = system.velocities[: system.count].copy()
+    system.supports.turn(system.frames, v)
+    wrong = system.held & (np.abs(v) > bound)
+    wrong[:, 5] = False
+    if wrong.any():
+        node = int(np.flatnonzero(wrong.any(axis=1))[0])
+        which = int(system.numbering.attachment.leaders[node])
+        nodes = system.numbering.nodes.items()
+        body, own = next((b, np.flatnonzero(n == which)) for b, n in nodes if which in n)
+        raise ValueError(
+            f"node {own[0]} of {body.label} is held, but has the initial velocity {v[node]} "
+            "(translation, rotation) along what is held; it must be zero"
         )
 
 
@@ -89,11 +107,14 @@ def accelerations(
     if len(driven):
         H = np.concatenate([H[: n + 1], system.prescribed_frames(time)])
     r = solver.right_hand_side
-    system.residual(H, v, np.zeros((n, 6)), np.zeros(m), np.ones(m), r)
-    first, second, drive = np.zeros(m), np.zeros(m), np.zeros(m)
-    constraints.rates(H, v, system.table, first, second)
     rate = np.zeros_like(v)
     rate[n + 1 :] = driven
+    # ẍ = R (u̇ + ω × u) = 0, of which supports hold a part
+    guided = system.supports.nodes
+    rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
+    system.residual(H, v, rate[:n], np.zeros(m), np.ones(m), r)
+    first, second, drive = np.zeros(m), np.zeros(m), np.zeros(m)
+    constraints.rates(H, v, system.table, first, second)
     constraints.rates(H, rate, system.table, drive, first)
     r[6 * n :] = second + drive
     _fill(system, H, step)
@@ -104,7 +125,8 @@ def accelerations(
             "the mass matrix is singular: a body or section lacks (rotary) inertia"
         ) from error
     solver.solve()
-    return -solver.solution[: 6 * n].reshape(n, 6), -solver.solution[6 * n :]
+    system.supports.turn_back(H, solver.solution[: 6 * n].reshape(n, 6))
+    return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -solver.solution[6 * n :]
 
 
 def _fill(system: System, H: Array, step: float) -> None:
@@ -181,13 +203,14 @@ def velocity_defect(
     local = jerk.copy()
     local[flat, :3] = np.einsum("nij,ni->nj", R, jerk[flat, :3])
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
+    left = h**2 * (c * local + defect / 12)
+    system.supports.turn(s.H, left)
     solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = (
-        system.tangent.jacobian(s.H) @ (h**2 * (c * local + defect / 12)).ravel()
-    )
+    solver.right_hand_side[6 * n :] = system.tangent.jacobian(s.H) @ left.ravel()
     _fill(system, s.H, h)
     solver.factorise()
     solver.solve()
     across = solver.solution[: 6 * n].reshape(n, 6).copy()
+    system.supports.turn_back(s.H, across)
     across[flat, :3] = np.einsum("nij,nj->ni", R, across[flat, :3])
     return across

@@ -151,6 +151,9 @@ class _Linear:
     def _matrix(self, blocks: Array) -> sp.csr_matrix:
         """Of the free unknowns, in units of energy."""
         kkt, held = self.system.kkt, self.system.held.ravel()
+        if self.system.supports:
+            blocks = blocks.copy()
+            self.system.supports.turn_blocks(self.H, blocks)
         size = (len(held), len(held))
         A = sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=size).tocsr()
         weights = sp.diags(self.weight)
@@ -170,6 +173,8 @@ class _Linear:
         h = np.zeros((system.count, 6), dtype=np.complex128)
         h[~system.held] = vector
         h *= self.weight.reshape(-1, 6)
+        for part in (h.real, h.imag):
+            system.supports.turn_back(self.H, part)
         twists = system.numbering.attachment.twists
         shape = twists(np.ascontiguousarray(h.real)) + 1j * twists(np.ascontiguousarray(h.imag))
         shift = np.linalg.norm(shape[:, :3], axis=1) / system.length

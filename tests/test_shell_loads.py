@@ -1,0 +1,468 @@
+"""Loads on shells: pressure that follows, forces per area, volume and mass, edges."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+import fem_lie as fl
+from fem_lie.elements.shell_maps import retract
+from fem_lie.face_rule import FaceRule
+from fem_lie.system import System
+
+SOFT = fl.Material(100.0, 0.3, 2.0)
+LAYER = fl.ShellSection.layer(0.1, SOFT)
+CELLS = [("quadrilateral", 1), ("triangle", 1), ("quadrilateral", 2), ("triangle", 2)]
+
+
+def scene_with(*items) -> fl.Scene:
+    scene = fl.Scene()
+    for item in items:
+        scene.add(item)
+    return scene
+
+
+def formulation(cell: str, degree: int) -> fl.ShellFormulation:
+    return fl.HellingerReissner() if degree == 1 else fl.Displacement()
+
+
+def square(a: float, b: float) -> tuple[float, float, float]:
+    return (2.0 * a, b, 0.0)
+
+
+def plate(cell: str = "quadrilateral", degree: int = 1, cells=(2, 2), **options) -> fl.Shell:
+    mesh = fl.surface(square, cells, cell=cell, degree=degree)
+    return fl.Shell(mesh, LAYER, formulation=formulation(cell, degree), **options)
+
+
+def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
+    """A closed surface: a cube of 2×2 squares per face, blown up to the unit sphere."""
+    grids, places = {}, []
+    faces = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            # so that ∂/∂a × ∂/∂b is outward
+            turn = 1 if side > 0 else -1
+            patch = fl.surface(
+                lambda a, b, k=axis, s=side, t=turn: np.roll([s, t * (2 * a - 1), 2 * b - 1], k),
+                (count, count),
+                cell=cell,
+                degree=degree,
+            )
+            number = []
+            for x in patch.points:
+                key = tuple(np.round(x, 9))
+                if key not in grids:
+                    grids[key] = len(places)
+                    places.append(x / np.linalg.norm(x))
+                number.append(grids[key])
+            faces.append(np.array(number)[patch.cells])
+    mesh = fl.SurfaceMesh.from_cells(places, np.concatenate(faces), cell)
+    return fl.Shell(
+        mesh, LAYER, director=lambda x: x / np.linalg.norm(x), formulation=formulation(cell, degree)
+    )
+
+
+def deformed(system: System, seed: int = 1, size: float = 0.2) -> np.ndarray:
+    """Random places and directors of what is free."""
+    H, rng = system.frames.copy(), np.random.default_rng(seed)
+    h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
+    system.supports.turn_back(H, h)
+    retract(H[: system.count], h)
+    return H
+
+
+def pushes(system: System, H: np.ndarray) -> np.ndarray:
+    """Forces of all pressures, global components, shape (n, 3)."""
+    local = system.elastic.pressure_forces(H)[:, :3]
+    return np.einsum("ni,nij->nj", local, H[: system.count, 1:])
+
+
+def volume(shell: fl.Shell, system: System, H: np.ndarray, gradient=(0, 0, 0)) -> float:
+    """``∫ x·n/3 + (g·x) (x·n)/4`` over the current surface: ``∫ 1 + g·x dV`` if it is closed."""
+    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), shell.mesh.cells
+    x = H[system.numbering.nodes[shell], 0]
+    places, normals = rule.places(x, cells), rule.normals(x, cells)
+    density = 1 / 3 + places @ np.asarray(gradient, dtype=float) / 4
+    return float((density * (places * normals).sum(axis=2)).sum())
+
+
+# --- pressure: its forces and its stiffness ---
+
+
+@pytest.mark.parametrize(("cell", "degree"), CELLS)
+def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
+    """On an open surface, with a pressure that differs from cell to cell and grows with depth."""
+    shell = plate(cell, degree)
+    system = System(
+        scene_with(
+            shell, fl.SurfacePressure(shell, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5))
+        ),
+        dynamics=False,
+    )
+    H = deformed(system)
+    ((_, blocks),) = system.elastic.pressure_tangents(H)
+    rows, columns = system.elastic.pairs[-1]
+    K = np.zeros((system.count, 6, system.count, 6))
+    np.add.at(K.transpose(0, 2, 1, 3), (rows, columns), blocks)
+    rng, step = np.random.default_rng(2), 1e-5
+    h = rng.normal(size=(system.count, 6))
+    values = []
+    for sign in (1, -1):
+        moved = H.copy()
+        retract(moved[: system.count], sign * step * h)
+        # components in the frames before: the turning of the axes is left out
+        values.append(np.einsum("nij,nj->ni", H[: system.count, 1:], pushes(system, moved)))
+    expected = -(values[0] - values[1]) / (2 * step)
+    found = np.einsum("iajb,jb->ia", K, h)
+    # the third derivative is that of a cubic, or quartic, and small: 1e-10
+    np.testing.assert_allclose(found[:, :3], expected, atol=1e-8 * np.abs(expected).max())
+    assert not found[:, 3:].any()
+
+
+@pytest.mark.parametrize(("cell", "degree"), CELLS)
+@pytest.mark.parametrize("gradient", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.5)])
+def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree, gradient):
+    """``Σ f·δx = δ∫ p dV`` for any state and increment, to round-off of the difference."""
+    shell = box(cell, degree)
+    system = System(
+        scene_with(shell, fl.SurfacePressure(shell, 3.0, np.multiply(3.0, gradient))),
+        dynamics=False,
+    )
+    H = deformed(system)
+    forces, rng, step = pushes(system, H), np.random.default_rng(3), 1e-4
+    dx = rng.normal(size=forces.shape)
+    work = 0.0
+    for sign in (1, -1):
+        moved = H.copy()
+        moved[: system.count, 0] += sign * step * dx
+        work += sign * 3.0 * volume(shell, system, moved, gradient) / (2 * step)
+    assert (forces * dx).sum() == pytest.approx(work, rel=1e-6)
+    if not any(gradient):
+        np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-13)
+        moment = np.cross(H[: system.count, 0], forces).sum(axis=0)
+        np.testing.assert_allclose(moment, 0.0, atol=1e-12)
+    else:
+        # Archimedes: the weight of what is displaced
+        buoyancy = 3.0 * np.asarray(gradient) * volume(shell, system, H)
+        np.testing.assert_allclose(forces.sum(axis=0), buoyancy, atol=1e-12)
+    assert system.symmetric
+
+
+def test_pressure_pushes_to_the_side_of_the_directors():
+    """Whichever way round the cells are."""
+    for director in ((0, 0, 1.0), (0, 0, -1.0)):
+        place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
+        shell = fl.Shell(fl.surface(place, (2, 2)), LAYER, director=lambda x, d=director: d)
+        system = System(scene_with(shell, fl.SurfacePressure(shell, 3.0)), dynamics=False)
+        total = pushes(system, system.frames).sum(axis=0)
+        np.testing.assert_allclose(total, 6.0 * np.array(director), atol=1e-12)
+
+
+def open_case(name: str) -> fl.Scene:
+    shell = plate(cells=(3, 3))
+    pressure = 1.0
+    match name:
+        case "free":
+            shell.clamp("a=0")
+        case "fixed" | "jump":
+            for side in ("a=0", "a=1", "b=0", "b=1"):
+                shell.hinge(side)
+            if name == "jump":
+                pressure = lambda x: x[0]  # noqa: E731
+        case "planes":
+            shell.symmetry("a=0", (1, 0, 0))
+            shell.symmetry("b=0", (0, 1, 0))
+            shell.hinge("a=1")
+            shell.hinge("b=1")
+        case "guided plane":
+            shell.guide("a=0", (1, 0, 0))
+            for side in ("a=1", "b=0", "b=1"):
+                shell.hinge(side)
+        case "guided askew":
+            shell.guide("a=0", (0, 1, 0))
+            for side in ("a=1", "b=0", "b=1"):
+                shell.hinge(side)
+    return scene_with(shell, fl.SurfacePressure(shell, pressure))
+
+
+@pytest.mark.parametrize(
+    ("name", "symmetric"),
+    [
+        ("free", False),
+        ("fixed", True),
+        ("jump", False),
+        ("planes", True),
+        ("guided plane", True),
+        ("guided askew", False),
+    ],
+)
+def test_matrix_is_known_to_be_symmetric_where_the_pressure_has_a_potential(name, symmetric):
+    system = System(open_case(name), dynamics=False)
+    assert system.symmetric is symmetric
+    zero = np.zeros((system.count, 6))
+    H = deformed(system, seed=5, size=0.05)
+    system.elastic.reset_stress(H)
+    state = H, zero, zero, np.zeros(0), np.ones(0)
+    system.residual(*state, np.zeros(system.size))
+    system.fill_matrix(*state, zero, 0.0, 0.0)
+    K = system.kkt.matrix[:, :]
+    skew = np.abs(K - K.T).max() / np.abs(K).max()
+    assert skew <= 1e-12 if symmetric else skew > 1e-6
+
+
+# --- pressure: what it does ---
+
+
+def sphere(count: int) -> tuple[fl.Shell, fl.Scene]:
+    """Closed, of radius 1; by symmetry it does not leave the planes of coordinates."""
+    bare = box("quadrilateral", 1, count).mesh
+    planes = {f"{k}": np.flatnonzero(np.abs(bare.points[:, k]) < 1e-9) for k in range(3)}
+    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, named_points=planes)
+    shell = fl.Shell(mesh, LAYER, director=lambda x: x / np.linalg.norm(x))
+    for k in range(3):
+        shell.symmetry(f"{k}", np.eye(3)[k])
+    return shell, scene_with(shell)
+
+
+def blown_up(pressure: float) -> float:
+    """Stretch of a sphere of radius 1, of least energy; the energy per area is
+    ``E t/(1 − ν) ((λ² − 1)/2)² + D (1 + ν) (λ − 1)²``."""
+    E, nu, t = SOFT.E, SOFT.nu, 0.1
+    membrane, bending = E * t / (1 - nu), E * t**3 / 12 / (1 - nu)
+    cubic = [membrane, -pressure, 2 * bending - membrane, -2 * bending]
+    (stretch,) = (root.real for root in np.roots(cubic) if root.imag == 0 and root.real > 0.9)
+    return float(stretch)
+
+
+@pytest.mark.parametrize("solve", [fl.statics, fl.follow_loads])
+def test_a_balloon_is_blown_up(solve):
+    """Of second order in the mesh."""
+    errors = []
+    for count in (4, 8):
+        shell, scene = sphere(count)
+        scene.add(fl.SurfacePressure(shell, 8.0))
+        result = solve(scene)
+        assert result.iterations.sum() <= 15
+        radius = np.linalg.norm(result.frames[-1, :, 0], axis=1)
+        errors.append(radius.mean() / blown_up(8.0) - 1)
+    assert blown_up(8.0) > 1.25
+    assert abs(errors[1]) <= 5e-3
+    assert abs(errors[1]) <= abs(errors[0]) / 3.5
+
+
+def bent_by_pressure(load: float) -> tuple[float, float]:
+    """Tip of an inextensible cantilever, EI = L = 1, under a load normal to it wherever it goes."""
+
+    def slopes(s, y):
+        _, _, angle, m, nx, nz = y
+        c, n = np.cos(angle), np.sin(angle)
+        return np.array([c, n, m, n * nx - c * nz, load * n, -load * c])
+
+    def ends(a, b):
+        return np.array([a[0], a[1], a[2], b[3], b[4], b[5]])
+
+    s = np.linspace(0, 1, 50)
+    solution = solve_bvp(slopes, ends, s, np.vstack([s, 0 * s, 0.1 * s, 0 * s, 0 * s, 0 * s]))
+    assert solution.success
+    return float(solution.y[0, -1]), float(solution.y[1, -1])
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "cells", "bound"),
+    [
+        ("quadrilateral", 1, 16, 4e-3),
+        ("triangle", 1, 16, 6e-3),
+        ("quadrilateral", 2, 8, 2e-3),
+        ("triangle", 2, 8, 5e-3),
+    ],
+)
+def test_a_strip_bends_under_pressure_as_a_beam_does(cell, degree, cells, bound):
+    """It is so thin that it neither stretches nor shears."""
+    material, t = fl.Material(12e6, 0.0, 1.0), 0.01
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (cells, 1), cell=cell, degree=degree),
+        fl.ShellSection.layer(t, material),
+        formulation=formulation(cell, degree),
+        name="strip",
+    )
+    shell.clamp("a=0")
+    scene = scene_with(shell, fl.SurfacePressure(shell, 8.0 * 12e6 * t**3 / 12))
+    assert not System(scene, dynamics=False).symmetric
+    result = fl.follow_loads(scene)
+    expected = bent_by_pressure(8.0)
+    assert expected[1] > 0.6
+    np.testing.assert_allclose(result.position("strip.10")[-1, [0, 2]], expected, atol=bound)
+
+
+def test_a_balloon_pulsates_with_its_energy():
+    """Kinetic, elastic and −p V, after a sudden pressure: a law of the sum of all steps."""
+    shell, scene = sphere(2)
+    scene.add(fl.SurfacePressure(shell, 8.0))
+    result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.5, step=0.005)
+    nodes = result.info.body(shell.name).nodes
+    system = System(scene, dynamics=False)
+    assert (system.numbering.nodes[shell] == nodes).all()
+    volumes = np.array([volume(shell, system, H) for H in result.frames])
+    energy = result.kinetic + result.elastic
+    work = 8.0 * (volumes - volumes[0])
+    assert np.ptp(volumes) > 1.0
+    np.testing.assert_allclose(energy - energy[0], work, atol=3e-3 * np.ptp(work))
+
+
+# --- forces over the surface ---
+
+
+@pytest.mark.parametrize(("cell", "degree"), CELLS)
+def test_a_force_that_varies_has_its_resultant_and_moment(cell, degree):
+    """Linear over the plate (2 × 1), ``f = (x, 2 y, 1)``."""
+    shell = plate(cell, degree)
+    load = fl.AreaLoad(shell, lambda x: (x[0], 2 * x[1], 1.0))
+    values, x = load.nodal(), shell.frames[:, 0]
+    np.testing.assert_allclose(values[:, :3].sum(axis=0), [2.0, 2.0, 2.0], atol=1e-13)
+    moment = np.cross(x, values[:, :3]).sum(axis=0)
+    np.testing.assert_allclose(moment, [1.0, -2.0, 2.0 - 1.0], atol=1e-13)
+
+
+def test_forces_per_volume_and_mass_are_gravity():
+    """On a laminate whose centre of mass is off the reference surface, too."""
+    heavy = fl.ShellSection.laminate([fl.Ply(0.1, SOFT)], reference=0.0)
+    gravity = np.array([0.3, -0.2, -9.0])
+
+    def dead(section, make) -> np.ndarray:
+        shell = fl.Shell(fl.surface(square, (2, 2)), section)
+        scene = fl.Scene(gravity if make is None else (0, 0, 0))
+        scene.add(shell)
+        if make is not None:
+            scene.add(make(shell))
+        return System(scene, dynamics=True).loads.dead
+
+    for section in (LAYER, heavy):
+        found = dead(section, lambda shell: fl.MassLoad(shell, gravity))
+        np.testing.assert_allclose(found, dead(section, None), atol=1e-14)
+    found = dead(LAYER, lambda shell: fl.VolumeLoad(shell, lambda x: SOFT.density * gravity))
+    np.testing.assert_allclose(found, dead(LAYER, None), atol=1e-14)
+
+
+def test_loads_on_a_group_of_cells():
+    bare = fl.surface(square, (4, 1))
+    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, groups={"half": [2, 3]})
+    shell = fl.Shell(mesh, LAYER)
+    area = fl.AreaLoad(shell, (0, 0, 1.0), "half").nodal()
+    assert area[:, 2].sum() == pytest.approx(1.0)
+    assert not area[shell.frames[:, 0, 0] < 0.9].any()
+    pressure = fl.SurfacePressure(shell, 1.0, cells="half")
+    system = System(scene_with(shell, pressure), dynamics=False)
+    np.testing.assert_allclose(pushes(system, system.frames), area[:, :3], atol=1e-14)
+
+
+# --- edges ---
+
+
+def strip(formulation: fl.ShellFormulation | None = None, cells: int = 16) -> fl.Shell:
+    """A strip along x, EI = L = 1 in all."""
+    material = fl.Material(12e6 / 0.1, 0.0, 1.0)
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, 0.1 * b, 0.0), (cells, 1)),
+        fl.ShellSection.layer(0.01, material),
+        formulation=formulation,
+        name="strip",
+    )
+    shell.clamp("a=0")
+    return shell
+
+
+@pytest.mark.parametrize("following", [False, True])
+def test_an_end_moment_rolls_a_strip_up(following):
+    """To a full circle; with decoupled bending the end turns exactly."""
+    shell = strip(fl.HellingerReissner(fl.DECOUPLED))
+    # −y is along the edge, whose shell is on its left
+    moment = (-2 * np.pi / 0.1, 0, 0) if following else (0, -2 * np.pi / 0.1, 0)
+    load = fl.EdgeLoad(shell, "a=1", moment=moment, following=following)
+    result = fl.follow_loads(scene_with(shell, load), [0.25, 0.5, 0.75, 1.0])
+    ends = shell.mesh.nodes("a=1")
+    turned = result.frames[:, result.info.body("strip").nodes[ends], 3]
+    angle = 2 * np.pi * result.factors
+    expected = np.column_stack([-np.sin(angle), 0 * angle, np.cos(angle)])
+    np.testing.assert_allclose(turned, np.repeat(expected[:, None], 2, axis=1), atol=1e-6)
+    place = np.column_stack([np.sin(angle) / angle, 0 * angle, (1 - np.cos(angle)) / angle])
+    # chords instead of arcs
+    np.testing.assert_allclose(result.position("strip.10"), place, atol=1e-2)
+
+
+@pytest.mark.parametrize("direction", [1, 2])
+def test_following_edge_forces_are_those_of_a_beam(direction):
+    """Along the director, and a push along the strip beside a small one across."""
+    shell = strip()
+    force = np.array([0.0, 0.0, 3.0]) if direction == 2 else np.array([0.0, -8.0, 1.0])
+    load = fl.EdgeLoad(shell, "a=1", force=force / 0.1, following=True)
+    result = fl.follow_loads(scene_with(shell, load))
+    section = fl.Section.from_stiffness([1.2e5, 5e4, 5e4, 1.0, 1.0, 1.0], [1.0, 0, 0, 0])
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=16, up=(0, 0, 1))
+    # the beam's axes: along, then those of its section
+    axes = beam.frames[-1, 1:]
+    push = fl.PointLoad(beam.end, axes @ [force[1], 0, force[2]], following=True)
+    reference = fl.statics(scene_with(beam, fl.Clamp(beam.start), push), load_steps=4)
+    expected = reference.position(beam.end)[-1]
+    assert expected[2] > 0.05
+    found = result.position("strip.10")[-1]
+    np.testing.assert_allclose(found[[0, 2]], expected[[0, 2]], atol=5e-3)
+
+
+def test_axes_of_an_edge_have_the_shell_on_their_left():
+    """Whatever the order of the curve's nodes; outward and along on the four sides of a plate."""
+    shell = plate()
+    for side, outward, along in (
+        ("a=0", (-1, 0, 0), (0, -1, 0)),
+        ("a=1", (1, 0, 0), (0, 1, 0)),
+        ("b=0", (0, -1, 0), (1, 0, 0)),
+        ("b=1", (0, 1, 0), (-1, 0, 0)),
+    ):
+        for force, expected in (((0, 1, 0), outward), ((1, 0, 0), along), ((0, 0, 1), (0, 0, 1))):
+            local = fl.EdgeLoad(shell, side, force, following=True).nodal()[:, :3]
+            total = np.einsum("ni,nij->j", local, shell.frames[:, 1:])
+            length = 1.0 if side[0] == "a" else 2.0
+            np.testing.assert_allclose(total, length * np.array(expected), atol=1e-13)
+
+
+# --- bad input ---
+
+
+def inner_curve() -> fl.Shell:
+    bare = fl.surface(square, (2, 1))
+    (middle,) = (np.flatnonzero(np.abs(bare.points[:, 0] - 1) < 1e-9),)
+    mesh = fl.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, curves={"m": [middle]})
+    return fl.Shell(mesh, LAYER)
+
+
+CASES = {
+    "pressure that is not finite": (
+        lambda s: fl.SurfacePressure(s, lambda x: np.nan if x[0] > 1 else 0.0),
+        r"pressure on .* at \[1\.5",
+    ),
+    "pressure of three components": (lambda s: fl.SurfacePressure(s, (0, 0, 1)), "1 finite"),
+    "gradient of one component": (lambda s: fl.SurfacePressure(s, 1.0, 2.0), "3 finite"),
+    "unknown cells": (lambda s: fl.SurfacePressure(s, 1.0, cells="top"), "no group of cells 'top'"),
+    "force that is not finite": (
+        lambda s: fl.AreaLoad(s, lambda x: (np.inf, 0, 0)),
+        "AreaLoad on .* at",
+    ),
+    "following load between cells": (
+        lambda s: fl.EdgeLoad(s, "m", (0, 0, 1), following=True),
+        "between cells",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_bad_input(case):
+    make, message = CASES[case]
+    shell = inner_curve()
+    with pytest.raises(ValueError, match=message):
+        scene_with(shell, make(shell))
+
+
+def test_force_per_mass_needs_mass():
+    massless = fl.ShellSection(LAYER.stiffness, np.zeros((2, 2)), 0.1)
+    shell = fl.Shell(fl.surface(square, (1, 1)), massless)
+    with pytest.raises(ValueError, match="needs mass"):
+        scene_with(shell, fl.MassLoad(shell, (0, 0, 1)))
