@@ -130,7 +130,9 @@ class KKT:
             border = 6 * count + entries
             own, all_free = 6 * i + np.arange(6), 6 * blocks[:, np.newaxis] + np.arange(6)
             row = np.concatenate([all_free[~self._held[blocks]], border])
-            rows = [np.append(a, border) if h else row for a, h in zip(own, self._held[i])]
+            rows = [
+                np.append(a, border) if h else row for a, h in zip(own, self._held[i], strict=True)
+            ]
             columns += rows
             lengths += [len(r) for r in rows]
         for constraint in range(m):
