@@ -6,11 +6,11 @@ import gmsh
 
 
 def main() -> None:
-    """Mesh the curves of every model."""
+    """Mesh the curves and surfaces of every model."""
     gmsh.initialize(readConfigFiles=False)
     for geo in sorted(Path(__file__).parent.glob("*.geo")):
         gmsh.open(str(geo))
-        gmsh.model.mesh.generate(1)
+        gmsh.model.mesh.generate(2)
         gmsh.write(str(geo.with_suffix(".msh")))
         gmsh.clear()
     gmsh.finalize()
