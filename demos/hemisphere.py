@@ -50,20 +50,18 @@ def place(a: float, b: float) -> np.ndarray:
     return RADIUS * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(height)])
 
 
-def quarter(mesh: int, gmsh: bool) -> fl.SurfaceMesh:
+def quarter(mesh: int, gmsh: bool = False) -> fl.SurfaceMesh:
     """Mesh of the quarter, by gmsh or by hand."""
     if gmsh:
         return fl.read_gmsh_surface(MODEL, parameters={"cells": mesh})
     return fl.surface(place, (mesh, mesh))
 
 
-def pinched(
-    thickness: float, mesh: int, formulation: fl.ShellFormulation, gmsh: bool = False
-) -> fl.Scene:
+def pinched(thickness: float, mesh: fl.SurfaceMesh, formulation: fl.ShellFormulation) -> fl.Scene:
     """A quarter with its supports and loads."""
     steel = fl.Material(6.825e7, 0.3, 1.0)
     shell = fl.Shell(
-        quarter(mesh, gmsh),
+        mesh,
         fl.ShellSection.layer(thickness, steel),
         director=lambda x: x / RADIUS,
         formulation=formulation,
@@ -91,8 +89,9 @@ def main(
         raise ValueError(f"thickness must be one of {list(CASES)}, got {thickness}")
     if formulation not in FORMULATIONS:
         raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
-    fl.follow_loads(pinched(thickness, 2, FORMULATIONS[formulation]))  # compiles
-    result = fl.follow_loads(pinched(thickness, mesh, FORMULATIONS[formulation], gmsh))
+    chosen = FORMULATIONS[formulation]
+    fl.follow_loads(pinched(thickness, quarter(2), chosen))  # compiles
+    result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh), chosen))
     moved = {name: result.position(f"hemisphere.{name}")[-1] for name in ("00", "10")}
     record = {
         "thickness": thickness,
