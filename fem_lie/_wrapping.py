@@ -101,7 +101,7 @@ class Wrapping:
         Args:
             kernel: One of :mod:`fem_lie.ufcx`.
             spaces: Of the arguments of the new form.
-            inner: One or two compiled forms, as the kernel wants them.
+            inner: One to three compiled forms, as the kernel wants them.
             extra: Functions that the kernel reads or fills beside those of ``inner``: the
                 increment ``h``, and ``δy = L h``.
         """
@@ -145,7 +145,7 @@ class Wrapping:
             head[place] = offsets[f]
         # the constants follow the header, so its length must be known before it is written
         constants_at = len(head) + sum(len(part.description(offsets, 0)) for part in inner)
-        for place, part in zip((ufcx.FIRST, ufcx.SECOND), inner, strict=False):
+        for place, part in zip((ufcx.FIRST, ufcx.SECOND, ufcx.THIRD), inner, strict=False):
             head[place] = len(head)
             head += part.description(offsets, constants_at)
             constants_at += sum(int(np.prod(c.ufl_shape)) for c in part.constants)

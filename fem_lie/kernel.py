@@ -205,13 +205,15 @@ class LocalFrameForms:
         force = CompiledForm(gradient)
         if force.address == 0:
             raise ValueError(f"the energy does not depend on the coordinates {y}: {energy}")
-        stiffness = CompiledForm(ufl.derivative(gradient, unknowns, ufl.TrialFunction(space)))
+        # what couples y and s is the same in the rows of s and, transposed, in those of y
+        test, trial = (make(y.function_space) for make in (ufl.TestFunction, ufl.TrialFunction))
+        rows_y = gradient if self.local is None else ufl.derivative(energy, y, test)
+        stiffness = CompiledForm(ufl.derivative(rows_y, y, trial))
         if self.local is None:
             self._wrap(CompiledForm(energy), force, stiffness, force)
             return
-        test = ufl.TestFunction(self.local.function_space)
-        rows = ufl.derivative(energy, self.local, test)
-        local_rows = CompiledForm(ufl.derivative(rows, unknowns, ufl.TrialFunction(space)))
+        rows_s = ufl.derivative(energy, self.local, ufl.TestFunction(self.local.function_space))
+        local_rows = CompiledForm(ufl.derivative(rows_s, unknowns, ufl.TrialFunction(space)))
         self._wrap(CompiledForm(energy), force, stiffness, force, [local_rows])
         self._carry = self._wrapping.form(
             ufcx.local_kernel,
@@ -278,7 +280,7 @@ class LocalFrameForms:
         V, form = self.increment.function_space, self._wrapping.form
         self.energy = form(ufcx.energy_kernel, [], [energy])
         self.residual = form(ufcx.residual_kernel, [V], [force, *local_rows])
-        self.tangent = form(ufcx.tangent_kernel, [V, V], [stiffness, carried])
+        self.tangent = form(ufcx.tangent_kernel, [V, V], [stiffness, carried, *local_rows])
 
     def carry(self) -> None:
         """Update the carried stress, or the local fields, by the increment ``h`` about to be made.

@@ -7,7 +7,8 @@
 
 with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: with ``(BT)ᵀ``
 as columns a body that turns by θ in a step would converge at the rate θ/2. It is filled by one
-compiled loop into a PETSc matrix that shares its memory; unknowns that are held have unit rows.
+compiled loop into a PETSc matrix that shares its memory. Unknowns that are held have unit rows and
+no columns: a factorisation would take zeros that are stored for coupling.
 """
 
 from __future__ import annotations
@@ -41,14 +42,15 @@ def _fill(
     at = 0
     for i in range(bptr.shape[0] - 1):
         for k in range(6):
-            for b in range(bptr[i], bptr[i + 1]):
-                j = bind[b]
-                for n in range(6):
-                    if not (held[i, k] or held[j, n]):
-                        data[at] = blocks[b, k, n]
-                    else:
-                        data[at] = 1.0 if i == j and k == n else 0.0
-                    at += 1
+            if held[i, k]:
+                data[at] = 1.0
+                at += 1
+            else:
+                for b in range(bptr[i], bptr[i + 1]):
+                    for n in range(6):
+                        if not held[bind[b], n]:
+                            data[at] = blocks[b, k, n]
+                            at += 1
             for entry in range(iptr[i], iptr[i + 1]):
                 c, side = ipairs[entry, 0], ipairs[entry, 1]
                 data[at] = 0.0 if held[i, k] else columns[c, side, k] * scale[c]
@@ -125,11 +127,14 @@ class KKT:
         for i in range(count):
             blocks = self.indices[self.indptr[i] : self.indptr[i + 1]]
             entries = self._incident[self._incident_ptr[i] : self._incident_ptr[i + 1], 0]
-            row = np.concatenate(
-                [(6 * blocks[:, np.newaxis] + np.arange(6)).ravel(), 6 * count + entries]
-            )
-            columns += [row] * 6
-            lengths += [len(row)] * 6
+            border = 6 * count + entries
+            own, all_free = 6 * i + np.arange(6), 6 * blocks[:, np.newaxis] + np.arange(6)
+            row = np.concatenate([all_free[~self._held[blocks]], border])
+            rows = [
+                np.append(a, border) if h else row for a, h in zip(own, self._held[i], strict=True)
+            ]
+            columns += rows
+            lengths += [len(r) for r in rows]
         for constraint in range(m):
             sides = self._sides[constraint]
             nodes = self._nodes[constraint, sides[sides >= 0]]

@@ -141,20 +141,22 @@ def rigid_tangent(
     ``f = G q̈ − dead`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
     """
     count = moment.shape[0]
-    inertia.tangents(
-        H,
-        v[:count],
-        a[:count],
-        kinds,
-        mass.indptr,
-        mass.indices,
-        mass.blocks,
-        place,
-        factors[0],
-        factors[1],
-        A,
-        K,
-    )
+    # at rest, as statics is, inertia has no part
+    if factors[0] != 0.0 or factors[1] != 0.0 or v.any() or a.any():
+        inertia.tangents(
+            H,
+            v[:count],
+            a[:count],
+            kinds,
+            mass.indptr,
+            mass.indices,
+            mass.blocks,
+            place,
+            factors[0],
+            factors[1],
+            A,
+            K,
+        )
     for i in range(count):
         pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
     _add_moment_stiffness(H, moment, diagonal, K)

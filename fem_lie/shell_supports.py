@@ -84,14 +84,18 @@ class SupportedSurface(Body):
     def guide(self, name: str, normal: npt.ArrayLike) -> None:
         """Hold displacements along a direction fixed in space; directors stay free.
 
+        Two guides along the same nodes are a diaphragm. What is held already stays so.
+
         Args:
             name: A named point, curve or group.
             normal: The direction, global components.
 
         Raises:
-            ValueError: There is nothing of this name, the direction is zero, or it is held already.
+            ValueError: There is nothing of this name, or the direction is zero.
         """
         nodes, n = self.mesh.nodes(name), vector(normal, 3, f"direction of guide {name!r}")
+        if not n.any():
+            raise ValueError(f"the direction of guide {name!r} must not be zero")
         for node in nodes:
             self._hold_along(int(node), n)
 
@@ -101,10 +105,8 @@ class SupportedSurface(Body):
         own = axes if np.isfinite(axes[0, 0]) else self.frames[node, 1:]
         before = own[held[:3]]
         rest = direction - before.T @ (before @ direction)
-        if not np.linalg.norm(rest) > 1e-9 * np.linalg.norm(direction):
-            raise ValueError(
-                f"node {node} of {self.label} is held along {direction} already, or that is zero"
-            )
+        if np.linalg.norm(rest) <= 1e-9 * np.linalg.norm(direction):
+            return  # held already, as where a diaphragm meets a plane of symmetry
         known = np.vstack([before, rest / np.linalg.norm(rest)])
         # the others are any that are perpendicular
         free = np.linalg.svd(known)[2][len(known) :]

@@ -124,8 +124,8 @@ def _apply(typing_context, address, state, y, given, out, nodes):  # type: ignor
 COORDINATES, PULL, PUSH, GEOMETRIC = 0, 1, 2, 3  # addresses of the map's functions
 N_Y, N_S, N_H, NODES = 4, 5, 6, 7  # sizes: coordinates, local fields, unknowns, nodes
 AT_STATE, AT_Y, AT_H, AT_DY = 8, 9, 10, 11  # offsets into the packed coefficients w
-FIRST, SECOND = 12, 13  # where the descriptions of the two FFCx functions begin
-HEADER_SIZE = 14
+FIRST, SECOND, THIRD = 12, 13, 14  # where the descriptions of the FFCx functions begin
+HEADER_SIZE = 15
 # a description: address (0: the form is zero), offset of its constants, doubles of its w, number of
 # segments, then (offset in our w, length) of each segment
 
@@ -248,15 +248,15 @@ def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped
 
 @callback(UFCX_SIGNATURE)
 def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 2: ``Lᵀ (K_yy − K_ys K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
+    """Rank 2: ``Lᵀ (K_yy − K_syᵀ K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
 
-    First: K, second: carried f, or none, and then no derivative of the map.
+    First: K_yy, second: carried f, or none, and then no derivative of the map, third: rows K_s.
     """
     head, state, y = _prepare(w, c)
     n_y, n_s, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
     n = n_y + n_s
-    K, f = stack(n * n), stack(n)
-    _clear(K, n * n)
+    K, f = stack(n_y * n_y), stack(n)
+    _clear(K, n_y * n_y)
     _clear(f, n)
     _inner(head, head[FIRST], K, w, c, x, entity, permutation)
     if head[SECOND] != 0:
@@ -264,21 +264,24 @@ def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
         if head[GEOMETRIC] != 0:
             _apply(head[GEOMETRIC], state, y, f, A, nodes)
     if n_s > 0:
-        M, B = stack(n_s * n_s), stack(n_s * n_y)
-        whole, rows = numba.carray(K, (n, n)), numba.carray(_shift(K, n_y * n), (n_s, n))
+        R, M, B = stack(n_s * n), stack(n_s * n_s), stack(n_s * n_y)
+        _clear(R, n_s * n)
+        _inner(head, head[THIRD], R, w, c, x, entity, permutation)
+        whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n))
         matrix, change = numba.carray(M, (n_s, n_s)), numba.carray(B, (n_s, n_y))
         _take(rows, n_y, matrix)
         _take(rows, 0, change)
         _solve(matrix, change)
-        for i in range(n_y):
-            for k in range(n_s):
-                factor = whole[i, n_y + k]
-                for j in range(n_y):
-                    whole[i, j] -= factor * change[k, j]
+        for k in range(n_s):
+            for i in range(n_y):
+                factor = rows[k, i]
+                if factor != 0.0:
+                    for j in range(n_y):
+                        whole[i, j] -= factor * change[k, j]
     KL = stack(n_y * n_h)
     _clear(KL, n_y * n_h)
     for i in range(n_y):
-        _apply(head[PULL], state, y, _shift(K, i * n), _shift(KL, i * n_h), nodes)
+        _apply(head[PULL], state, y, _shift(K, i * n_y), _shift(KL, i * n_h), nodes)
     columns = numba.carray(KL, (n_y, n_h))
     column, pulled = stack(n_y), stack(n_h)
     column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))

@@ -111,7 +111,7 @@ class DirectSolver:
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
-        for method in self._methods:
+        for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
             try:
@@ -122,6 +122,8 @@ class DirectSolver:
                 failure = error
                 continue
             self.factorisations += 1
+            # what was indefinite once will be so again, and each failure costs a factorisation
+            self._methods = self._methods[tried:]
             return
         raise SingularMatrixError("the matrix is singular or not finite") from failure
 
@@ -134,6 +136,10 @@ class DirectSolver:
             ksp.setType(PETSc.KSP.Type.PREONLY)
             ksp.getPC().setType(method.kind)
             ksp.getPC().setFactorSolverType(method.package)
+            options = PETSc.Options(self._prefix)
+            if method.package == "cholmod" and "mat_cholmod_print" not in options:
+                # indefinite matrices are no news
+                options["mat_cholmod_print"] = 0
             ksp.setFromOptions()
             self._solvers[method] = ksp
         return self._solvers[method]

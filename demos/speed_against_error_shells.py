@@ -1,0 +1,141 @@
+"""Speed against error of shells: what accuracy costs, for each element and both iterations.
+
+The pinched hemisphere of hemisphere.py, thickness 0.04, on finer and finer meshes. Four elements:
+``displacement`` without any cure against locking, ``MITC4``, Hellinger-Reissner (``HR``) and
+triangles (``MITC3+``, two per square, with Hellinger-Reissner). Each by plain Newton's method, in
+ten load steps, and with the stress carried as an iterate, in three; a step that fails is halved,
+and its time counts. Error: the larger one of both deflections, relative to those of elements of
+degree 4 and 6, which are known to 1e-4.
+
+Unknowns are five per node. Seconds are those of the processor for the whole of ``statics``, without
+compilation, the best of several runs. Coarse triangles do not arrive in all of them.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from time import process_time
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import fem_lie as fl
+from fem_lie.elements.shell_strains import shear
+from fem_lie.plot import COLOURS
+
+try:  # as a script, or as a part of the package of demos
+    from hemisphere import CASES, RADIUS, pinched, place
+except ModuleNotFoundError:
+    from demos.hemisphere import CASES, RADIUS, pinched, place
+
+RESULTS = Path(__file__).parents[1] / "results"
+THICKNESS = 0.04
+MESHES = (4, 6, 8, 12, 16, 24, 32)
+STEPS = {"plain Newton": 10, "carried stress": 3}
+ELEMENTS: dict[str, tuple[fl.ShellFormulation, str]] = {
+    "displacement": (fl.Displacement(fl.StrainMeasures(shear=shear)), "quadrilateral"),
+    "MITC4": (fl.Displacement(), "quadrilateral"),
+    "HR": (fl.HellingerReissner(), "quadrilateral"),
+    "MITC3+": (fl.HellingerReissner(), "triangle"),
+}
+
+
+class Row(NamedTuple):
+    """One run."""
+
+    element: str
+    method: str
+    mesh: int
+    unknowns: int
+    error: float
+    iterations: int
+    seconds: float
+
+
+def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
+    """Run it several times; the best time counts. ``None`` if it does not arrive."""
+    formulation, cell = ELEMENTS[element]
+    times = []
+    for _ in range(repeats):
+        scene = pinched(THICKNESS, fl.surface(place, (mesh, mesh), cell=cell), formulation)
+        start = process_time()
+        carried = method == "carried stress"
+        try:
+            result = fl.statics(scene, load_steps=STEPS[method], carried_stress=carried)
+        except fl.ConvergenceError:
+            return None
+        times.append(process_time() - start)
+    a = result.position("hemisphere.00")[-1, 0] - RADIUS
+    b = RADIUS - result.position("hemisphere.10")[-1, 1]
+    error = float(np.abs(np.array([a, b]) / CASES[THICKNESS][1:] - 1.0).max())
+    iterations = int(result.iterations.sum()) + result.failed_iterations
+    return Row(element, method, mesh, 5 * (mesh + 1) ** 2, error, iterations, min(times))
+
+
+def main(
+    coarsest: int = 4,
+    finest: int = 32,
+    repeats: int = 3,
+    output: str = "results",
+    pictures: bool = True,
+) -> dict[str, Any]:
+    meshes = [n for n in MESHES if coarsest <= n <= finest]
+    rows = []
+    print("element       method            mesh  unknowns    error  iter.   CPU s")
+    for element in ELEMENTS:
+        for method in STEPS:
+            measure(element, method, 2, 1)  # compiles
+            for mesh in meshes:
+                row = measure(element, method, mesh, repeats)
+                if row is None:
+                    print(f"{element:14}{method:16}{mesh:6} does not arrive", flush=True)
+                    continue
+                rows.append(row)
+                print("{:14}{:16}{:6}{:10}{:9.2%}{:7}{:8.2f}".format(*row), flush=True)
+    record: dict[str, Any] = {}
+    for row in rows:
+        if row.mesh == meshes[-1]:
+            key = f"{row.element}_{row.method}".replace(" ", "_")
+            record |= {f"error_{key}": row.error, f"iterations_{key}": row.iterations}
+    folder = RESULTS.parent / output
+    folder.mkdir(exist_ok=True)
+    with (folder / "speed_against_error_shells.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(Row._fields)
+        writer.writerows(rows)
+    if pictures:
+        draw(rows, folder / "speed_against_error_shells.png")
+    return record
+
+
+def draw(rows: list[Row], path: Path) -> None:
+    """Error over unknowns and over seconds."""
+    figure = Figure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    for k, element in enumerate(ELEMENTS):
+        for method, style in zip(STEPS, ("s--", "o-"), strict=True):
+            of = [row for row in rows if (row.element, row.method) == (element, method)]
+            errors = [row.error for row in of]
+            options: dict[str, Any] = {"color": COLOURS[k], "markersize": 4}
+            axes[1].loglog(
+                [row.seconds for row in of], errors, style, label=f"{element}, {method}", **options
+            )
+            if method == "carried stress":  # the same states
+                unknowns = [row.unknowns for row in of]
+                axes[0].loglog(unknowns, errors, style, label=element, **options)
+    axes[0].set(xlabel="unknowns", ylabel="error of the deflections, relative")
+    axes[1].set(xlabel="CPU seconds")
+    for each in axes:
+        each.grid(color="#DDDDDD", linewidth=0.6)
+        each.legend(frameon=False, fontsize=8)
+    figure.suptitle("Pinched hemisphere, thickness 0.04")
+    figure.savefig(path)
+    print(f"picture: {path}")
+
+
+if __name__ == "__main__":
+    from command_line import run
+
+    run(main)
