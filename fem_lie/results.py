@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.plot import SI, Units
+from fem_lie.step_history import StepHistory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from fem_lie.bodies import Point
     from fem_lie.joints import Joint
 
-__all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo"]
+__all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo", "StepHistory"]
 
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +43,7 @@ class Result:
         factorisations: Matrices that were factored in the whole run.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
+        steps: All steps and their errors, if they were asked for.
     """
 
     times: Array
@@ -57,6 +59,7 @@ class Result:
     factorisations: int
     seconds: float
     info: SceneInfo
+    steps: StepHistory | None = None
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
