@@ -138,6 +138,22 @@ class Result:
         """Likewise for the angular momentum about the origin."""
         return _drift(self.angular_momentum)
 
+    def resampled(self, times: npt.ArrayLike) -> Result:
+        """The same motion at other times, for plots, or to compare runs with different steps.
+
+        Frames and velocities by cubics on SE(3) between the kept times, of fourth order in what
+        lies between these; forces, energies and momenta linearly.
+
+        Args:
+            times: Shape (K,), within those that were kept; no turn between two by π or more.
+
+        Raises:
+            ValueError: Times that are not within.
+        """
+        from fem_lie.interpolation import resampled
+
+        return resampled(self, times)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to an HDF5 file; an old file is replaced only when the new is whole."""
         from fem_lie._results_file import write

@@ -8,6 +8,10 @@ before its end, and velocities carry what is of the order h² across the joints
 
 with ``N B v`` the part of the velocities across the joints. Without the first the scheme is of
 first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008) 041007).
+
+After a step that did not resolve fast waves ``v̇`` has their part of it, which means nothing. A much
+smaller step would feel it, have a large error, and be rejected for ever: when two steps in sequence
+are rejected, accelerations are made consistent anew, as at the start.
 """
 
 from __future__ import annotations
@@ -46,8 +50,8 @@ ITERATION = 0.01
 SIDE = 1e-9
 """How far from an event its two sides are, in steps."""
 
-TRIALS = 12
-"""So often the first step is tried with another size."""
+REJECTIONS = 2
+"""Steps rejected one after the other after which accelerations are found anew."""
 
 
 def run(
@@ -97,6 +101,7 @@ class _VariableRun(_Run):
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.policy = _OrMissing(self.policy, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
+        self._rejections = 0
         self._error, self._log = TimeError(system), StepLog(system)
         self._finer: _VariableRun | None = None
         if refinement > 1:
@@ -113,6 +118,7 @@ class _VariableRun(_Run):
         self._set_parameters(h)
         self.weights[:] = set_start(system, self._starter, self.p, s)
         self.factors.use(self.p.mass)
+        self._starter.factorisations = 0
 
     def _set_parameters(self, h: float) -> None:
         self._h, self.p = h, parameters(self.options.radius, h, self.system.length)
@@ -148,13 +154,13 @@ class _VariableRun(_Run):
         return across
 
     def _restart(self, time: float) -> None:
-        """Make accelerations and velocities consistent with what holds after ``time``."""
-        system, s, after = self.system, self.s, time + self._side(time)
-        s.H[system.count + 1 :] = system.prescribed_frames(after)
+        """Make accelerations and velocities at ``time`` consistent."""
+        system, s = self.system, self.s
+        s.H[system.count + 1 :] = system.prescribed_frames(time)
         v = system.velocities.copy()
         v[: system.count] = s.twist1
-        v = allowed_velocities(system, self._starter, s.H, v, after, self._h)
-        self.weights[:] = set_start(system, self._starter, self.p, s, v, after)
+        v = allowed_velocities(system, self._starter, s.H, v, time, self._h)
+        self.weights[:] = set_start(system, self._starter, self.p, s, v, time)
 
     def _side(self, time: float) -> float:
         return max(SIDE * self._h, 8.0 * np.spacing(time))
@@ -182,7 +188,8 @@ class _VariableRun(_Run):
         return self._result(recorder, clock.perf_counter() - begin)
 
     def _result(self, recorder: GrowingRecorder, seconds: float) -> Result:
-        return self._log.complete(recorder.result(self.factors.factorisations, seconds))
+        made = self.factors.factorisations + self._starter.factorisations
+        return self._log.complete(recorder.result(made, seconds))
 
     def _advance(self, time: float, index: int) -> tuple[float, int]:
         """Try one step; its end and its iterations, 0 if it was rejected."""
@@ -201,16 +208,28 @@ class _VariableRun(_Run):
             self._log.rejected.append(end)
             self._restore(before)
             control.reject(e)
-            if index == 0 and control.size >= control.smallest:
-                self._begin(control.size)
+            self._try_again(time, index)
             return time, 0
+        self._rejections = 0
         self._log.add(end, h, error, self._measure(before, time, end, lands))
         control.accept(e)
         if lands:
             control.pass_event()
             if not control.finished:
-                self._restart(end)
+                self._restart(end + self._side(end))
         return end, iterations
+
+    def _try_again(self, time: float, index: int) -> None:
+        """After a rejected step."""
+        self._rejections += 1
+        h = self.control.size
+        if h < self.control.smallest:
+            return
+        if index == 0:
+            self._begin(h)
+        elif self._rejections >= REJECTIONS:
+            self._set_step(time, h)
+            self._restart(time)
 
     def _step_to(self, end: float, lands: bool) -> int:
         """The iterations of a step that ends there, 0 if it failed."""
