@@ -57,6 +57,7 @@ from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Poli
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.vibrations import vibrations
+from fem_lie.step_history import StepHistory
 from fem_lie.surface import SurfaceMesh, surface
 from fem_lie.warping import Warping
 
@@ -126,6 +127,7 @@ __all__ = [
     "ShellSection",
     "Spherical",
     "StaticResult",
+    "StepHistory",
     "StrainEnergy",
     "StrainMeasures",
     "SurfaceMesh",

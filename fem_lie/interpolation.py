@@ -1,8 +1,8 @@
 """Motion between the times that were kept: cubics on SE(3).
 
-Between ``H₀, v₀`` and ``H₁, v₁`` at a distance Δ, ``H(s) = H₀ exp(p(s))`` with the cubic ``p`` with
-``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀``, ``p′(1) = Δ T(ξ)⁻¹ v₁``; the velocity is
-``T(p) p′/Δ``. A steady screw motion is met exactly, any other to fourth order.
+Between ``H₀, v₀`` and ``H₁, v₁`` at a distance Δ, ``H(s) = H₀ exp(p(s))`` with the cubic ``p`` that
+has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀``, ``p′(1) = Δ T(ξ)⁻¹ v₁``; the
+velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any other to fourth order.
 """
 
 from __future__ import annotations
