@@ -56,7 +56,9 @@ from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.vibrations import vibrations
+from fem_lie.step_history import StepHistory
 from fem_lie.surface import SurfaceMesh, surface
 from fem_lie.warping import Warping
 
@@ -67,6 +69,7 @@ __all__ = [
     "MITC4_PLUS",
     "MITC6",
     "MITC9",
+    "AdaptiveStep",
     "ArcLength",
     "AreaLoad",
     "Automatic",
@@ -75,6 +78,7 @@ __all__ = [
     "Choices",
     "Clamp",
     "Components",
+    "ConstantStep",
     "ConvergenceError",
     "Damping",
     "Director",
@@ -126,6 +130,7 @@ __all__ = [
     "ShellSection",
     "Spherical",
     "StaticResult",
+    "StepHistory",
     "StrainEnergy",
     "StrainMeasures",
     "SurfaceMesh",

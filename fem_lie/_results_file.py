@@ -11,10 +11,11 @@ import numpy as np
 
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
+from fem_lie.step_history import StepHistory
 
 _FORMAT, _VERSION = "fem_lie results", 3
 _NUMBERS = ("factorisations", "seconds")
-_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info"))
+_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info", "steps"))
 
 
 def write(result: Result, path: str | os.PathLike[str]) -> None:
@@ -32,6 +33,9 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
                 file.attrs[name] = getattr(result, name)
             for i, body in enumerate(result.info.bodies):
                 _write_body(file.create_group(f"bodies/{i}"), body)
+            if result.steps is not None:
+                for field in fields(StepHistory):
+                    file[f"steps/{field.name}"] = getattr(result.steps, field.name)
             for i, joint in enumerate(result.info.joints):
                 _write_joint(file.create_group(f"joints/{i}"), joint)
         os.replace(unfinished, target)
@@ -66,8 +70,12 @@ def _check_format(file: Any, source: Path) -> None:
 
 
 def _read(file: Any) -> Result:
+    steps = None
+    if "steps" in file:
+        steps = StepHistory(**{f.name: file[f"steps/{f.name}"][()] for f in fields(StepHistory)})
     return Result(
         **{name: file[name][()] for name in _ARRAYS},
+        steps=steps,
         factorisations=int(file.attrs["factorisations"]),
         seconds=float(file.attrs["seconds"]),
         info=SceneInfo(

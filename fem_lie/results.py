@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.plot import SI, Units
+from fem_lie.step_history import StepHistory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from fem_lie.bodies import Point
     from fem_lie.joints import Joint
 
-__all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo"]
+__all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo", "StepHistory"]
 
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +43,7 @@ class Result:
         factorisations: Matrices that were factored in the whole run.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
+        steps: All steps and their errors, if they were asked for.
     """
 
     times: Array
@@ -57,6 +59,7 @@ class Result:
     factorisations: int
     seconds: float
     info: SceneInfo
+    steps: StepHistory | None = None
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
@@ -134,6 +137,22 @@ class Result:
     def angular_momentum_error(self) -> float:
         """Likewise for the angular momentum about the origin."""
         return _drift(self.angular_momentum)
+
+    def resampled(self, times: npt.ArrayLike) -> Result:
+        """The same motion at other times, for plots, or to compare runs with different steps.
+
+        Frames and velocities by cubics on SE(3) between the kept times, of fourth order in what
+        lies between these; forces, energies and momenta linearly.
+
+        Args:
+            times: Shape (K,), within those that were kept; no turn between two by π or more.
+
+        Raises:
+            ValueError: Times that are not within.
+        """
+        from fem_lie.interpolation import resampled
+
+        return resampled(self, times)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to an HDF5 file; an old file is replaced only when the new is whole."""

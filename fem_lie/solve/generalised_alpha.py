@@ -43,6 +43,7 @@ from fem_lie.solve.scheme import (
     parameters,
 )
 from fem_lie.solve.start import check_velocities, set_start
+from fem_lie.solve.step_control import StepChoice
 from fem_lie.solve.steps import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.system import System
 
@@ -106,7 +107,7 @@ class GeneralisedAlpha:
         scene: Scene,
         *,
         duration: float,
-        step: float,
+        step: float | StepChoice,
         save_every: int = 1,
         progress: bool | None = None,
     ) -> Result:
@@ -115,7 +116,8 @@ class GeneralisedAlpha:
         Args:
             scene: What there is.
             duration: End time; a multiple of ``step``.
-            step: Step size h.
+            step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
+                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too.
             save_every: Keep every so many steps.
             progress: Show a bar; default: if standard error is a terminal.
 
@@ -123,13 +125,17 @@ class GeneralisedAlpha:
             ValueError: Bad options or scene, before anything is computed.
             ConvergenceError: A step failed; its ``result`` holds what was computed.
         """
+        if save_every < 1:
+            raise ValueError(f"save_every must be at least 1, got {save_every}")
+        if not isinstance(step, int | float):
+            from fem_lie.solve import variable_steps
+
+            return variable_steps.run(self, scene, duration, step, save_every, progress)
         if not (np.isfinite(step) and step > 0 and np.isfinite(duration) and duration > 0):
             raise ValueError(f"step and duration must be positive, got {step} and {duration}")
         steps = round(duration / step)
         if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
             raise ValueError(f"duration {duration} is not a multiple of the step {step}")
-        if save_every < 1:
-            raise ValueError(f"save_every must be at least 1, got {save_every}")
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
         if exponential and free_bodies.applies(scene, self.policy):
             _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
@@ -243,7 +249,7 @@ class _Run:
     def _newton(self, policy: Policy, carried: bool) -> int:
         system, s = self.system, self.s
         self._motion = max(predict(*self._plain), self._motion)
-        tolerance = max(self.options.tolerance * self._motion, ROUND_OFF)
+        tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
@@ -268,6 +274,10 @@ class _Run:
                 return 0
             previous = self._increment
         return 0
+
+    def _tolerance(self) -> float:
+        """Error that the iteration of a step may leave, see :data:`~.scheme.ROTATION`."""
+        return max(self.options.tolerance * self._motion, ROUND_OFF)
 
     def _solve(self) -> None:
         """Solve; the residual and the solution are in local components."""

@@ -142,7 +142,14 @@ def _fill(system: System, H: Array, step: float) -> None:
     tangent.fill(tangent.A + 0.25 * step**2 * tangent.K, H, np.ones(system.m))
 
 
-def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) -> Array:
+def set_start(
+    system: System,
+    solver: DirectSolver,
+    scheme: Scheme,
+    s: State,
+    twist: Array | None = None,
+    time: float = 0.0,
+) -> Array:
     """Set velocities and accelerations so that everything is of second order from the first step.
 
     ``a₀`` stands for ``v̇`` at ``t₀ + (α_m − α_f) h``, or the start is only first order, and ``v₀``
@@ -154,7 +161,9 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
         system: The equations; its matrix and loads are overwritten.
         solver: For that matrix.
         scheme: Parameters of the run.
-        s: At the initial frames; its velocities and accelerations are set.
+        s: At the frames of the start; its velocities and accelerations are set.
+        twist: Velocities that the joints allow, rows as of ``system.velocities``, the default.
+        time: Of the start.
 
     Returns:
         The multipliers, shape (m,).
@@ -164,16 +173,44 @@ def set_start(system: System, solver: DirectSolver, scheme: Scheme, s: State) ->
     """
     h, n = scheme.h, system.count
     ahead = scheme.ahead
-    v = system.velocities.copy()
-    vdot, weights = accelerations(system, solver, s.H, v, 0.0, h)
+    v = (system.velocities if twist is None else twist).copy()
+    vdot, weights = accelerations(system, solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
     later = State.start(s.H, s.kinds)
     extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
-    later.set_start(v[:n], accelerations(system, solver, later.H, v, ahead, h)[0])
+    later.set_start(v[:n], accelerations(system, solver, later.H, v, time + ahead, h)[0])
     jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
     s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(system, solver, scheme, s, jerk)
     return weights
+
+
+def allowed_velocities(
+    system: System, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
+) -> Array:
+    """Velocities ``twist`` (≥ n, 6) without what joints and motions forbid, by an impulse in them.
+
+    Args:
+        system: The equations; its matrix is overwritten.
+        solver: For that matrix.
+        H: Frames of all rows.
+        twist: Local velocities.
+        time: The time.
+        step: As in :func:`accelerations`.
+    """
+    n, m = system.count, system.m
+    v, _ = with_driven(system, twist, time, step)
+    if m == 0:
+        return v
+    first, second = np.zeros(m), np.zeros(m)
+    constraints.rates(H, v, system.table, first, second)
+    solver.right_hand_side[: 6 * n] = 0.0
+    solver.right_hand_side[6 * n :] = first
+    _fill(system, H, step)
+    solver.factorise()
+    solver.solve()
+    v[:n] -= solver.solution[: 6 * n].reshape(n, 6)
+    return v
 
 
 def velocity_defect(

@@ -1,0 +1,109 @@
+"""Keeps what an integrator computes when the number of steps is not known in advance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from tqdm import tqdm
+
+from fem_lie._jit import Array
+from fem_lie.results import Result
+from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.time_error import StepError
+from fem_lie.step_history import StepHistory
+from fem_lie.system import System
+
+_ROWS = 256
+_PERCENT = 100
+_KEPT = (
+    "frames",
+    "velocities",
+    "joint_forces",
+    "times",
+    "invariants",
+    "elastic",
+    "potential",
+    "iterations",
+)
+
+
+class GrowingRecorder(Recorder):
+    """A recorder for steps of any number and size; its bar shows the time."""
+
+    def __init__(
+        self, system: System, duration: float, save_every: int, progress: bool | None
+    ) -> None:
+        """For a run of the given duration; see :class:`~fem_lie.solve.recorder.History`."""
+        super().__init__(system, _ROWS, 1.0, 1, False)
+        self._duration, self._wanted = duration, save_every
+        # ``None``: not where there is no terminal
+        hidden = None if progress is None else not progress
+        self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
+
+    def record_at(
+        self, time: float, index: int, H: Array, v: Array, multipliers: Array, iterations: int
+    ) -> None:
+        """Keep the step ``index``, which ends at ``time``, if it is one to be kept."""
+        if index % self._wanted and time < self._duration:
+            self._count += iterations
+            return
+        if self.row == len(self.times):
+            self._grow()
+        self.record(index, H, v, multipliers, iterations)
+        self.times[self.row - 1] = time
+        self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
+
+    def _grow(self) -> None:
+        for name in _KEPT:
+            old = getattr(self, name)
+            setattr(self, name, np.concatenate([old, np.empty_like(old)]))
+
+
+@dataclass
+class StepLog:
+    """Collects :class:`~fem_lie.step_history.StepHistory`."""
+
+    system: System
+    times: list[float] = field(default_factory=list)
+    sizes: list[float] = field(default_factory=list)
+    errors: list[StepError] = field(default_factory=list)
+    measured: list[tuple[float, float]] = field(default_factory=list)
+    rejected: list[float] = field(default_factory=list)
+
+    def add(
+        self, time: float, size: float, error: StepError, measured: tuple[float, float]
+    ) -> None:
+        """A step that was accepted."""
+        self.times.append(time)
+        self.sizes.append(size)
+        self.errors.append(error)
+        self.measured.append(measured)
+
+    def history(self) -> StepHistory:
+        """All of them."""
+        errors = np.array(self.errors, dtype=np.float64).reshape(-1, 4)
+        measured = np.array(self.measured, dtype=np.float64).reshape(-1, 2)
+        leaders = self.system.numbering.attachment.leaders
+        return StepHistory(
+            times=np.array(self.times),
+            sizes=np.array(self.sizes),
+            translation=errors[:, 0],
+            rotation=errors[:, 1],
+            nodes=leaders[errors[:, 2:].astype(np.int64)],
+            measured_translation=measured[:, 0],
+            measured_rotation=measured[:, 1],
+            rejected=np.array(self.rejected),
+        )
+
+    def body(self, node: int) -> str:
+        """Label of the body of a moving node."""
+        numbering = self.system.numbering
+        for body, nodes in numbering.nodes.items():
+            if node in numbering.attachment.leader[nodes]:
+                return body.label
+        raise AssertionError("a node without a body")
+
+    def complete(self, result: Result) -> Result:
+        """The result with the history of its steps."""
+        return replace(result, steps=self.history())

@@ -1,0 +1,127 @@
+"""Factorisations of the iteration matrix for several step sizes, which serve others, too.
+
+The matrix is about ``m M + K`` with ``m ∝ 1/h²``. Without stiffness that of another step is the
+same up to a factor, so that any kept factorisation serves any step. With stiffness the eigenvalues
+of one relative to the other lie between 1 and the ratio of the two ``m``; scaled by the factor that
+is best for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a third for a step that is
+√2 times as large or small. What keeping costs is seen by the policy as what age costs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._jit import Array
+from fem_lie.solve.linear import DirectSolver
+from fem_lie.system import System
+
+KEPT = 4
+"""Step sizes whose factorisations are kept at the same time."""
+
+REACH = 2.1
+"""Largest ratio of two ``m`` for which a stiff scene's matrix serves the other step."""
+
+
+class _Factors(DirectSolver):
+    """A factorisation that stays when the matrix changes."""
+
+    def factorise(self) -> None:
+        for ksp in self._solvers.values():
+            ksp.getPC().setReusePreconditioner(False)
+        super().factorise()
+        self._ksp.getPC().setReusePreconditioner(True)
+
+
+@dataclass(eq=False)
+class _Slot:
+    solver: _Factors
+    mass: float
+    scale: Array
+    age: int
+
+
+class KeptFactors(DirectSolver):
+    """A solver that keeps factorisations of several step sizes.
+
+    Attributes:
+        mass: ``m`` of the present factorisation.
+        factor: What a solution is to be multiplied with for the present step.
+        usable: Whether there is a factorisation that serves the present step.
+    """
+
+    def __init__(self, system: System, prefix: str) -> None:
+        """Keep the matrix of ``system``; nothing is factorised yet."""
+        super().__init__(system.kkt.matrix, prefix)
+        self._args = system.kkt.matrix, prefix
+        self._rigid = not system.numbering.assemblies
+        self._slots: list[_Slot] = []
+        self._now: _Slot | None = None
+        self._wanted, self._count = 1.0, 0
+        self.factor = 1.0
+
+    @property
+    def usable(self) -> bool:
+        """See the class."""
+        return self._now is not None
+
+    @property
+    def mass(self) -> float:
+        """See the class."""
+        assert self._now is not None
+        return self._now.mass
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._slots, self._now = [], None
+        self.factorisations = 0
+
+    def use(self, mass: float) -> None:
+        """Choose the factorisation for a step with ``m = mass``."""
+        self._wanted = mass
+        near = [slot for slot in self._slots if _near(slot.mass, mass)]
+        reach = np.inf if self._rigid else REACH
+        if self._rigid:  # all serve equally: the newest
+            near = self._slots
+        near = near or [s for s in self._slots if 1 / reach < s.mass / mass < reach]
+        self._now = max(near, key=lambda slot: slot.age) if near else None
+        if self._now is not None:
+            f = self._now.mass / mass
+            self.factor = f if self._rigid else 2.0 * f / (1.0 + f)
+
+    def scale(self) -> Array:
+        """Factors of the constraints with which residuals are to be formed."""
+        assert self._now is not None
+        return np.asarray(self._now.scale / self.factor)
+
+    def keep(self, scale: Array) -> None:
+        """Factorise the matrix as it is now, with constraints times ``scale``, for this step.
+
+        Raises:
+            SingularMatrixError: It cannot be factorised.
+        """
+        old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
+        if not old and len(self._slots) == KEPT:
+            old = [min(self._slots, key=lambda slot: slot.age)]
+        slot = old[0] if old else _Slot(_Factors(*self._args), 0.0, scale, 0)
+        self._slots = [other for other in self._slots if other is not slot]
+        slot.solver.factorise()
+        self._count += 1
+        self.factorisations += 1
+        slot.mass, slot.scale, slot.age = self._wanted, scale.copy(), self._count
+        self._slots.append(slot)
+        self._now, self.factor = slot, 1.0
+
+    def solve(self) -> None:
+        """Solve with the factorisation that is in use, not yet scaled by ``factor``."""
+        assert self._now is not None
+        solver = self._now.solver
+        solver.right_hand_side[:] = self.right_hand_side
+        solver.solve()
+        self.solution[:] = solver.solution
+
+
+def _near(a: float, b: float) -> bool:
+    """Whether two step sizes, by their ``m``, are on the same level."""
+    return bool(abs(np.log2(a / b)) < 0.1)
