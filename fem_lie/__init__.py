@@ -39,6 +39,7 @@ from fem_lie.loads import (
 from fem_lie.mesh import LineMesh
 from fem_lie.modes import Modes
 from fem_lie.plot import Units
+from fem_lie.resultants import Resultants, resultant_series, resultants
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
@@ -110,6 +111,7 @@ __all__ = [
     "PrescribedMotion",
     "PressureLoad",
     "Result",
+    "Resultants",
     "Revolute",
     "RigidBody",
     "RigidLink",
@@ -136,6 +138,8 @@ __all__ = [
     "local_frame_forms",
     "read_gmsh",
     "read_gmsh_surface",
+    "resultant_series",
+    "resultants",
     "statics",
     "surface",
     "surface_from_dolfinx",

@@ -27,7 +27,12 @@ _FIVE = 5
 
 
 class ShellAssembly(Assembly):
-    """All shells of one formulation and kind of cell, on one surface mesh."""
+    """All shells of one formulation and kind of cell, on one surface mesh.
+
+    Attributes:
+        mesh: All of them, as DOLFINx orders nodes and cells.
+        stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
+    """
 
     def __init__(self, bodies: Sequence[Shell]) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
@@ -48,7 +53,9 @@ class ShellAssembly(Assembly):
         stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
         axes = np.concatenate([body.axes for body in bodies])[permutation]
         measures = first.formulation.measures_for(cell, degree)
-        forms = first.formulation.forms(ShellCells(nodal, measures, directions=axes), stiffness)
+        shell_cells = ShellCells(nodal, measures, directions=axes)
+        forms = first.formulation.forms(shell_cells, stiffness)
+        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
         super().__init__(nodal, forms, order, np.argsort(permutation), None)
         if all(body.has_mass for body in bodies):
             elements = np.concatenate([body.element_inertia() for body in bodies])

@@ -1,0 +1,89 @@
+"""Pictures of deformed surfaces coloured by a value. Works without a display."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from fem_lie.info import Array, Indices
+from fem_lie.picture import _INK, _frame, _plotter, _target
+from fem_lie.plot import SI, Units
+from fem_lie.surface import SurfaceMesh
+from fem_lie.vtk import surface_grid
+
+# of both signs: blue and red about zero; of one sign: from dark to bright
+_SIGNED, _PLAIN = "RdBu_r", "viridis"
+_COLOURS = 256
+
+
+def draw_values(
+    path: str | os.PathLike[str],
+    mesh: SurfaceMesh,
+    cells: Indices,
+    unloaded: Array,
+    points: Array,
+    values: Array,
+    label: str,
+    *,
+    title: str = "",
+    units: Units = SI,
+    size: tuple[int, int] = (1600, 1200),
+) -> None:
+    """Draw a surface in colours, with their scale, and the outline of the unloaded one.
+
+    Args:
+        path: Name of the ``.png`` file.
+        mesh: What the cells are.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        unloaded: Places of the points, shape (p, 3).
+        points: Places to be drawn, shape (p, 3).
+        values: Values at the points, shape (p,).
+        label: What they are, and their unit.
+        title: Above the picture.
+        units: For the axes.
+        size: Width and height, pixels.
+
+    Raises:
+        ValueError: The name does not end in ``.png``.
+        RuntimeError: There is no display, and no Xvfb to stand in.
+    """
+    target = _target(path, ".png")
+    grid = surface_grid(points, cells, mesh)
+    grid.point_data[label] = values
+    rim = surface_grid(unloaded, cells, mesh).extract_surface().extract_feature_edges()
+    with _plotter((), title, size) as plotter:
+        plotter.add_mesh(
+            grid,
+            scalars=label,
+            clim=_limits(values),
+            cmap=_SIGNED if values.min() < 0.0 < values.max() else _PLAIN,
+            n_colors=_COLOURS,
+            smooth_shading=False,
+            lighting=False,
+            scalar_bar_args={
+                "title": label,
+                "vertical": True,
+                "position_x": 0.9,
+                "position_y": 0.2,
+                "height": 0.6,
+                "width": 0.05,
+                "color": _INK,
+                "title_font_size": size[0] // 60,
+                "label_font_size": size[0] // 70,
+                "fmt": "%.3g",
+            },
+        )
+        if rim.n_points:
+            plotter.add_mesh(rim, color=_INK, line_width=size[0] / 800)
+        both = np.stack([unloaded, points])[:, :, np.newaxis]
+        _frame(plotter, both, (), units, size)
+        plotter.screenshot(target)
+
+
+def _limits(values: Array) -> tuple[float, float]:
+    low, high = float(values.min()), float(values.max())
+    if low < 0.0 < high:
+        largest = max(-low, high)
+        return -largest, largest
+    return low, high
