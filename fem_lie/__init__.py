@@ -58,6 +58,7 @@ from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Poli
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.vibrations import vibrations
 from fem_lie.surface import SurfaceMesh, surface
+from fem_lie.vtk import write_resultants
 from fem_lie.warping import Warping
 
 __all__ = [
@@ -144,4 +145,5 @@ __all__ = [
     "surface",
     "surface_from_dolfinx",
     "vibrations",
+    "write_resultants",
 ]

@@ -15,6 +15,7 @@ from fem_lie.vtk import surface_grid
 # of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
 _COLOURS = 256
+_ONE_SIGN = 0.02  # of the largest; less of the other sign is none
 
 
 def draw_values(
@@ -57,12 +58,12 @@ def draw_values(
             grid,
             scalars=label,
             clim=_limits(values),
-            cmap=_SIGNED if values.min() < 0.0 < values.max() else _PLAIN,
+            cmap=_SIGNED if _signed(values) else _PLAIN,
             n_colors=_COLOURS,
             smooth_shading=False,
             lighting=False,
             scalar_bar_args={
-                "title": label,
+                "title": label + "\n",
                 "vertical": True,
                 "position_x": 0.9,
                 "position_y": 0.2,
@@ -81,9 +82,13 @@ def draw_values(
         plotter.screenshot(target)
 
 
-def _limits(values: Array) -> tuple[float, float]:
+def _signed(values: Array) -> bool:
     low, high = float(values.min()), float(values.max())
-    if low < 0.0 < high:
-        largest = max(-low, high)
-        return -largest, largest
-    return low, high
+    return min(-low, high) > _ONE_SIGN * max(-low, high)
+
+
+def _limits(values: Array) -> tuple[float, float]:
+    if not _signed(values):
+        return float(values.min()), float(values.max())
+    largest = float(np.abs(values).max())
+    return -largest, largest

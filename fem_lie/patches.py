@@ -173,8 +173,8 @@ def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices
                 equal = mesh.cells[a, p[:, i]] == mesh.cells[b, q[:, j]]
                 found.append(np.stack([a, b, p[:, i], q[:, j]])[:, equal])
     none: Indices = np.empty((4, 0), dtype=np.int64)
-    a, b, i, j = np.concatenate([none, *found], axis=1)
-    return a, b, i, j
+    all_: Indices = np.concatenate([none, *found], axis=1)
+    return all_[0], all_[1], all_[2], all_[3]
 
 
 def _round(mesh: SurfaceMesh) -> Indices:

@@ -237,12 +237,20 @@ class Resultants:
 
     def _known(self, name: str) -> Quantity:
         found = quantity(name)
-        if found.layer and not _homogeneous(self.shell):
+        if found.layer and not self._homogeneous:
             raise ValueError(
                 f"{name!r} is the stress in a homogeneous layer; the section of "
                 f"{self.shell.label} is none"
             )
         return found
+
+    @cached_property
+    def _homogeneous(self) -> bool:
+        """Whether stress is linear over the thickness in all cells."""
+        D, t = self.shell.stiffness, self.shell.thickness[:, np.newaxis, np.newaxis]
+        A, B, bending = D[:, :3, :3], D[:, :3, 3:6], D[:, 3:6, 3:6]
+        error = np.maximum(np.abs(B / t), np.abs(12 * bending / t**2 - A)).max(axis=(1, 2))
+        return bool((error <= 1e-9 * np.abs(A).max(axis=(1, 2))).all())
 
     # --- functions ---
 
@@ -323,25 +331,17 @@ class Resultants:
 
         node = self.places.patches.node
         turning = self.places.jump <= _LARGEST_JUMP
-        homogeneous = _homogeneous(self.shell)
-        names = [name for name, each in QUANTITIES.items() if homogeneous or not each.layer]
+        names = [name for name, each in QUANTITIES.items() if self._homogeneous or not each.layer]
         x = self.frames[node, 0]
-        write_surface(
-            path,
-            x,
-            self.places.patches.number,
-            self.shell.mesh,
-            {
-                "displacement": x - self.shell.mesh.points[node],
-                "director": self.frames[node, 3],
-                **{n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns},
-            },
-            {
-                **{n: self.mean(n) for n in names},
-                **{f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)},
-                "thickness": self.shell.thickness,
-            },
-        )
+        points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
+        points |= {
+            "displacement": x - self.shell.mesh.points[node],
+            "director": self.frames[node, 3],
+        }
+        cells = {name: self.mean(name) for name in names}
+        cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
+        cells["thickness"] = self.shell.thickness
+        write_surface(path, x, self.places.patches.number, self.shell.mesh, points, cells)
 
     def picture(
         self,
@@ -378,11 +378,3 @@ class Resultants:
             title=title or f"{name} of {self.shell.label}",
             units=units,
         )
-
-
-def _homogeneous(shell: Shell) -> bool:
-    """Whether stress is linear over the thickness in all cells."""
-    D, t = shell.stiffness, shell.thickness[:, np.newaxis, np.newaxis]
-    A, B, bending = D[:, :3, :3], D[:, :3, 3:6], D[:, 3:6, 3:6]
-    error = np.maximum(np.abs(B / t), np.abs(12 * bending / t**2 - A)).max(axis=(1, 2))
-    return bool((error <= 1e-9 * np.abs(A).max(axis=(1, 2))).all())

@@ -59,7 +59,9 @@ class ShellFormulation(ABC):
             cells: Those that :meth:`forms` was given.
             forms: What it made of them.
         """
-        return ufl.as_vector([forms.stress[i] for i in range(8)])
+        carried = forms.stress
+        assert carried is not None
+        return ufl.as_vector([carried[i] for i in range(8)])
 
     def measures_for(self, cell: str, degree: int) -> StrainMeasures:
         """The strain measures for these cells.
@@ -146,6 +148,7 @@ class Displacement(ShellFormulation):
 
 def _group(forms: LocalFrameForms, number: int) -> Expr:
     """A group of the cells' own unknowns."""
+    assert forms.local is not None
     element = forms.local.function_space.ufl_element()
     several = isinstance(element, basix.ufl._MixedElement)
     return ufl.split(forms.local)[number] if several else forms.local
