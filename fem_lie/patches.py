@@ -93,6 +93,18 @@ def unit(v: Array) -> Array:
     return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
 
 
+def slopes_along(axes: Array, tangents: Array, slopes: Array) -> Array:
+    """Derivatives along e₁ and e₂, shape (..., 2, 3), from those along reference coordinates.
+
+    Args:
+        axes: Unloaded, shape (..., 3, 3).
+        tangents: ``X,α``, shape (..., 2, 3).
+        slopes: Of a vector, shape (..., 2, 3).
+    """
+    jacobian = np.einsum("...aj,...ij->...ai", tangents, axes[..., :2, :])
+    return np.asarray(np.linalg.solve(jacobian, slopes), dtype=np.float64)
+
+
 def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
     """Axes as the deformation takes them along, made orthonormal again in the nearest way.
 
@@ -101,9 +113,7 @@ def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
         tangents: ``X,α``, shape (..., 2, 3).
         moved: ``x,α``, shape (..., 2, 3).
     """
-    jacobian = np.einsum("...aj,...ij->...ai", tangents, axes[..., :2, :])
-    images = np.asarray(np.linalg.solve(jacobian, moved), dtype=np.float64)
-    U, _, V = np.linalg.svd(images, full_matrices=False)
+    U, _, V = np.linalg.svd(slopes_along(axes, tangents, moved), full_matrices=False)
     pair = U @ V
     normal = np.cross(pair[..., 0, :], pair[..., 1, :])
     return np.concatenate([pair, normal[..., np.newaxis, :]], axis=-2)

@@ -34,7 +34,7 @@ from fem_lie.cell_functions import (
     quadrature,
 )
 from fem_lie.info import SceneInfo
-from fem_lie.patches import carried_axes, extrapolation, unit
+from fem_lie.patches import carried_axes, extrapolation, slopes_along, unit
 from fem_lie.plane_tensors import turned
 from fem_lie.plot import SI, Units
 from fem_lie.quantities import QUANTITIES, Quantity, quantity
@@ -197,9 +197,47 @@ class Resultants:
         The deformation takes the unloaded axes along; made orthonormal again in the nearest way.
         Shape (m, g, 3, 3).
         """
-        mesh, at = self.shell.mesh, self.places.points
-        unloaded, moved = (at.tangents(x[mesh.cells]) for x in (mesh.points, self.frames[:, 0]))
+        unloaded, moved = self._tangents(self.shell.mesh.points), self._tangents(self.frames[:, 0])
         return carried_axes(self.places.asked, unloaded, moved)
+
+    @cached_property
+    def cut_forces(self) -> Array:
+        """Forces on cuts normal to the unloaded e₁ and e₂, at the points of integration.
+
+        Per unloaded length, global components, on the side from which the axis points outward::
+
+            n_i = N_ij x,j + M_ij t,j + Q_i t
+
+        (Simo & Fox, CMAME 72 (1989) 267). These are in equilibrium with the loads; where a shell is
+        bent much and stretched little, their components in the surface, ``n₁₁ = N₁₁ + M₁₁ κ₁₁``
+        and so on, are not ``N``. Shape (m, g, 2, 3).
+        """
+        N, M, Q = self._tensors()
+        x, t = self._slopes(self.frames[:, 0]), self._slopes(self.frames[:, 3])
+        cell = self.shell.mesh.cells
+        director = self.places.points.places(self.frames[cell, 3])[:, :, np.newaxis]
+        return np.asarray(N @ x + M @ t + Q[..., np.newaxis] * director)
+
+    @cached_property
+    def cut_moments(self) -> Array:
+        """Moments on these cuts, ``m_i = t × M_ij x,j``; shape (m, g, 2, 3)."""
+        _, M, _ = self._tensors()
+        director = self.places.points.places(self.frames[self.shell.mesh.cells, 3])
+        return np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
+
+    def _tensors(self) -> tuple[Array, Array, Array]:
+        v = self.at_points
+        N, M = v[..., [[0, 2], [2, 1]]], v[..., [[3, 5], [5, 4]]]
+        return N, M, v[..., 6:]
+
+    def _tangents(self, nodal: Array) -> Array:
+        """Derivatives of a nodal vector (n, 3) by the reference coordinates, (m, g, 2, 3)."""
+        return self.places.points.tangents(nodal[self.shell.mesh.cells])
+
+    def _slopes(self, nodal: Array) -> Array:
+        """Its derivatives along e₁ and e₂, shape (m, g, 2, 3)."""
+        unloaded = self._tangents(self.shell.mesh.points)
+        return slopes_along(self.places.asked, unloaded, self._tangents(nodal))
 
     def raw(self, name: str) -> Array:
         """A quantity at the points of integration, shape (m, g).
