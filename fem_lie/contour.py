@@ -15,6 +15,8 @@ from fem_lie.vtk import surface_grid
 # of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
 _COLOURS = 256
+_AMBIENT = 0.7  # so much that a colour is the same on all sides, nearly
+_SUBDIVISION = 2  # of cells of second degree
 _ONE_SIGN = 0.02  # of the largest; less of the other sign is none
 
 
@@ -52,16 +54,19 @@ def draw_values(
     target = _target(path, ".png")
     grid = surface_grid(points, cells, mesh)
     grid.point_data[label] = values
+    surface = grid.extract_surface(nonlinear_subdivision=_SUBDIVISION)
     rim = surface_grid(unloaded, cells, mesh).extract_surface().extract_feature_edges()
     with _plotter((), title, size) as plotter:
         plotter.add_mesh(
-            grid,
+            surface,
             scalars=label,
             clim=_limits(values),
             cmap=_SIGNED if _signed(values) else _PLAIN,
             n_colors=_COLOURS,
-            smooth_shading=False,
-            lighting=False,
+            smooth_shading=True,
+            split_sharp_edges=True,
+            ambient=_AMBIENT,
+            diffuse=1.0 - _AMBIENT,
             scalar_bar_args={
                 "title": label + "\n",
                 "vertical": True,

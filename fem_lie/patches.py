@@ -126,10 +126,12 @@ class Patches:
     Attributes:
         number: Of the value of each node of each cell, shape (m, k).
         node: Node of each value, shape (p,), sorted; without a jump it is all nodes.
+        edge: Which values are at an edge, a kink or a jump, shape (p,).
     """
 
     number: Indices
     node: Indices
+    edge: Flags
 
     def mean(self, values: Array) -> Array:
         """Mean over the cells of each patch, shape (p, ...), of values of shape (m, k, ...)."""
@@ -160,7 +162,13 @@ def patches(
     pairs, number = np.unique(
         np.column_stack([mesh.cells.ravel(), label]), axis=0, return_inverse=True
     )
-    return Patches(number.reshape(mesh.cells.shape).astype(np.int64), pairs[:, 0].astype(np.int64))
+    number = number.ravel()
+    # inside, there are as many common edges around a node as cells
+    links = np.bincount(number[rows], minlength=len(pairs))
+    edge = links < np.bincount(number)
+    return Patches(
+        number.reshape(mesh.cells.shape).astype(np.int64), pairs[:, 0].astype(np.int64), edge
+    )
 
 
 def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices]:

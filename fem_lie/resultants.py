@@ -9,8 +9,9 @@ the transverse shear. Mixed elements give their own stress field, the others the
 strain.
 
 Values at points of integration are those of the element. Those at nodes are extrapolated in each
-cell by a (bi)linear field, and averaged, as tensors, over the cells that meet smoothly there: no
-average is taken across a kink, or where the section changes abruptly.
+cell by a (bi)linear field, and averaged, as tensors, over the cells that meet smoothly there; at
+the edges of meshes of first degree see :mod:`fem_lie.recovery`. No average is taken across a kink,
+or where the section changes abruptly.
 """
 
 from __future__ import annotations
@@ -34,10 +35,11 @@ from fem_lie.cell_functions import (
     quadrature,
 )
 from fem_lie.info import SceneInfo
-from fem_lie.patches import carried_axes, extrapolation, slopes_along, unit
+from fem_lie.patches import axes_along, carried_axes, extrapolation, slopes_along, unit
 from fem_lie.plane_tensors import turned
 from fem_lie.plot import SI, Units
 from fem_lie.quantities import QUANTITIES, Quantity, quantity
+from fem_lie.recovery import nearby, planes
 from fem_lie.shell import Shell
 from fem_lie.shell_stress import Along, ShellStress, StressPlaces, between, integration
 from fem_lie.surface import KINK_ANGLE
@@ -186,9 +188,32 @@ class Resultants:
 
     @cached_property
     def _shared(self) -> Array:
-        places = self.places
-        turn = between(places.asked_at_nodes, places.shared[places.patches.number])
-        return places.patches.mean(turned(self.in_cells, *turn))
+        places, patches = self.places, self.places.patches
+        turn = between(places.asked_at_nodes, places.shared[patches.number])
+        values = patches.mean(turned(self.in_cells, *turn))
+        if self.shell.mesh.degree == 1:
+            values[patches.edge] = self._at_edges()
+        return values
+
+    def _at_edges(self) -> Array:
+        """Values at edges by :mod:`fem_lie.recovery`."""
+        places, patches = self.places, self.places.patches
+        which, cells = nearby(patches)
+        own = turned(self.at_points, *between(places.asked, places.section))
+        normal, e1 = (unit(self._mean(places.section[:, :, i])) for i in (2, 0))
+        section, axes = axes_along(normal, e1)[cells], places.shared[which]
+        away = self._mean(self.points)[cells] - self.shell.mesh.points[patches.node[which]]
+        return planes(
+            np.searchsorted(np.flatnonzero(patches.edge), which),
+            np.einsum("rj,rij->ri", away, axes[:, :2]),
+            turned(self._mean(own)[cells], *between(section, axes)),
+            int(patches.edge.sum()),
+        )
+
+    def _mean(self, values: Array) -> Array:
+        """Means of the cells, shape (m, b), of values at the points of integration."""
+        weights = self.areas / self.areas.sum(axis=1, keepdims=True)
+        return np.asarray(np.einsum("mg,mgi->mi", weights, values), dtype=np.float64)
 
     @cached_property
     def axes(self) -> Array:
@@ -254,9 +279,7 @@ class Resultants:
 
     def mean(self, name: str) -> Array:
         """A quantity of the mean values of each cell, shape (m,)."""
-        weights = self.areas / self.areas.sum(axis=1, keepdims=True)
-        values = np.einsum("mg,mgi->mi", weights, self.at_points)
-        return self._known(name).of(values, self.shell.thickness)
+        return self._known(name).of(self._mean(self.at_points), self.shell.thickness)
 
     def smooth(self, name: str) -> Array:
         """A quantity of the averaged values, shape (p,), see :attr:`nodal`."""

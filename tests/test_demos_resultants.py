@@ -30,15 +30,15 @@ def test_navier_is_the_classical_plate_if_it_is_thin_and_isotropic():
 @pytest.mark.parametrize("slenderness", [10.0, 100.0])
 def test_laminate(slenderness):
     record = laminate.main(cells=16, slenderness=slenderness, pictures=False)
-    # of the order (1/16)², of the twist at the corner, which changes most, more
-    for name, bound in (("w", 2e-3), ("M11", 5e-3), ("M22", 5e-3), ("M12", 0.02), ("Q1", 5e-4)):
+    # of the order (1/16)²; twice extrapolated to the corner, and with boundary layers, more
+    for name, bound in (("w", 2e-3), ("M11", 5e-3), ("M22", 5e-3), ("M12", 0.04), ("Q1", 0.03)):
         assert abs(record[f"{name}_error"]) <= bound, name
     assert record["iterations"] <= 3
 
 
 def test_laminate_converges_with_the_square_of_the_cells():
     rough, fine = (laminate.main(cells=n, pictures=False) for n in (8, 16))
-    for name in ("w_error", "M11_error", "M22_error"):
+    for name in ("w_error", "M11_error", "M22_error", "Q1_error"):
         assert abs(fine[name]) <= 0.3 * abs(rough[name])
 
 

@@ -13,8 +13,10 @@ from shell_models import quartic
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.info import BodyInfo, SceneInfo
+from fem_lie.patches import patches
 from fem_lie.plane_tensors import mises, principal, turned
 from fem_lie.quantities import COMPONENTS
+from fem_lie.recovery import planes
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -47,7 +49,9 @@ def directed(places: np.ndarray, directors: np.ndarray) -> np.ndarray:
     return np.stack([places, e1, np.cross(t, e1), t], axis=1)
 
 
-def patch(cell: str, degree: int, formulation, section=LAYER, along=(0.8, 0.6, 0.0)) -> fl.Shell:
+def distorted(
+    cell: str, degree: int, formulation, section=LAYER, along=(0.8, 0.6, 0.0)
+) -> fl.Shell:
     """Distorted cells in the plane; parallelograms for nine nodes, which want them."""
     size = 0.0 if (cell, degree) == ("quadrilateral", 2) else 0.15
 
@@ -72,7 +76,7 @@ def rotation(rng: np.random.Generator) -> np.ndarray:
 @pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
 def test_membrane_patch_is_exact_at_any_size(cell, degree, formulation):
     """A homogeneous deformation of any size: N = D E with Green's strain in the section's axes."""
-    shell = patch(cell, degree, formulation, ANGLE_PLY)
+    shell = distorted(cell, degree, formulation, ANGLE_PLY)
     F = np.array([[1.3, 0.2, 0.0], [-0.1, 0.8, 0.0], [0.0, 0.0, 1.0]])
     Q = rotation(np.random.default_rng(1))
     x = shell.frames[:, 0] @ (Q @ F).T
@@ -95,7 +99,7 @@ def test_membrane_patch_is_exact_at_any_size(cell, degree, formulation):
 @pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
 def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
     """Of second order is what 1e-7 times the slopes is, 1e-6 of the whole."""
-    shell = patch(cell, degree, formulation, ANGLE_PLY)
+    shell = distorted(cell, degree, formulation, ANGLE_PLY)
     size = 1e-7
     kappa, shear = size * np.array([[2.0, 0.5], [0.5, -1.0]]), size * np.array([0.7, -0.4])
     if shell.formulation.measures_for(cell, degree).bubble:
@@ -121,7 +125,7 @@ def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
 @pytest.mark.parametrize("formulation", [fl.Displacement(law=quartic), fl.HuWashizu(law=quartic)])
 def test_users_law_is_evaluated_at_the_true_strain(formulation):
     """The mixed fields of this law take several rounds to settle."""
-    shell = patch("quadrilateral", 1, formulation, along=(1, 0, 0))
+    shell = distorted("quadrilateral", 1, formulation, along=(1, 0, 0))
     stretch = 1.4
     x = shell.frames[:, 0] * [stretch, 1, 1]
     found = fl.resultants(states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1)))), shell)
@@ -259,6 +263,27 @@ def test_axes_that_jump_are_refused_at_nodes_only():
     np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
 
 
+def test_values_at_edges_are_those_of_planes():
+    """Exact for what is linear; along a line, or with one point, flat across."""
+    rng = np.random.default_rng(2)
+    places, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
+    places[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
+    which = np.array([0, 0, 0, 0, 0, 1, 1, 1, 2])
+    values = places @ slope.T + [1.0, 7.0]
+    found = planes(which, places, values, 3)
+    np.testing.assert_allclose(found, [[1, 7], [1, 7], values[8]], atol=1e-12)
+
+
+def test_edges_are_where_the_mesh_ends():
+    for cell in ("triangle", "quadrilateral"):
+        mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 3), cell=cell)
+        groups = patches(mesh, lambda a, b, i, j: np.ones(len(a), dtype=bool))
+        x, y, _ = mesh.points.T
+        outside = (np.minimum(x, y) < 1e-9) | (np.maximum(x, y) > 1 - 1e-9)
+        np.testing.assert_array_equal(groups.edge, outside)
+        np.testing.assert_array_equal(groups.node, np.arange(len(x)))
+
+
 def test_nothing_is_averaged_across_a_jump():
     """Half of a strip is twice as thick: under a pull along it N11 is the same, N22 is not."""
     plain = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
@@ -317,18 +342,15 @@ def cantilever(cell, degree, formulation, cells=(8, 2), force=(0.0, 0.0, FORCE /
     return shell, fl.follow_loads(scene)
 
 
-# Bending strain is constant along four- and three-node cells, so that at an edge M is half a cell
-# behind; diagonals make one quarter of triangles worse than their middle. Nine nodes are exact.
-HALF_A_CELL = 0.5 / 8
-
-
+# Bending strain is constant along four- and three-node cells; the means of quadrilaterals are
+# exact, and so are the planes through them that give the values at edges. Nine nodes are exact.
 @pytest.mark.parametrize(
     ("cell", "degree", "formulation", "at_nodes", "in_cells"),
     [
-        pytest.param("quadrilateral", 1, fl.HellingerReissner(), HALF_A_CELL, 0.0, id="HR"),
-        pytest.param("quadrilateral", 1, fl.HuWashizu(), HALF_A_CELL, 0.0, id="HW"),
-        pytest.param("quadrilateral", 1, fl.Displacement(), HALF_A_CELL, 0.0, id="MITC4"),
-        pytest.param("triangle", 1, fl.HellingerReissner(), HALF_A_CELL, 0.03, id="MITC3+"),
+        pytest.param("quadrilateral", 1, fl.HellingerReissner(), 0.0, 0.0, id="HR"),
+        pytest.param("quadrilateral", 1, fl.HuWashizu(), 0.0, 0.0, id="HW"),
+        pytest.param("quadrilateral", 1, fl.Displacement(), 0.0, 0.0, id="MITC4"),
+        pytest.param("triangle", 1, fl.HellingerReissner(), 0.02, 0.03, id="MITC3+"),
         pytest.param("triangle", 2, fl.Displacement(), 0.02, 0.015, id="MITC6"),
         pytest.param("quadrilateral", 2, fl.Displacement(), 0.0, 0.0, id="MITC9"),
     ],
@@ -346,8 +368,6 @@ def test_cantilever_under_end_shear(cell, degree, formulation, at_nodes, in_cell
     centre = (found.areas * found.points[..., 0]).sum(axis=1) / area
     assert error(found.smooth("M11"), x) <= at_nodes + 1e-6
     assert error(found.mean("M11"), centre) <= in_cells + 1e-6
-    inside = (x > 0.1) & (x < LENGTH - 0.1)
-    assert error(found.smooth("M11")[inside], x[inside]) <= max(2 * in_cells, 1e-6)
     # means of the strips of cells between cuts
     strip = np.floor(centre / LENGTH * 8)
     total = np.bincount(strip.astype(int), found.mean("Q1") * area) / (LENGTH / 8)
@@ -421,7 +441,7 @@ def test_cylinder_under_pressure_and_axial_pull(cell, degree, formulation):
     scene.add(fl.EdgeLoad(shell, "b=1", force=(0, 0, q)))
     found = fl.resultants(fl.follow_loads(scene), shell)
     # triangles do not bend and stretch independently: from cell to cell the error alternates
-    alone, together = (3e-3, 3e-3) if cell == "quadrilateral" else (0.15, 1e-2)
+    alone, together = (3e-3, 3e-3) if cell == "quadrilateral" else (0.2, 3e-3)
     weight = found.areas / found.areas.sum()
     for value, exact in ((found.nodal[:, 1], p * RADIUS), (found.nodal[:, 0], q)):
         np.testing.assert_allclose(value, exact, rtol=alone)
