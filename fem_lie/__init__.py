@@ -40,6 +40,7 @@ from fem_lie.loads import (
 from fem_lie.mesh import LineMesh
 from fem_lie.modes import Modes
 from fem_lie.plot import Units
+from fem_lie.resultants import Resultants, resultant_series, resultants
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
@@ -60,6 +61,7 @@ from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.vibrations import vibrations
 from fem_lie.step_history import StepHistory
 from fem_lie.surface import SurfaceMesh, surface
+from fem_lie.vtk import write_resultants
 from fem_lie.warping import Warping
 
 __all__ = [
@@ -117,6 +119,7 @@ __all__ = [
     "PrescribedMotion",
     "PressureLoad",
     "Result",
+    "Resultants",
     "Revolute",
     "RigidBody",
     "RigidLink",
@@ -146,8 +149,11 @@ __all__ = [
     "local_frame_forms",
     "read_gmsh",
     "read_gmsh_surface",
+    "resultant_series",
+    "resultants",
     "statics",
     "surface",
     "surface_from_dolfinx",
     "vibrations",
+    "write_resultants",
 ]

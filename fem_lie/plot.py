@@ -31,6 +31,7 @@ class Units:
     energy: str = "J"
     momentum: str = "kg m/s"
     angular_momentum: str = "kg m²/s"
+    force: str = "N"
 
 
 SI = Units()

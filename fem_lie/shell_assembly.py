@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 
 
 class ShellAssembly(Assembly):
-    """All shells of one formulation and kind of cell, on one surface mesh."""
+    """All shells of one formulation and kind of cell, on one surface mesh.
+
+    Attributes:
+        mesh: All of them, as DOLFINx orders nodes and cells.
+        stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
+    """
 
     def __init__(self, bodies: Sequence[Shell]) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
@@ -47,6 +52,7 @@ class ShellAssembly(Assembly):
         self._unknowns = 6 if first.drills else 5
         shell_cells = ShellCells(nodal, measures, drilling_stiffness=drilling, directions=axes)
         forms = first.formulation.forms(shell_cells, stiffness)
+        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
         super().__init__(nodal, forms, order, np.argsort(permutation), None)
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)

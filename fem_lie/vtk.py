@@ -1,14 +1,29 @@
-"""Time series for ParaView: nodes and cells with frames and velocities, one file for each time."""
+"""Files for ParaView: time series of nodes and cells with frames and velocities; surfaces."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie.info import Array, Indices, SceneInfo
+from fem_lie.surface import SurfaceMesh
+
+if TYPE_CHECKING:
+    from fem_lie.resultants import Resultants
+
+# type of cell, and its nodes in VTK's order
+_VTK_CELLS = {
+    ("triangle", 1): (5, (0, 1, 2)),
+    ("quadrilateral", 1): (9, (0, 1, 3, 2)),
+    ("triangle", 2): (22, (0, 1, 2, 5, 3, 4)),
+    ("quadrilateral", 2): (28, (0, 1, 3, 2, 4, 6, 7, 5, 8)),
+}
 
 
 def write_series(
@@ -36,33 +51,106 @@ def write_series(
     """
     import pyvista
 
-    target = Path(path)
-    if target.suffix != ".pvd":
-        raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
-    folder = target.with_suffix("")
-    folder.mkdir(parents=True, exist_ok=True)
+    target, names = _series(path, len(times), ".vtp")
     lines, vertices, faces, bodies = _cells(info)
-    digits = len(str(len(times) - 1))
-    rows = []
-    for k, time in enumerate(times):
+    for k, name in enumerate(names):
         data = pyvista.PolyData(frames[k, :, 0], faces, lines=lines, verts=vertices)
         for i in (1, 2, 3):
             data.point_data[f"e{i}"] = frames[k, :, i]
         data.point_data["displacement"] = frames[k, :, 0] - frames[0, :, 0]
         if velocities is not None:
-            for name, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
+            for what, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
                 spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
-                data.point_data[name] = spatial
+                data.point_data[what] = spatial
         data.cell_data["body"] = bodies
-        name = f"{folder.name}/{k:0{digits}}.vtp"
         data.save(target.parent / name)
-        rows.append(f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>')
-    # written last: the series appears when it is whole
+    _write_collection(target, names, times)
+
+
+def write_resultants(
+    path: str | os.PathLike[str], series: Sequence[Resultants], times: npt.ArrayLike
+) -> None:
+    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
+
+    Args:
+        path: Name of the ``.pvd`` file.
+        series: From :func:`fem_lie.resultants.resultant_series`.
+        times: Time or load factor of each state.
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``, or there are more or fewer times.
+    """
+    values = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if values.shape != (len(series),):
+        raise ValueError(f"wanted one time for each of {len(series)} states, got {values.shape}")
+    target, names = _series(path, len(series), ".vtu")
+    for name, resultants in zip(names, series, strict=True):
+        resultants.write_vtk(target.parent / name)
+    _write_collection(target, names, values)
+
+
+def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:
+    """The ``.pvd`` file, and the names of the files that belong to it, in a folder that exists."""
+    target = Path(path)
+    if target.suffix != ".pvd":
+        raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
+    folder = target.with_suffix("")
+    folder.mkdir(parents=True, exist_ok=True)
+    digits = len(str(count - 1))
+    return target, [f"{folder.name}/{k:0{digits}}{suffix}" for k in range(count)]
+
+
+def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:
+    """Written last: the series appears when it is whole."""
+    rows = [
+        f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>'
+        for name, time in zip(names, times, strict=True)
+    ]
     target.write_text(
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
         + "\n".join(rows)
         + "\n</Collection>\n</VTKFile>\n"
     )
+
+
+def write_surface(
+    path: str | os.PathLike[str],
+    points: Array,
+    cells: Indices,
+    mesh: SurfaceMesh,
+    point_data: Mapping[str, Array],
+    cell_data: Mapping[str, Array],
+) -> None:
+    """Write one state of a surface as a ``.vtu`` file.
+
+    Args:
+        path: Name of the file.
+        points: Places, shape (p, 3).
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        mesh: What the cells are.
+        point_data: Values at the points.
+        cell_data: Values in the cells.
+
+    Raises:
+        ValueError: The name does not end in ``.vtu``.
+    """
+    if Path(path).suffix != ".vtu":
+        raise ValueError(f"the name of the file must end in '.vtu', got {str(path)!r}")
+    grid = surface_grid(points, cells, mesh)
+    for name, values in point_data.items():
+        grid.point_data[name] = values
+    for name, values in cell_data.items():
+        grid.cell_data[name] = values
+    grid.save(path)
+
+
+def surface_grid(points: Array, cells: Indices, mesh: SurfaceMesh) -> Any:
+    """A surface as pyvista's grid; arguments as in :func:`write_surface`."""
+    import pyvista
+
+    kind, order = _VTK_CELLS[mesh.cell, mesh.degree]
+    polygons = np.insert(cells[:, order], 0, cells.shape[1], axis=1)
+    return pyvista.UnstructuredGrid(polygons.ravel(), np.full(len(cells), kind), points)
 
 
 def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | None, Indices]:

@@ -6,7 +6,10 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import basix
+import basix.ufl
 import numpy as np
+import ufl
+from ufl.core.expr import Expr
 
 from fem_lie._jit import Array
 from fem_lie.elements.shell import (
@@ -47,6 +50,19 @@ class ShellFormulation(ABC):
             stiffness: Section stiffness of each cell, shape (m, 8, 8).
         """
 
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """Stress resultants ``(N, M, Q)`` at the points of integration, shape (8,).
+
+        They are those that the forms carry: reset them to the frames before.
+
+        Args:
+            cells: Those that :meth:`forms` was given.
+            forms: What it made of them.
+        """
+        carried = forms.stress
+        assert carried is not None
+        return ufl.as_vector([carried[i] for i in range(8)])
+
     def measures_for(self, cell: str, degree: int) -> StrainMeasures:
         """The strain measures for these cells.
 
@@ -83,6 +99,10 @@ class HellingerReissner(ShellFormulation):
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
 
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """See the base class."""
+        return cells.stress(_group(forms, 0))
+
 
 @dataclass(frozen=True)
 class HuWashizu(ShellFormulation):
@@ -102,6 +122,10 @@ class HuWashizu(ShellFormulation):
         """See the base class."""
         return hu_washizu(cells, self.law or linear_law(cells.cellwise(stiffness)))
 
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """See the base class."""
+        return cells.stress(_group(forms, 1))
+
 
 @dataclass(frozen=True)
 class Displacement(ShellFormulation):
@@ -120,3 +144,11 @@ class Displacement(ShellFormulation):
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """See the base class."""
         return displacement(cells, self.law or linear_law(cells.cellwise(stiffness)))
+
+
+def _group(forms: LocalFrameForms, number: int) -> Expr:
+    """A group of the cells' own unknowns."""
+    assert forms.local is not None
+    element = forms.local.function_space.ufl_element()
+    several = isinstance(element, basix.ufl._MixedElement)
+    return ufl.split(forms.local)[number] if several else forms.local

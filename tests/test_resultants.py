@@ -1,0 +1,546 @@
+"""Stress resultants of shells: constant states, axes, equilibrium, functions, files."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from hypothesis import given
+from hypothesis import strategies as st
+from shell_models import quartic
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.info import BodyInfo, SceneInfo
+from fem_lie.patches import patches
+from fem_lie.plane_tensors import mises, principal, turned
+from fem_lie.quantities import COMPONENTS
+from fem_lie.recovery import planes
+
+SOFT = fl.Material(100.0, 0.3, 2.0)
+LAYER = fl.ShellSection.layer(0.1, SOFT)
+FIBRES = fl.Orthotropic(25.0, 1.0, 0.25, 0.5, 0.5, 0.2, 1.0)
+ANGLE_PLY = fl.ShellSection.laminate([fl.Ply(0.05, FIBRES, 30.0), fl.Ply(0.1, FIBRES, -20.0)])
+
+ELEMENTS = [
+    pytest.param("quadrilateral", 1, fl.HellingerReissner(), id="HR"),
+    pytest.param("quadrilateral", 1, fl.HellingerReissner(fl.MITC4_PLUS), id="HR, MITC4+"),
+    pytest.param("quadrilateral", 1, fl.HuWashizu(), id="HW"),
+    pytest.param("quadrilateral", 1, fl.Displacement(), id="MITC4"),
+    pytest.param("triangle", 1, fl.HellingerReissner(), id="MITC3+"),
+    pytest.param("triangle", 2, fl.Displacement(), id="MITC6"),
+    pytest.param("quadrilateral", 2, fl.Displacement(), id="MITC9"),
+]
+
+
+def states(shell: fl.Shell, *frames: np.ndarray) -> SimpleNamespace:
+    """A result of the shell alone in given frames."""
+    shell.name = shell.name or "shell"
+    info = SceneInfo((BodyInfo.of(shell, np.arange(len(shell.frames))),))
+    return SimpleNamespace(frames=np.array(frames), info=info)
+
+
+def directed(places: np.ndarray, directors: np.ndarray) -> np.ndarray:
+    """Frames with these third directors, turned about them at will."""
+    t = directors / np.linalg.norm(directors, axis=1, keepdims=True)
+    e1 = np.cross([0.3, 1.0, 0.2], t)
+    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
+    return np.stack([places, e1, np.cross(t, e1), t], axis=1)
+
+
+def distorted(
+    cell: str, degree: int, formulation, section=LAYER, along=(0.8, 0.6, 0.0)
+) -> fl.Shell:
+    """Distorted cells in the plane; parallelograms for nine nodes, which want them."""
+    size = 0.0 if (cell, degree) == ("quadrilateral", 2) else 0.15
+
+    def place(a: float, b: float):
+        p, q = abs(2 * a - 1), abs(2 * b - 1)
+        # (bi)linear in each cell, so that sides of second degree stay straight
+        hat = (1 - p) * (1 - q) if cell == "quadrilateral" else 1 - max(p, q, 2 * abs(a - b))
+        bump = size * max(0.0, hat)
+        return a + bump + 0.1 * b, b - 0.7 * bump + 0.2 * a, 0.0
+
+    mesh = fl.surface(place, (2, 2), cell=cell, degree=degree)
+    return fl.Shell(mesh, section, along=along, formulation=formulation)
+
+
+def rotation(rng: np.random.Generator) -> np.ndarray:
+    return lie.so3_exp(rng.normal(size=3))
+
+
+# --- constant states ---
+
+
+@pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
+def test_membrane_patch_is_exact_at_any_size(cell, degree, formulation):
+    """A homogeneous deformation of any size: N = D E with Green's strain in the section's axes."""
+    shell = distorted(cell, degree, formulation, ANGLE_PLY)
+    F = np.array([[1.3, 0.2, 0.0], [-0.1, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    Q = rotation(np.random.default_rng(1))
+    x = shell.frames[:, 0] @ (Q @ F).T
+    found = fl.resultants(states(shell, directed(x, np.tile(Q[:, 2], (len(x), 1)))), shell)
+    E = 0.5 * (F.T @ F - np.eye(3))
+    e = np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0]])
+    E = e @ E @ e.T
+    exact = ANGLE_PLY.stiffness @ [E[0, 0], E[1, 1], 2 * E[0, 1], 0, 0, 0, 0, 0]
+    tolerance = {"rtol": 0, "atol": 1e-11 * np.abs(exact).max()}
+    for values in (found.at_points, found.in_cells, found.nodal):
+        np.testing.assert_allclose(values, np.broadcast_to(exact, values.shape), **tolerance)
+    # what the deformation makes of the axes: the nearest orthonormal ones to Q F e
+    images = e @ (Q @ F).T
+    U, _, V = np.linalg.svd(images, full_matrices=False)
+    expected = np.broadcast_to(U @ V, (*found.areas.shape, 2, 3))
+    np.testing.assert_allclose(found.axes[:, :, :2], expected, atol=1e-12)
+    np.testing.assert_allclose(found.axes[:, :, 2], np.broadcast_to(Q[:, 2], found.points.shape))
+
+
+@pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
+def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
+    """Of second order is what 1e-7 times the slopes is, 1e-6 of the whole."""
+    shell = distorted(cell, degree, formulation, ANGLE_PLY)
+    size = 1e-7
+    kappa, shear = size * np.array([[2.0, 0.5], [0.5, -1.0]]), size * np.array([0.7, -0.4])
+    if shell.formulation.measures_for(cell, degree).bubble:
+        shear *= 0.0  # without a change of moments it is no equilibrium, and the bubble says so
+    x = shell.frames[:, 0].copy()
+    slope = -x[:, :2] @ kappa  # of w = −½ x·κx
+    x[:, 2] = 0.5 * np.einsum("ni,ni->n", slope, x[:, :2])
+    t = np.column_stack([shear - slope, np.ones(len(x))])
+    found = fl.resultants(states(shell, directed(x, t)), shell, along=(1, 0, 0))
+    strain = np.array([0, 0, 0, kappa[0, 0], kappa[1, 1], 2 * kappa[0, 1], *shear])
+    # strain and stress in the axes of the section, and back
+    c, s = np.float64(0.8), np.float64(0.6)
+    engineering = np.array([1, 1, 2, 1, 1, 2, 1, 1])
+    local = engineering * turned(strain / engineering, c, s)
+    exact = turned(ANGLE_PLY.stiffness @ local, c, -s)
+    for values in (found.at_points, found.in_cells, found.nodal):
+        error = np.abs(values - exact).max(axis=(0, 1) if values.ndim == 3 else 0)
+        for part in (slice(0, 3), slice(3, 6), slice(6, 8)):  # of the plane, bending and shear
+            scale = max(np.abs(exact[part]).max(), size * np.abs(ANGLE_PLY.stiffness[part]).max())
+            assert error[part].max() <= 1e-6 * scale
+
+
+@pytest.mark.parametrize("formulation", [fl.Displacement(law=quartic), fl.HuWashizu(law=quartic)])
+def test_users_law_is_evaluated_at_the_true_strain(formulation):
+    """The mixed fields of this law take several rounds to settle."""
+    shell = distorted("quadrilateral", 1, formulation, along=(1, 0, 0))
+    stretch = 1.4
+    x = shell.frames[:, 0] * [stretch, 1, 1]
+    found = fl.resultants(states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1)))), shell)
+    E = 0.5 * (stretch**2 - 1)
+    exact = np.array([80 * E + 1200 * E**3, 10 * E, 0, 0, 0, 0, 0, 0])
+    np.testing.assert_allclose(found.at_points - exact, 0.0, atol=1e-8 * exact.max())
+
+
+def test_one_element_in_pure_bending_to_a_quarter_circle():
+    """Decoupled bending: the moment of the load, to round-off."""
+    length, EI = 10.0, 100.0
+    moment = EI * 0.5 * np.pi / length
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (length * a, b, 0.0), (1, 1)),
+        fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
+        formulation=fl.HellingerReissner(fl.DECOUPLED),
+    )
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.EdgeLoad(shell, "a=1", moment=(0, moment, 0)))
+    found = fl.resultants(fl.follow_loads(scene), shell)
+    exact = np.array([0, 0, 0, moment, 0, 0, 0, 0])
+    np.testing.assert_allclose(
+        found.at_points[..., 3:6], np.broadcast_to(exact[3:6], (1, 4, 3)), atol=1e-7 * moment
+    )
+
+
+# --- axes ---
+
+numbers = st.floats(-10, 10)
+
+
+@given(st.lists(numbers, min_size=8, max_size=8), st.floats(-7, 7))
+def test_components_turn_as_tensors(values, angle):
+    values, c, s = np.array(values), np.cos(angle), np.sin(angle)
+    R = np.array([[c, s], [-s, c]])
+    found = turned(values, c, s)
+    for k in (0, 3):
+        T = np.array([[values[k], values[k + 2]], [values[k + 2], values[k + 1]]])
+        new = R @ T @ R.T
+        np.testing.assert_allclose(found[k : k + 3], new[[0, 1, 0], [0, 1, 1]], atol=1e-13 * 30)
+        large, small, at = principal(values[k : k + 3])
+        np.testing.assert_allclose([small, large], np.linalg.eigvalsh(T), atol=1e-13 * 30)
+        diagonal = turned(values, np.cos(at), np.sin(at))[k : k + 3]
+        np.testing.assert_allclose(diagonal, [large, small, 0], atol=1e-13 * 30)
+        np.testing.assert_allclose(
+            mises(found[k : k + 3]), mises(values[k : k + 3]), atol=1e-12 * 30
+        )
+    np.testing.assert_allclose(found[6:], R @ values[6:], atol=1e-13 * 30)
+
+
+def arch(a: float, b: float) -> tuple[float, float, float]:
+    angle = 0.5 * np.pi * a
+    return (np.cos(angle), 1.0 - b, np.sin(angle))
+
+
+def outward(x: np.ndarray) -> np.ndarray:
+    return x * [1, 0, 1] / np.hypot(x[0], x[2])
+
+
+def around(x: np.ndarray) -> np.ndarray:
+    return np.array([-x[2], 0.0, x[0]])
+
+
+def arch_shell(cell="quadrilateral", degree=1, formulation=None, cells=(6, 3), **options):
+    mesh = fl.surface(arch, cells, cell=cell, degree=degree)
+    return fl.Shell(mesh, LAYER, director=outward, formulation=formulation, **options)
+
+
+def crumpled(shell: fl.Shell) -> np.ndarray:
+    rng = np.random.default_rng(3)
+    h = 0.02 * rng.normal(size=(len(shell.frames), 6))
+    return lie.se3_retract(shell.frames, h)
+
+
+@pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
+def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
+    shell = arch_shell(cell, degree, formulation, along=around)
+    H = crumpled(shell)
+    rng = np.random.default_rng(5)
+    Q = rotation(rng)
+    moved = H @ Q.T
+    moved[:, 0] += rng.normal(size=3)
+    before, after = fl.resultant_series(states(shell, H, moved), shell)
+    scale = np.abs(before.at_points).max(axis=(0, 1))
+    assert scale.min() > 0
+    assert np.abs((after.at_points - before.at_points) / scale).max() <= 1e-9
+    assert np.abs((after.nodal - before.nodal) / scale).max() <= 1e-9
+    np.testing.assert_allclose(after.axes, before.axes @ Q.T, atol=1e-12)
+
+
+def test_axes_of_the_user():
+    """Other axes, the same tensor; and they may depend on the place."""
+    shell = arch_shell(along=around)
+    H = crumpled(shell)
+    own = fl.resultants(states(shell, H), shell)
+    other = fl.resultants(states(shell, H), shell, along=lambda x: [-x[2], 1 + x[0], x[0]])
+    assert np.abs(own.at_points - other.at_points).max() > 0.1 * np.abs(own.at_points).max()
+    for name in ("N max", "N min", "M max", "M min", "Q", "mises top", "mises bottom"):
+        for kind in ("raw", "mean"):
+            a, b = (getattr(r, kind)(name) for r in (own, other))
+            # means are taken in turning axes: not the same tensor to the last digit
+            bound = 1e-11 if kind == "raw" else 0.1
+            assert np.abs(a - b).max() <= bound * np.abs(a).max(), (name, kind)
+    # e₁ against e₂
+    across = fl.resultants(states(shell, H), shell, along=(0, 1, 0))
+    swapped = own.at_points[..., [1, 0, 2, 4, 3, 5, 7, 6]] * [1, 1, -1, 1, 1, -1, -1, 1]
+    np.testing.assert_allclose(
+        np.abs(across.at_points), np.abs(swapped), atol=1e-11 * np.abs(swapped).max()
+    )
+
+
+def test_axes_that_jump_are_refused_at_nodes_only():
+    """By default e₁ is the first edge of a cell: of triangles it can be any."""
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), cell="triangle")
+    turned_cells = mesh.cells.copy()
+    turned_cells[::2] = turned_cells[::2][:, [1, 2, 0]]
+    mesh = fl.SurfaceMesh.from_cells(mesh.points, turned_cells, "triangle")
+    shell = fl.Shell(mesh, LAYER)
+    x = shell.frames[:, 0] * [1.01, 1, 1]
+    result = states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1))))
+    found = fl.resultants(result, shell)
+    with pytest.raises(ValueError, match=r"differ .*by up to \d+°: give .*along.*N max"):
+        found.nodal  # noqa: B018
+    with pytest.raises(ValueError, match="give resultants"):
+        found.smooth("N11")
+    E = 0.5 * (1.01**2 - 1)
+    N = LAYER.stiffness @ [E, 0, 0, 0, 0, 0, 0, 0]
+    np.testing.assert_allclose(found.smooth("N max"), N[0], rtol=1e-9)
+    np.testing.assert_allclose(found.smooth("N min"), N[1], rtol=1e-9)
+    stress = [N[0] / 0.1, N[1] / 0.1, 0.0]
+    np.testing.assert_allclose(found.smooth("mises top"), mises(np.array(stress)), rtol=1e-9)
+    along = fl.resultants(result, shell, along=(1, 0, 0))
+    np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
+
+
+def test_values_at_edges_are_those_of_planes():
+    """Exact for what is linear; along a line, or with one point, flat across."""
+    rng = np.random.default_rng(2)
+    places, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
+    places[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
+    which = np.array([0, 0, 0, 0, 0, 1, 1, 1, 2])
+    values = places @ slope.T + [1.0, 7.0]
+    found = planes(which, places, values, 3)
+    np.testing.assert_allclose(found, [[1, 7], [1, 7], values[8]], atol=1e-12)
+
+
+def test_edges_are_where_the_mesh_ends():
+    for cell in ("triangle", "quadrilateral"):
+        mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 3), cell=cell)
+        groups = patches(mesh, lambda a, b, i, j: np.ones(len(a), dtype=bool))
+        x, y, _ = mesh.points.T
+        outside = (np.minimum(x, y) < 1e-9) | (np.maximum(x, y) > 1 - 1e-9)
+        np.testing.assert_array_equal(groups.edge, outside)
+        np.testing.assert_array_equal(groups.node, np.arange(len(x)))
+
+
+def test_nothing_is_averaged_across_a_jump():
+    """Half of a strip is twice as thick: under a pull along it N11 is the same, N22 is not."""
+    plain = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
+    centre = plain.points[plain.cells].mean(axis=1)
+    mesh = fl.SurfaceMesh.from_cells(
+        plain.points,
+        plain.cells,
+        "quadrilateral",
+        groups={
+            "thin": np.flatnonzero(centre[:, 0] < 1),
+            "thick": np.flatnonzero(centre[:, 0] > 1),
+        },
+    )
+    thick = fl.ShellSection.layer(0.2, SOFT)
+    shell = fl.Shell(mesh, {"thin": LAYER, "thick": thick}, along=(1, 0, 0))
+    x = shell.frames[:, 0] * [1, 1.01, 1]
+    result = states(shell, directed(x, np.tile([0, 0, 1.0], (len(x), 1))))
+    found = fl.resultants(result, shell)
+    node = found.places.patches.node
+    assert len(node) == len(x) + 3
+    value = found.smooth("N22")
+    middle = np.abs(shell.frames[node, 0, 0] - 1) < 1e-9
+    assert sorted(np.round(value[middle] / value[0], 9)) == [1, 1, 1, 2, 2, 2]
+    with pytest.raises(ValueError, match=r"jump at 3 nodes.*cell_function"):
+        found.function("N22")
+    np.testing.assert_allclose(np.unique(np.round(found.cell_function("N22").x.array, 9)).size, 2)
+
+
+def test_nothing_is_averaged_across_a_kink():
+    def roof(a: float, b: float):
+        return 2 * a, b, min(2 * a, 2 - 2 * a)
+
+    shell = fl.Shell(fl.surface(roof, (4, 2)), LAYER, kink_angle=np.pi, along=(0, 1, 0))
+    result = states(shell, shell.frames)
+    found = fl.resultants(result, shell)
+    assert len(found.places.patches.node) == len(shell.frames) + 3
+    assert len(fl.resultants(result, shell, kink_angle=np.pi).places.patches.node) == 15
+
+
+# --- equilibrium ---
+
+LENGTH, WIDTH, FORCE = 10.0, 2.0, 3e-4
+
+
+def cantilever(cell, degree, formulation, cells=(8, 2), force=(0.0, 0.0, FORCE / WIDTH)):
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (LENGTH * a, WIDTH * b, 0.0), cells, cell=cell, degree=degree),
+        fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
+        along=(1, 0, 0),
+        formulation=formulation,
+    )
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.EdgeLoad(shell, "a=1", force=force))
+    return shell, fl.follow_loads(scene)
+
+
+# Bending strain is constant along four- and three-node cells; the means of quadrilaterals are
+# exact, and so are the planes through them that give the values at edges. Nine nodes are exact.
+@pytest.mark.parametrize(
+    ("cell", "degree", "formulation", "at_nodes", "in_cells"),
+    [
+        pytest.param("quadrilateral", 1, fl.HellingerReissner(), 0.0, 0.0, id="HR"),
+        pytest.param("quadrilateral", 1, fl.HuWashizu(), 0.0, 0.0, id="HW"),
+        pytest.param("quadrilateral", 1, fl.Displacement(), 0.0, 0.0, id="MITC4"),
+        pytest.param("triangle", 1, fl.HellingerReissner(), 0.02, 0.03, id="MITC3+"),
+        pytest.param("triangle", 2, fl.Displacement(), 0.02, 0.015, id="MITC6"),
+        pytest.param("quadrilateral", 2, fl.Displacement(), 0.0, 0.0, id="MITC9"),
+    ],
+)
+def test_cantilever_under_end_shear(cell, degree, formulation, at_nodes, in_cells):
+    """Moment linear, F L at the clamp, and each cut carries the load; ν = 0."""
+    shell, result = cantilever(cell, degree, formulation)
+    found = fl.resultants(result, shell)
+    largest = FORCE / WIDTH * LENGTH
+
+    def error(values, x):
+        return np.abs(values + FORCE / WIDTH * (LENGTH - x)).max() / largest
+
+    x, area = shell.mesh.points[:, 0], found.areas.sum(axis=1)
+    centre = (found.areas * found.points[..., 0]).sum(axis=1) / area
+    assert error(found.smooth("M11"), x) <= at_nodes + 1e-6
+    assert error(found.mean("M11"), centre) <= in_cells + 1e-6
+    # means of the strips of cells between cuts
+    strip = np.floor(centre / LENGTH * 8)
+    total = np.bincount(strip.astype(int), found.mean("Q1") * area) / (LENGTH / 8)
+    np.testing.assert_allclose(total, FORCE, rtol=1e-5)
+
+
+def test_moment_at_the_clamp_in_large_bending():
+    """The lever of the load in the deformed state; the cells' means half a cell away."""
+    shell, result = cantilever("quadrilateral", 1, None, (32, 1), (0.0, 0.0, 2.0))
+    found = fl.resultants(result, shell)
+    x = result.frames[-1][result.info.body(shell.name).nodes, 0]
+    assert x[:, 2].max() > 0.4 * LENGTH
+    end = x[shell.mesh.nodes("a=1")].mean(axis=0)
+    middle = x[shell.mesh.cells].mean(axis=1)
+    exact = -2.0 * (end[0] - middle[:, 0])
+    np.testing.assert_allclose(found.mean("M11"), exact, atol=2e-3 * np.abs(exact).max())
+    # each cut carries the load; N alone does not, for the shell is bent much
+    np.testing.assert_allclose(
+        found.cut_forces[:, :, 0].mean(axis=1), np.tile([0, 0, 2.0], (32, 1)), atol=0.01
+    )
+    assert np.abs(found.mean("N11")).max() > 2.0
+    np.testing.assert_allclose(
+        found.cut_moments[:, :, 0].mean(axis=1) @ [0, 1, 0], found.mean("M11"), rtol=1e-3
+    )
+
+
+RADIUS, HEIGHT, THICKNESS = 2.0, 1.0, 0.02
+
+
+def cylinder(cell, degree, formulation, count=12):
+    """A quarter with free ends; symmetric about both planes and at mid-height."""
+
+    def place(a: float, b: float):
+        angle = 0.5 * np.pi * a
+        return RADIUS * np.cos(angle), RADIUS * np.sin(angle), HEIGHT * b
+
+    plain = fl.surface(place, (count, 2), cell=cell, degree=degree)
+    centre = plain.points[plain.corners].mean(axis=1)
+    column = np.floor(np.arctan2(centre[:, 1], centre[:, 0]) / (0.5 * np.pi) * count).astype(int)
+    mesh = fl.SurfaceMesh.from_cells(
+        plain.points,
+        plain.cells,
+        cell,
+        groups={str(k): np.flatnonzero(column == k) for k in range(count)},
+        curves=plain.curves,
+    )
+    shell = fl.Shell(
+        mesh,
+        fl.ShellSection.layer(THICKNESS, fl.Material(1e6, 0.3, 1.0)),
+        director=lambda x: np.array([x[0], x[1], 0.0]) / np.hypot(x[0], x[1]),
+        along=(0, 0, 1),
+        formulation=formulation,
+    )
+    shell.symmetry("a=0", (0, 1, 0))
+    shell.symmetry("a=1", (1, 0, 0))
+    shell.symmetry("b=0", (0, 0, 1))
+    return shell
+
+
+@pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
+def test_cylinder_under_pressure_and_axial_pull(cell, degree, formulation):
+    """Membrane theory: p R around and q along; bending, which is p t²/12 or so, is no matter."""
+    count, p, q = 12, 0.01, 0.05
+    shell = cylinder(cell, degree, formulation, count)
+    scene = fl.Scene()
+    scene.add(shell)
+    for k in range(count):
+        angle = 0.5 * np.pi * (k + 0.5) / count
+        push = p * np.array([np.cos(angle), np.sin(angle), 0.0])
+        scene.add(fl.AreaLoad(shell, push, cells=str(k)))
+    scene.add(fl.EdgeLoad(shell, "b=1", force=(0, 0, q)))
+    found = fl.resultants(fl.follow_loads(scene), shell)
+    # triangles do not bend and stretch independently: from cell to cell the error alternates
+    alone, together = (3e-3, 3e-3) if cell == "quadrilateral" else (0.2, 3e-3)
+    weight = found.areas / found.areas.sum()
+    for value, exact in ((found.nodal[:, 1], p * RADIUS), (found.nodal[:, 0], q)):
+        np.testing.assert_allclose(value, exact, rtol=alone)
+    mean = np.einsum("mg,mgi->i", weight, found.at_points)
+    np.testing.assert_allclose(mean[:2], [q, p * RADIUS], rtol=together)
+    np.testing.assert_allclose(found.nodal[:, 3:6], 0.0, atol=0.1 * q * THICKNESS)
+
+
+# --- functions, files, pictures ---
+
+
+@pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
+def test_functions_are_the_values_at_their_places(cell, degree, formulation):
+    shell = arch_shell(cell, degree, formulation, along=around)
+    H = crumpled(shell)
+    found = fl.resultants(states(shell, H), shell)
+    f = found.function("M11")
+    places = f.function_space.tabulate_dof_coordinates()
+    nearest = np.linalg.norm(shell.mesh.points - places[:, np.newaxis], axis=2).argmin(axis=1)
+    np.testing.assert_array_equal(f.x.array, found.smooth("M11")[nearest])
+    moved = found.function(deformed=True)
+    places = moved.function_space.tabulate_dof_coordinates()
+    nearest = np.linalg.norm(H[:, 0] - places[:, np.newaxis], axis=2).argmin(axis=1)
+    np.testing.assert_array_equal(moved.x.array.reshape(-1, 8), found.nodal[nearest])
+    # integrals by DOLFINx and by our own areas
+    measures = shell.formulation.measures_for(cell, degree)
+    dx = ufl.Measure("dx", found.mesh, metadata={"quadrature_degree": measures.quadrature_degree})
+    exact = (found.areas[..., np.newaxis] * found.at_points).sum(axis=(0, 1))
+    points = found.point_function()
+    points.name = "points"
+    for g in (points, found.cell_function()):
+        for i in range(8):
+            total = fem.assemble_scalar(fem.form(g[i] * dx))
+            size = (found.areas * np.abs(found.at_points[..., i])).sum()
+            # the nearest bilinear field need not have the same mean where stress is of higher order
+            exactly = degree == 1 or g.name == "points"
+            assert abs(total - exact[i]) <= (1e-12 if exactly else 0.05) * size
+    assert found.point_function("N max").x.array.size == found.areas.size
+
+
+def test_files_hold_cell_and_point_data(tmp_path):
+    import pyvista
+
+    shell, result = cantilever("quadrilateral", 1, None)
+    found = fl.resultants(result, shell)
+    found.write_vtk(tmp_path / "plate.vtu")
+    grid = pyvista.read(tmp_path / "plate.vtu")
+    np.testing.assert_allclose(grid.points, found.frames[:, 0], atol=1e-6)
+    for name in (*COMPONENTS, "M max", "mises bottom"):
+        np.testing.assert_array_equal(grid.point_data[name], found.smooth(name))
+        np.testing.assert_array_equal(grid.cell_data[name], found.mean(name))
+    np.testing.assert_allclose(grid.cell_data["e1"][:, 0], 1.0, atol=1e-4)
+    assert grid.point_data["displacement"][:, 2].max() > 0
+    with pytest.raises(ValueError, match=r"'\.vtu'"):
+        found.write_vtk(tmp_path / "plate.vtk")
+    series = fl.resultant_series(result, shell)
+    fl.write_resultants(tmp_path / "plate.pvd", series, result.factors)
+    assert pyvista.get_reader(tmp_path / "plate.pvd").time_values == [1.0]
+    with pytest.raises(ValueError, match="one time for each of 1 states"):
+        fl.write_resultants(tmp_path / "plate.pvd", series, [0.0, 1.0])
+
+
+@pytest.mark.parametrize(("cell", "degree"), [("triangle", 2), ("quadrilateral", 2)])
+def test_cells_of_second_degree_are_drawn_as_they_are(tmp_path, cell, degree):
+    """Their area in the file is that of the shell: the nodes are in VTK's order."""
+    import pyvista
+
+    shell = arch_shell(cell, degree, fl.Displacement(), along=around)
+    fl.resultants(states(shell, shell.frames), shell).write_vtk(tmp_path / "arch.vtu")
+    surface = pyvista.read(tmp_path / "arch.vtu").extract_surface(nonlinear_subdivision=3)
+    assert surface.area == pytest.approx(shell.areas().sum(), rel=2e-3)
+
+
+def test_picture(tmp_path):
+    from PIL import Image
+
+    shell, result = cantilever("quadrilateral", 1, None, (8, 1), (0.0, 0.0, 2.0))
+    found = fl.resultants(result, shell)
+    found.picture(tmp_path / "M11.png", "M11", units=fl.Units(length="m", force="kN"))
+    image = np.asarray(Image.open(tmp_path / "M11.png").convert("RGB")).reshape(-1, 3)
+    assert len(np.unique(image, axis=0)) > 200  # a scale of colours, not one
+    with pytest.raises(ValueError, match=r"'\.png'"):
+        found.picture(tmp_path / "M11.jpg", "M11")
+
+
+def test_bad_input_is_named():
+    shell, result = cantilever("quadrilateral", 1, None)
+    other = fl.Shell(shell.mesh, ANGLE_PLY, name="other")
+    with pytest.raises(ValueError, match=r"no body 'other'"):
+        fl.resultants(result, other)
+    with pytest.raises(ValueError, match="has 1 states, got step 1"):
+        fl.resultants(result, shell, 1)
+    with pytest.raises(ValueError, match="must not be zero or normal"):
+        fl.resultants(result, shell, along=(0, 0, 1))
+    with pytest.raises(ValueError, match=r"along at .* must be 3"):
+        fl.resultants(result, shell, along=lambda x: x[:2])
+    found = fl.resultants(result, shell)
+    with pytest.raises(ValueError, match="no resultant 'N13'; there are: N11"):
+        found.raw("N13")
+    laminate = fl.resultants(states(other, other.frames), other)
+    with pytest.raises(ValueError, match="'mises top' is the stress in a homogeneous layer"):
+        laminate.mean("mises top")
