@@ -50,9 +50,12 @@ from fem_lie.shell import Shell
 from fem_lie.shell_loads import AreaLoad, EdgeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
+from fem_lie.solve.controls import DisplacementControl, LoadControl
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.path import follow_path
+from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath, PathState
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.vibrations import vibrations
@@ -75,11 +78,15 @@ __all__ = [
     "Clamp",
     "Components",
     "ConvergenceError",
+    "Critical",
+    "CriticalPoint",
     "Damping",
     "Director",
     "Displacement",
+    "DisplacementControl",
     "EdgeLoad",
     "Eigenstrain",
+    "EquilibriumPath",
     "EveryIteration",
     "Fixed",
     "Formulation",
@@ -94,6 +101,7 @@ __all__ = [
     "Limit",
     "LineLoad",
     "LineMesh",
+    "LoadControl",
     "LocalFrameForms",
     "Material",
     "Modes",
@@ -102,6 +110,7 @@ __all__ = [
     "Orthotropic",
     "Parametrisation",
     "PathResult",
+    "PathState",
     "Ply",
     "Point",
     "PointLoad",
@@ -131,6 +140,7 @@ __all__ = [
     "Warping",
     "director_strains",
     "follow_loads",
+    "follow_path",
     "from_dolfinx",
     "ground",
     "local_frame_forms",

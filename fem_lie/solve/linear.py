@@ -129,6 +129,15 @@ class DirectSolver:
             self._solvers[method] = ksp
         return self._solvers[method]
 
+    def negative_pivots(self) -> int | None:
+        """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
+        pc = self._ksp.getPC()
+        if pc.getType() != PETSc.PC.Type.CHOLESKY:
+            return None
+        if pc.getFactorSolverType() != "mumps":
+            return 0  # others exist for positive definite matrices only
+        return int(pc.getFactorMatrix().getInertia()[0])
+
     def solve(self) -> None:
         """Solve with the last factorisation."""
         self._ksp.solve(self._b, self._x)
