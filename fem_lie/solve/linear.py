@@ -57,6 +57,10 @@ INDEFINITE = SYMMETRIC[1:]
 """For symmetric matrices of surfaces that are bordered by constraints."""
 
 
+NEGATIVE = 12
+"""MUMPS' INFOG of the number of negative pivots."""
+
+
 def methods_for(system: System) -> tuple[Method, ...]:
     """What is fastest for the static equations of a scene."""
     if not system.uncoupled.any():
@@ -64,6 +68,11 @@ def methods_for(system: System) -> tuple[Method, ...]:
     if not system.symmetric:
         return SURFACES
     return SYMMETRIC if system.m == 0 else INDEFINITE
+
+
+def methods_on_paths(system: System) -> tuple[Method, ...]:
+    """Those whose factors tell the number of negative pivots, where the matrix is symmetric."""
+    return INDEFINITE if system.symmetric else methods_for(system)
 
 
 class DirectSolver:
@@ -136,7 +145,7 @@ class DirectSolver:
             return None
         if pc.getFactorSolverType() != "mumps":
             return 0  # others exist for positive definite matrices only
-        return int(pc.getFactorMatrix().getInertia()[0])
+        return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
 
     def solve(self) -> None:
         """Solve with the last factorisation."""

@@ -21,10 +21,10 @@ from fem_lie._jit import Array
 from fem_lie.buckling_modes import normalised
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import SceneEquilibrium
-from fem_lie.solve.linear import SingularMatrixError
+from fem_lie.solve.linear import NEGATIVE, SingularMatrixError, methods_on_paths
 from fem_lie.solve.spectrum import Pencil
 
-_NULL = 24  # MUMPS' ICNTL of null pivots
+_NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
 
 
 class StableEquilibrium(SceneEquilibrium):
@@ -42,7 +42,7 @@ class StableEquilibrium(SceneEquilibrium):
             prefix: Of the linear solver's options.
             carried_stress: Carry the stress as an iterate; otherwise plain Newton.
         """
-        super().__init__(scene, prefix)
+        super().__init__(scene, prefix, methods_on_paths)
         self._carried_stress = carried_stress
         self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self.system.count)
 
@@ -143,5 +143,5 @@ def inertia(A: sp.csr_matrix) -> tuple[int, int]:
         pc.setUp()
     except PETSc.Error as error:
         raise SingularMatrixError("the matrix is singular or not finite") from error
-    negative, zero, _ = pc.getFactorMatrix().getInertia()
-    return int(negative), int(zero)
+    factors = pc.getFactorMatrix()
+    return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))
