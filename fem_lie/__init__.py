@@ -2,6 +2,7 @@
 
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
+from fem_lie.buckling_modes import BucklingModes
 from fem_lie.choices import Choices
 from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
@@ -23,6 +24,13 @@ from fem_lie.elements.shell_measures import (
 )
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.groups import Group, Parametrisation
+from fem_lie.imperfections import (
+    FieldImperfection,
+    Imperfection,
+    ModeImperfection,
+    RandomImperfection,
+    imperfect,
+)
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import Fixed, InPlane, Joint, Revolute, RigidLink, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
@@ -50,6 +58,8 @@ from fem_lie.shell import Shell
 from fem_lie.shell_loads import AreaLoad, EdgeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
+from fem_lie.solve.branches import branch
+from fem_lie.solve.buckling import buckling
 from fem_lie.solve.controls import DisplacementControl, LoadControl
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
@@ -74,6 +84,7 @@ __all__ = [
     "Automatic",
     "Beam",
     "Body",
+    "BucklingModes",
     "Choices",
     "Clamp",
     "Components",
@@ -88,6 +99,7 @@ __all__ = [
     "Eigenstrain",
     "EquilibriumPath",
     "EveryIteration",
+    "FieldImperfection",
     "Fixed",
     "Formulation",
     "FrameMap",
@@ -96,6 +108,7 @@ __all__ = [
     "Group",
     "HellingerReissner",
     "HuWashizu",
+    "Imperfection",
     "InPlane",
     "Joint",
     "Limit",
@@ -104,6 +117,7 @@ __all__ = [
     "LoadControl",
     "LocalFrameForms",
     "Material",
+    "ModeImperfection",
     "Modes",
     "Never",
     "NodalFrames",
@@ -118,6 +132,7 @@ __all__ = [
     "PreStress",
     "PrescribedMotion",
     "PressureLoad",
+    "RandomImperfection",
     "Result",
     "Revolute",
     "RigidBody",
@@ -138,11 +153,14 @@ __all__ = [
     "Temperature",
     "Units",
     "Warping",
+    "branch",
+    "buckling",
     "director_strains",
     "follow_loads",
     "follow_path",
     "from_dolfinx",
     "ground",
+    "imperfect",
     "local_frame_forms",
     "read_gmsh",
     "read_gmsh_surface",

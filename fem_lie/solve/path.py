@@ -18,7 +18,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.follow import _check
-from fem_lie.solve.locate import Bracket, bisect, critical
+from fem_lie.solve.locate import Bracket, bisect, critical, hidden
 from fem_lie.solve.path_result import (
     Critical,
     CriticalPoint,
@@ -31,7 +31,7 @@ from fem_lie.solve.walk import LostError, Station, Walker
 
 Observer = Callable[[PathState], float]
 
-_SCALE = 0.05  # of the diameter: displacements below are small, whatever the path has seen
+_SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen
 _BEGIN = 0.25  # of the resolution: the first step
 _TURN = 0.35  # rad: wanted angle between successive tangents
 _SHARP = 1.0  # rad: larger angles are not accepted …
@@ -272,13 +272,25 @@ class _Follower:
         stations = found.stations
         whole = self._ended(whole)
         if self._locate is not None:
-            for bracket in critical(self._walker, whole, self._locate):
-                if bracket.ends[0] is not whole.origin:
-                    stations.append(replace(bracket.ends[0], iterations=0))
-                found.critical.append((bracket, len(stations) - 1))
+            self._look_between(whole)
         found.locating += self._walker.iterations - before
         stations.append(whole.ends[1])
         return stations[-1]
+
+    def _look_between(self, whole: Bracket) -> None:
+        """Keep the critical points of a step, and the states that were made to find them."""
+        found, (here, new) = self._found, whole.ends
+        between = hidden(self._walker, whole)
+        places = [whole.at[0], *(at for at, _ in between), whole.at[1]]
+        states = [here, *(station for _, station in between), new]
+        for k, state in enumerate(states[1:]):
+            part = replace(whole, at=(places[k], places[k + 1]), ends=(states[k], state))
+            for bracket in critical(self._walker, part, self._locate or 1.0):
+                if bracket.ends[0] is not states[k]:
+                    found.stations.append(replace(bracket.ends[0], iterations=0))
+                found.critical.append((bracket, len(found.stations) - 1))
+            if state is not new:
+                found.stations.append(replace(state, iterations=0))
 
     def _ended(self, whole: Bracket) -> Bracket:
         """The part of a step up to the end of the path, if that is in it."""

@@ -112,6 +112,12 @@ class StableEquilibrium(SceneEquilibrium):
         system.supports.turn_back(self._H, h.reshape(-1, 6))
         return h.reshape(-1, 6)
 
+    def stress(self, dx: Array) -> None:
+        """Carry the stress on along an increment, and multipliers, but leave the nodes."""
+        system = self.system
+        self.system.elastic.carry(self._H, dx[: 6 * system.count])
+        self._multipliers += self._scale * dx[6 * system.count :]
+
     def all_nodes(self, shapes: Array) -> Array:
         """Increments of leaders (k, n, 6) as normalised increments of all nodes."""
         twists = self.system.numbering.attachment.twists

@@ -90,6 +90,7 @@ class Walker:
         self.model, self.options, self.load = model, options, load
         self.iterations = 0
         self._mode: Array | None = None
+        self._last_load: Array | None = None
 
     def start(self, factor: float, sign: float) -> Station:
         """The present state of the model, which is in equilibrium at this factor."""
@@ -152,6 +153,7 @@ class Walker:
         """One linear solution, or whether none is needed."""
         model = self.model
         internal, load = model.forces()
+        self._last_load = load
         residual = internal - self._factor * load
         moved, changed = model.positions() - origin.places, self._factor - origin.factor
         rest = length - control.distance(moved, changed)
@@ -176,9 +178,10 @@ class Walker:
         probe: bool,
     ) -> Station:
         model = self.model
-        _, load = model.forces()
+        if way is None or self._last_load is None:
+            _, self._last_load = model.forces()
         model.factorise(factor)
-        response = model.solve(load)
+        response = model.solve(self._last_load)
         velocity, places = model.translations(response), model.positions()
         if way is not None:
             before, arc = way
@@ -201,10 +204,11 @@ class Walker:
         model = self.model
         n = len(model.weight)
         free = (~model.system.held).ravel()
-        x = self._mode
-        repeats = 3
-        if x is None:
-            x, repeats = np.random.default_rng(_SEED).standard_normal(n) * free, 12
+        if self._mode is None:
+            x: Array = np.random.default_rng(_SEED).standard_normal(n) * free
+            repeats = 12
+        else:
+            x, repeats = self._mode, 3
         value, right = np.nan, np.zeros(model.system.size)
         for _ in range(repeats):
             x = x / np.linalg.norm(x)
