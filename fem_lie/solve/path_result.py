@@ -244,7 +244,7 @@ class EquilibriumPath(StaticResult):
         self,
         path: str | os.PathLike[str],
         *,
-        images: int = 60,
+        images: int = 40,
         seconds: float = 4.0,
         title: str = "",
         units: Units = SI,
