@@ -49,6 +49,7 @@ class _Ends:
     high: float
     stop: Observer | None
     steps: int
+    critical: int | None
 
 
 def follow_path(
@@ -59,6 +60,7 @@ def follow_path(
     steps: int = 300,
     load_range: tuple[float, float] = (-inf, inf),
     stop: Observer | None = None,
+    critical_points: int | None = None,
     observe: Mapping[str, Observer] | None = None,
     control: DisplacementControl | LoadControl | None = None,
     start: Station | None = None,
@@ -81,6 +83,7 @@ def follow_path(
         steps: At most so many.
         load_range: The path ends where it leaves these load factors.
         stop: Function of the state; the path ends where it becomes positive.
+        critical_points: The path ends when so many limit points and bifurcations are found.
         observe: Functions of the state that are recorded, with their names.
         control: Steps of displacement or load; default: of arc length.
         start: State to begin with, of a path of this scene; default: unloaded.
@@ -98,7 +101,7 @@ def follow_path(
     _check(scene)
     if until is None and stop is None and not isinstance(control, DisplacementControl):
         until = 1.0
-    ends = _Ends(until, *load_range, stop, steps)
+    ends = _Ends(until, *load_range, stop, steps, critical_points)
     _check_options(ends, resolution, locate, start, control)
     model = StableEquilibrium(scene, petsc_options_prefix, carried_stress=carried_stress)
     load = abs(until) if until else 1.0
@@ -119,6 +122,11 @@ def _check_options(
     if not 0 < resolution <= 1 or ends.steps < 1:
         raise ValueError(
             f"wanted 0 < resolution ≤ 1 and steps ≥ 1, got {resolution!r} and {ends.steps!r}"
+        )
+    if ends.critical is not None and (ends.critical < 1 or locate is None):
+        raise ValueError(
+            f"critical_points must be 1 or more, and located, got {ends.critical!r} and "
+            f"locate={locate!r}"
         )
     if locate is not None and not 0 < locate < 1:
         raise ValueError(f"locate must be a relative tolerance between 0 and 1, got {locate!r}")
@@ -207,6 +215,9 @@ class _Follower:
             length = min(self._resolution, used * self._growth(here, new, arc))
             whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
             here = self._accept(whole)
+            if self._ends.critical is not None and len(found.critical) >= self._ends.critical:
+                found.complete = True
+                found.reason = f"{len(found.critical)} critical points are found"
 
     def _begin(self, start: Station | None, backwards: bool) -> Station:
         model, ends = self._model, self._ends
@@ -285,7 +296,7 @@ class _Follower:
         states = [here, *(station for _, station in between), new]
         for k, state in enumerate(states[1:]):
             part = replace(whole, at=(places[k], places[k + 1]), ends=(states[k], state))
-            for bracket in critical(self._walker, part, self._locate or 1.0):
+            for bracket in critical(self._walker, part, self._locate):
                 if bracket.ends[0] is not states[k]:
                     found.stations.append(replace(bracket.ends[0], iterations=0))
                 found.critical.append((bracket, len(found.stations) - 1))

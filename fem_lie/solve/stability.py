@@ -85,12 +85,15 @@ class StableEquilibrium(SceneEquilibrium):
             )
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Tangent of the free unknowns in their units, and the constraints' Jacobian."""
+        """Tangent of the free unknowns in their units, and constraints with rows of length one."""
         A, n = self._csr(), 6 * self.system.count
         free = np.flatnonzero(~self.system.held.ravel())
         weights = sp.diags(self.weight[free])
         K = (weights @ A[free][:, free] @ weights).tocsr()
-        return K, (A[n:][:, free] @ weights).tocsr()
+        B = (A[n:][:, free] @ weights).tocsr()
+        # they come scaled for the solution of increments
+        length = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        return K, (sp.diags(1.0 / length) @ B).tocsr()
 
     def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
         """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6)."""
