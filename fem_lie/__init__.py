@@ -2,6 +2,7 @@
 
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
+from fem_lie.buckling_modes import BucklingModes
 from fem_lie.choices import Choices
 from fem_lie.drilling import Parameters
 from fem_lie.elements.directors import Director, director_strains
@@ -24,6 +25,13 @@ from fem_lie.elements.shell_measures import (
 )
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.groups import Group, Parametrisation
+from fem_lie.imperfections import (
+    FieldImperfection,
+    Imperfection,
+    ModeImperfection,
+    RandomImperfection,
+    imperfect,
+)
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import Fixed, InPlane, Joint, Revolute, RigidLink, Spherical
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
@@ -52,9 +60,14 @@ from fem_lie.shell import Shell
 from fem_lie.shell_loads import AreaLoad, EdgeLoad, MassLoad, SurfacePressure, VolumeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
+from fem_lie.solve.branches import branch
+from fem_lie.solve.buckling import buckling
+from fem_lie.solve.controls import DisplacementControl, LoadControl
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.path import follow_path
+from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath, PathState
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
@@ -77,17 +90,23 @@ __all__ = [
     "Automatic",
     "Beam",
     "Body",
+    "BucklingModes",
     "Choices",
     "Clamp",
     "Components",
     "ConstantStep",
     "ConvergenceError",
+    "Critical",
+    "CriticalPoint",
     "Damping",
     "Director",
     "Displacement",
+    "DisplacementControl",
     "EdgeLoad",
     "Eigenstrain",
+    "EquilibriumPath",
     "EveryIteration",
+    "FieldImperfection",
     "Fixed",
     "Formulation",
     "FrameMap",
@@ -96,14 +115,17 @@ __all__ = [
     "Group",
     "HellingerReissner",
     "HuWashizu",
+    "Imperfection",
     "InPlane",
     "Joint",
     "Limit",
     "LineLoad",
     "LineMesh",
+    "LoadControl",
     "LocalFrameForms",
     "MassLoad",
     "Material",
+    "ModeImperfection",
     "Modes",
     "Never",
     "NodalFrames",
@@ -111,6 +133,7 @@ __all__ = [
     "Parameters",
     "Parametrisation",
     "PathResult",
+    "PathState",
     "Ply",
     "Point",
     "PointLoad",
@@ -118,6 +141,7 @@ __all__ = [
     "PreStress",
     "PrescribedMotion",
     "PressureLoad",
+    "RandomImperfection",
     "Result",
     "Resultants",
     "Revolute",
@@ -142,10 +166,14 @@ __all__ = [
     "Units",
     "VolumeLoad",
     "Warping",
+    "branch",
+    "buckling",
     "director_strains",
     "follow_loads",
+    "follow_path",
     "from_dolfinx",
     "ground",
+    "imperfect",
     "local_frame_forms",
     "read_gmsh",
     "read_gmsh_surface",

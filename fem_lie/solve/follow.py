@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from fem_lie.loads import StrainLoad
 from fem_lie.nodal import load_vector
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength, Path
-from fem_lie.solve.linear import ConvergenceError, DirectSolver, methods_for
+from fem_lie.solve.linear import ConvergenceError, DirectSolver, Method, methods_for
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.statics import StaticResult, advance
 from fem_lie.system import System
@@ -98,8 +98,19 @@ class SceneEquilibrium:
         diameter: See the protocol.
     """
 
-    def __init__(self, scene: Scene, prefix: str) -> None:
-        """Number the unknowns; the stress is that of the unloaded frames."""
+    def __init__(
+        self,
+        scene: Scene,
+        prefix: str,
+        methods: Callable[[System], Sequence[Method]] = methods_for,
+    ) -> None:
+        """Number the unknowns; the stress is that of the unloaded frames.
+
+        Args:
+            scene: What there is.
+            prefix: Of the linear solver's options.
+            methods: To factorise with; default: what is fastest under growing loads.
+        """
         self.system = system = System(scene, dynamics=False)
         self.diameter = system.length
         self._H, self._multipliers = system.frames.copy(), np.zeros(system.m)
@@ -107,7 +118,7 @@ class SceneEquilibrium:
         self._scale = np.ones(system.m)
         system.set_time(1.0, 1.0)
         self._loads = system.loads
-        self._solver = DirectSolver(system.kkt.matrix, prefix, methods_for(system))
+        self._solver = DirectSolver(system.kkt.matrix, prefix, methods(system))
         system.elastic.reset_stress(self._H)
         self._internal, self._load = np.empty(system.size), np.zeros(system.size)
         self._scratch = np.empty(system.size)

@@ -64,6 +64,8 @@ MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
 def methods_in_time(system: System) -> tuple[Method, ...]:
     """What is fastest for the equations of motion of a scene, whose matrix is not symmetric."""
     return MOTION if system.uncoupled.any() else CHAINS
+NEGATIVE = 12
+"""MUMPS' INFOG of the number of negative pivots."""
 
 
 def methods_for(system: System) -> tuple[Method, ...]:
@@ -73,6 +75,11 @@ def methods_for(system: System) -> tuple[Method, ...]:
     if not system.symmetric:
         return SURFACES
     return SYMMETRIC if system.m == 0 else INDEFINITE
+
+
+def methods_on_paths(system: System) -> tuple[Method, ...]:
+    """Those whose factors tell the number of negative pivots, where the matrix is symmetric."""
+    return INDEFINITE if system.symmetric else methods_for(system)
 
 
 class DirectSolver:
@@ -143,6 +150,15 @@ class DirectSolver:
             ksp.setFromOptions()
             self._solvers[method] = ksp
         return self._solvers[method]
+
+    def negative_pivots(self) -> int | None:
+        """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
+        pc = self._ksp.getPC()
+        if pc.getType() != PETSc.PC.Type.CHOLESKY:
+            return None
+        if pc.getFactorSolverType() != "mumps":
+            return 0  # others exist for positive definite matrices only
+        return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
 
     def solve(self) -> None:
         """Solve with the last factorisation."""

@@ -1,0 +1,276 @@
+"""A path of equilibrium as a result: states, stability, critical points, pictures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._jit import Array
+from fem_lie.bodies import Point
+from fem_lie.buckling_modes import moved_along
+from fem_lie.info import SceneInfo
+from fem_lie.plot import SI, Units
+from fem_lie.solve.statics import StaticResult
+from fem_lie.solve.walk import Station
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Critical(Enum):
+    """Kinds of critical points.
+
+    At a ``LIMIT`` point the load has an extremum along the path; at a ``BIFURCATION`` it goes on,
+    and other paths cross.
+    """
+
+    LIMIT = "limit point"
+    BIFURCATION = "bifurcation"
+
+
+@dataclass(frozen=True, eq=False)
+class PathState:
+    """One state, for functions that observe a path or stop it.
+
+    Attributes:
+        factor: Load factor.
+        frames: Of all nodes, shape (n, 4, 3).
+        initial: The same, unloaded.
+        negative_pivots: Negative eigenvalues of the tangent.
+        info: Bodies and joints.
+    """
+
+    factor: float
+    frames: Array
+    initial: Array
+    negative_pivots: int
+    info: SceneInfo
+
+    def position(self, point: Point | str) -> Array:
+        """Of a point, global components, shape (3,)."""
+        return self.frames[self.info.node(point), 0]
+
+    def displacement(self, point: Point | str) -> Array:
+        """Of a point, global components, shape (3,)."""
+        node = self.info.node(point)
+        return np.asarray(self.frames[node, 0] - self.initial[node, 0])
+
+    def rotation(self, point: Point | str) -> Array:
+        """Of a point, local to global, shape (3, 3)."""
+        return lie.rotation(self.frames[self.info.node(point)])
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPoint:
+    """A point of a path where the tangent is singular.
+
+    Attributes:
+        kind: Limit point or bifurcation.
+        factor: Load factor: the extremum, or the middle of the bracket.
+        bracket: Load factors of the states between which it was located.
+        negative_pivots: Negative eigenvalues of the tangent before and after.
+        eigenvalues: Smallest eigenvalues of the tangent there, in units of energy.
+        shapes: Their modes: local increments of all nodes, the largest displacement is 1, or the
+            largest rotation where there is hardly any displacement, shape (k, n, 6).
+        station: The state before it.
+        index: Its number among the states of the path.
+        frames: Frames of all nodes, shape (n, 4, 3).
+        info: Bodies and joints.
+    """
+
+    kind: Critical
+    factor: float
+    bracket: tuple[float, float]
+    negative_pivots: tuple[int, int]
+    eigenvalues: Array
+    shapes: Array
+    station: Station
+    index: int
+    frames: Array
+    info: SceneInfo
+
+    def moved(self, mode: int, amplitude: float) -> Array:
+        """Frames beside the critical state, along a mode.
+
+        Args:
+            mode: Counted from 1.
+            amplitude: Largest displacement.
+
+        Raises:
+            ValueError: There is no such mode.
+        """
+        return moved_along(self.shapes, self.frames, mode, [amplitude])[0]
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        mode: int = 1,
+        *,
+        amplitude: float | None = None,
+        title: str | None = None,
+        units: Units = SI,
+    ) -> None:
+        """Draw a mode: the critical state, and beside it.
+
+        Args:
+            path: Name of the ``.png`` file.
+            mode: Counted from 1.
+            amplitude: Largest displacement; default: a tenth of the model.
+            title: Above the picture; default: kind and load factor.
+            units: For the axes.
+
+        Raises:
+            ValueError: There is no such mode.
+        """
+        from fem_lie.picture import draw
+
+        size = float(np.linalg.norm(np.ptp(self.frames[:, 0], axis=0)))
+        largest = 0.1 * size if amplitude is None else amplitude
+        frames = moved_along(self.shapes, self.frames, mode, [0.0, 0.5 * largest, largest])
+        name = f"{self.kind.value} at load factor {self.factor:.6g}"
+        draw(self.info, frames, path, title=name if title is None else title, units=units)
+
+    def __str__(self) -> str:
+        """One line."""
+        before, after = self.negative_pivots
+        return (
+            f"{self.kind.value} at load factor {self.factor:.8g} "
+            f"(negative pivots {before} before, {after} after)"
+        )
+
+
+@dataclass(frozen=True)
+class EquilibriumPath(StaticResult):
+    """States of equilibrium along a path, critical points among them.
+
+    ``factors``, ``frames`` and ``iterations`` are those of the states, the first being where the
+    path began.
+
+    Attributes:
+        negative_pivots: Negative eigenvalues of the tangent at each state, shape (k,); a state with
+            none is stable.
+        critical: Limit points and bifurcations, in their order.
+        observed: The quantities that were observed, each of shape (k,).
+        complete: Whether the path came to its wanted end.
+        reason: Why it ended.
+        failed_steps: Number of steps that were given up, or repeated shorter.
+        locating_iterations: Linear solutions that went into locating points.
+        stations: The states, to begin with again: ``follow_path(scene, start=path.stations[3])``.
+    """
+
+    negative_pivots: npt.NDArray[np.int64]
+    critical: tuple[CriticalPoint, ...]
+    observed: Mapping[str, Array]
+    complete: bool
+    reason: str
+    failed_steps: int
+    locating_iterations: int
+    stations: tuple[Station, ...]
+
+    def __len__(self) -> int:
+        """Number of states."""
+        return len(self.factors)
+
+    @property
+    def stable(self) -> npt.NDArray[np.bool_]:
+        """Which states are stable, shape (k,)."""
+        return np.asarray(self.negative_pivots == 0)
+
+    @property
+    def limits(self) -> tuple[CriticalPoint, ...]:
+        """The limit points."""
+        return tuple(c for c in self.critical if c.kind is Critical.LIMIT)
+
+    @property
+    def bifurcations(self) -> tuple[CriticalPoint, ...]:
+        """The bifurcations."""
+        return tuple(c for c in self.critical if c.kind is Critical.BIFURCATION)
+
+    @property
+    def total_iterations(self) -> int:
+        """Linear solutions in all."""
+        return int(self.iterations.sum()) + self.failed_iterations + self.locating_iterations
+
+    def displacement(self, point: Point | str) -> Array:
+        """Displacements of a point at all states, shape (k, 3)."""
+        return np.asarray(self.position(point) - self.initial[self.info.node(point), 0])
+
+    def plot_path(
+        self,
+        values: Array | str,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        label: str = "",
+        load: float = 1.0,
+        load_label: str = "load factor",
+        others: Sequence[tuple[EquilibriumPath, Array]] = (),
+        reference: tuple[Array, Array, str] | None = None,
+        shape: bool = True,
+        units: Units = SI,
+    ) -> Figure:
+        """Load over a quantity, stable states drawn through and unstable ones dashed.
+
+        Args:
+            values: Of all states, shape (k,), or the name of an observed quantity.
+            path: Name of the file if it is to be saved.
+            label: What the values are.
+            load: Load at factor 1.
+            load_label: What the load is.
+            others: Further paths with their values, such as branches.
+            reference: Values, loads and name of points to be drawn with it.
+            shape: Draw the last state beside the curve.
+            units: For the axes.
+
+        Raises:
+            ValueError: Nothing was observed under this name, or the values are not of all states.
+        """
+        from fem_lie.path_plot import plot_paths
+
+        chosen = self._values(values)
+        name = label or (values if isinstance(values, str) else "")
+        paths = [(self, chosen), *((other, other._values(v)) for other, v in others)]
+        return plot_paths(
+            paths, path, (name, load_label), load, reference=reference, shape=shape, units=units
+        )
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        images: int = 40,
+        seconds: float = 4.0,
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the states one after the other as an animated picture.
+
+        Args:
+            path: Name of the ``.gif`` file.
+            images: At most so many, evenly taken from the states.
+            seconds: How long it plays.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.picture import animate
+
+        count = min(images, len(self))
+        rows = np.unique(np.linspace(0, len(self) - 1, count).round().astype(int))
+        animate(self.info, self.frames[rows], path, seconds=seconds, title=title, units=units)
+
+    def _values(self, values: Array | str) -> Array:
+        if isinstance(values, str):
+            if values not in self.observed:
+                known = ", ".join(self.observed) or "nothing"
+                raise ValueError(f"{values!r} was not observed along the path, but {known}")
+            return self.observed[values]
+        given = np.asarray(values, dtype=np.float64)
+        if given.shape != self.factors.shape:
+            raise ValueError(f"values must have shape {self.factors.shape}, got {given.shape}")
+        return given

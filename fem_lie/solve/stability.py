@@ -1,0 +1,156 @@
+"""Stability of equilibrium: what the factorisation and the spectrum of the tangent say.
+
+At equilibrium under loads that have a potential the tangent in local increments is symmetric. The
+number of negative pivots of its ``L D Lᵀ`` is that of its negative eigenvalues (Sylvester's law of
+inertia): zero of them, and the equilibrium is stable. Bordered by m independent constraints the
+matrix has m negative pivots more. (J. M. T. Thompson & G. W. Hunt, A General Theory of Elastic
+Stability, 1973.)
+
+For loads without potential, such as moments about fixed axes, it is the number of the symmetric
+part: zero of them excludes divergence, more need not mean it.
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._jit import Array
+from fem_lie.buckling_modes import normalised
+from fem_lie.scene import Scene
+from fem_lie.solve.follow import SceneEquilibrium
+from fem_lie.solve.linear import NEGATIVE, SingularMatrixError, methods_on_paths
+from fem_lie.solve.spectrum import Pencil
+
+_NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
+
+
+class StableEquilibrium(SceneEquilibrium):
+    """A scene along its path, with the inertia of its tangent.
+
+    Attributes:
+        weight: Units of the unknowns of the nodes: lengths and radians, shape (6 n,).
+    """
+
+    def __init__(self, scene: Scene, prefix: str, *, carried_stress: bool = True) -> None:
+        """Build the system.
+
+        Args:
+            scene: What there is.
+            prefix: Of the linear solver's options.
+            carried_stress: Carry the stress as an iterate; otherwise plain Newton.
+        """
+        super().__init__(scene, prefix, methods_on_paths)
+        self._carried_stress = carried_stress
+        self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self.system.count)
+
+    def factorise(self, factor: float) -> None:
+        """See the protocol."""
+        if not self._carried_stress:
+            self.system.elastic.reset_stress(self._H)
+        super().factorise(factor)
+
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the last tangent on what constraints leave free."""
+        found = self._solver.negative_pivots()
+        if found is None:
+            A = self._csr()
+            found = inertia((0.5 * (A + A.T)).tocsr())[0]
+        return found - self.system.m
+
+    def solve_raw(self, b: Array) -> Array:
+        """Solve with the last tangent in its own unknowns, along fixed axes at some supports."""
+        self._solver.right_hand_side[:] = b
+        self._solver.solve()
+        return self._solver.solution.copy()
+
+    def check_start(self, factor: float) -> None:
+        """Raise ``ValueError`` if the tangent is singular in the present state."""
+        self._fill(factor)
+        A = self._csr()
+        scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
+        if self.system.m:
+            scale = sp.identity(A.shape[0])
+        try:
+            zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
+        except SingularMatrixError:
+            zero = 1
+        if zero:
+            raise ValueError(
+                f"the path has no start: the tangent at load factor {factor:g} is singular "
+                f"({zero} null pivots). Is every body held by clamps, supports or joints, with no "
+                "motion left free?"
+            )
+
+    def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Tangent of the free unknowns in their units, and constraints with rows of length one."""
+        A, n = self._csr(), 6 * self.system.count
+        free = np.flatnonzero(~self.system.held.ravel())
+        weights = sp.diags(self.weight[free])
+        K = (weights @ A[free][:, free] @ weights).tocsr()
+        B = (A[n:][:, free] @ weights).tocsr()
+        # they come scaled for the solution of increments
+        length = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        return K, (sp.diags(1.0 / length) @ B).tocsr()
+
+    def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
+        """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6)."""
+        self._fill(factor)
+        K, B = self.pencil()
+        K = (0.5 * (K + K.T)).tocsr()
+        count = min(count, K.shape[0] - B.shape[0])
+        unit = sp.identity(K.shape[0], format="csr")
+        s, vectors, _ = Pencil(unit, None, K, B).smallest(count, 0.0, prefix)
+        values = -(s**2).real
+        return values, np.array([self.increments(vector.real) for vector in vectors])
+
+    def increments(self, vector: Array) -> Array:
+        """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
+        system = self.system
+        h = np.zeros(6 * system.count)
+        free = ~system.held.ravel()
+        h[free] = self.weight[free] * vector
+        system.supports.turn_back(self._H, h.reshape(-1, 6))
+        return h.reshape(-1, 6)
+
+    def stress(self, dx: Array) -> None:
+        """Carry the stress on along an increment, and multipliers, but leave the nodes."""
+        system = self.system
+        self.system.elastic.carry(self._H, dx[: 6 * system.count])
+        self._multipliers += self._scale * dx[6 * system.count :]
+
+    def all_nodes(self, shapes: Array) -> Array:
+        """Increments of leaders (k, n, 6) as normalised increments of all nodes."""
+        twists = self.system.numbering.attachment.twists
+        return normalised(np.array([twists(shape) for shape in shapes]), self.diameter)
+
+    def _csr(self) -> sp.csr_matrix:
+        pointers, columns, data = self.system.kkt.matrix.getValuesCSR()
+        size = self.system.size
+        return sp.csr_matrix((data.copy(), columns, pointers), shape=(size, size))
+
+
+def inertia(A: sp.csr_matrix) -> tuple[int, int]:
+    """Numbers of negative and of zero pivots of a symmetric matrix, by MUMPS.
+
+    Raises:
+        SingularMatrixError: It cannot be factorised.
+    """
+    A.sort_indices()
+    csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
+    matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
+    matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setOperators(matrix)
+    pc.setType(PETSc.PC.Type.CHOLESKY)
+    pc.setFactorSolverType("mumps")
+    pc.setFactorSetUpSolverType()
+    pc.getFactorMatrix().setMumpsIcntl(_NULL, 1)
+    try:
+        pc.setUp()
+    except PETSc.Error as error:
+        raise SingularMatrixError("the matrix is singular or not finite") from error
+    factors = pc.getFactorMatrix()
+    return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))
