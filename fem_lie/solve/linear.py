@@ -56,16 +56,16 @@ SYMMETRIC = (Method("cholesky", "cholmod"), Method("cholesky", "mumps"))
 INDEFINITE = SYMMETRIC[1:]
 """For symmetric matrices of surfaces that are bordered by constraints."""
 
-
 MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
 """For surfaces in time, factorised once and solved often: umfpack solves twice as fast as mumps."""
+
+NEGATIVE = 12
+"""MUMPS' INFOG of the number of negative pivots."""
 
 
 def methods_in_time(system: System) -> tuple[Method, ...]:
     """What is fastest for the equations of motion of a scene, whose matrix is not symmetric."""
     return MOTION if system.uncoupled.any() else CHAINS
-NEGATIVE = 12
-"""MUMPS' INFOG of the number of negative pivots."""
 
 
 def methods_for(system: System) -> tuple[Method, ...]:
