@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from fem_lie.bodies import Body, vector
 from fem_lie.choices import Choices
-from fem_lie.joints import Joint, RigidLink
+from fem_lie.joints import Connection, Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
 
 if TYPE_CHECKING:
     from fem_lie.plot import Units
 
-Item = TypeVar("Item", bound=Body | Joint | RigidLink | Load | Clamp | PrescribedMotion)
+Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
 
 
 class Scene:
@@ -26,6 +26,7 @@ class Scene:
         gravity: Acceleration of free fall, global components, shape (3,).
         choices: What is forced into or out of the iteration matrix.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
+        connections: Springs, drives and gears.
     """
 
     def __init__(
@@ -41,13 +42,14 @@ class Scene:
         self.choices = Choices() if choices is None else choices
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self.connections: list[Connection] = []
         self.links: list[RigidLink] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, rigid link, load, clamp or prescribed motion, and return it.
+        """Add a body, joint, spring, drive, load, support and so on, and return it.
 
         Raises:
             ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
@@ -56,14 +58,15 @@ class Scene:
         """
         if isinstance(item, Body):
             self._add_body(item)
-        elif isinstance(item, Joint):
-            self._check_points(item.label, item.a.body, item.b.body)
-            item.frame()
-            if item.selection[:, 3:].any() or item.at is not None:
-                self._check_drilling(item.label, item.a.body, item.b.body)
-            if item.a.body is item.b.body and item.a.node == item.b.node:
-                raise ValueError(f"{item.label} joins a point to itself")
-            self.joints.append(item)
+        elif isinstance(item, Connection):
+            item.check()
+            self._check_points(item.label, *item.bodies)
+            if item.turns:
+                self._check_drilling(item.label, *item.bodies)
+            if isinstance(item, Joint):
+                self.joints.append(item)
+            else:
+                self.connections.append(item)
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)

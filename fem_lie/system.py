@@ -15,13 +15,12 @@ from mpi4py import MPI
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array, Indices
+from fem_lie._jit import Array
 from fem_lie.choices import Choices
-from fem_lie.constraints import JointTable
+from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.groups import Parametrisation
-from fem_lie.info import JointInfo, SceneInfo
-from fem_lie.joints import Fixed, Joint
+from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
 from fem_lie.nodal import add_mass_damping, load_potential, rigid_residual
@@ -47,7 +46,7 @@ class System:
         count: Moving nodes ``n``; ``size`` unknowns are six of each and ``m`` multipliers.
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
-        table: All joints.
+        connections: All joints, and what acts along them; ``table`` is theirs.
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
@@ -94,8 +93,9 @@ class System:
         for clamp in scene.clamps:
             self.held[self.numbering.node(clamp.point)] = True
         self._any_held = bool(self.held.any())
-        self.joints, self.table, self._reported = self._tabulate(scene)
-        self.m = len(self.table.selection)
+        self.connections = Connections(scene, self.numbering, self.frames, self.held)
+        self.table = self.connections.table
+        self.m = len(self.table.targets)
         self.size = 6 * self.count + self.m
         box = np.ptp(self.frames[: self.count, 0], axis=0)
         self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
@@ -103,7 +103,8 @@ class System:
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         self._damping = damping if dynamics else None
         self._loads = LoadCases(scene, self.numbering, self._weight(scene))
-        self.time_dependent = self._loads.time_dependent or bool(self._motions)
+        moves = bool(self._motions) or self.connections.driven
+        self.time_dependent = self._loads.time_dependent or moves
         numbering = self.numbering
         self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressure)
         self._viscous = dynamics and self.elastic.viscous
@@ -111,7 +112,7 @@ class System:
             self.inertia,
             self._damping,
             self.elastic,
-            self.table,
+            self.connections,
             self.held,
             self.numbering.supports,
             viscous=self._viscous,
@@ -123,7 +124,7 @@ class System:
                 "joints in dynamics"
             )
         B = self.tangent.jacobian(self.frames)
-        check_redundancy(B, self.joints, self.table, self.length)
+        check_redundancy(B, self.connections, self.length)
         self._work = np.zeros((2, self.count, 4, 3))
         self.force = self._work[1]
         self._damping_work = np.zeros_like(self._work)
@@ -132,31 +133,6 @@ class System:
         self.choices = Choices(gyroscopic=True, geometric=True)
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
-
-    def _tabulate(self, scene: Scene) -> tuple[list[Joint], JointTable, Indices]:
-        """All joints, a prescribed motion being a fixed joint to its moving frame.
-
-        Side A is one that moves; the third result is where in the table the user's side A is.
-        """
-        joints = list(scene.joints)
-        sides = [(self.numbering.node(joint.a), self.numbering.node(joint.b)) for joint in joints]
-        for k, motion in enumerate(scene.motions):
-            joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
-            sides.append((self.numbering.node(motion.point), self.count + 1 + k))
-        nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
-        still = np.append(self.held.all(axis=1), [True] * (len(self.frames) - self.count))[nodes]
-        reversible = np.array([joint.reversible for joint in joints], dtype=bool)
-        turned = reversible & still[:, 0] & ~still[:, 1]
-        nodes[turned] = nodes[turned, ::-1]
-        frames = np.empty((len(joints), 2, 4, 3))
-        for k, joint in enumerate(joints):
-            for side in range(2):
-                inverse = lie.se3_inverse(self.frames[nodes[k, side]])
-                frames[k, side] = lie.se3_compose(inverse, joint.frame())
-        sizes = [len(joint.selection) for joint in joints]
-        first = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]).astype(np.int64)
-        selection = np.concatenate([np.empty((0, 12))] + [joint.selection for joint in joints])
-        return joints, JointTable(nodes, frames, first, selection), turned.astype(np.int64)
 
     def _weight(self, scene: Scene) -> Array:
         """Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3)."""
@@ -170,10 +146,12 @@ class System:
         """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
 
         Raises:
-            ValueError: A history or motion is not finite.
+            ValueError: A history, motion or drive is not finite.
         """
         self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
+        if self.connections.driven:
+            self.table.targets[:] = self.connections.targets(time)
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
@@ -261,7 +239,9 @@ class System:
             (mass, damping),
         )
         tangent.add_elastic(H)
+        tangent.add_springs(H)
         if damping != 0.0:
+            tangent.add_dampers(H, damping)
             tangent.add_viscosity(H, damping)
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
@@ -274,16 +254,21 @@ class System:
         """Potential of gravity and of loads fixed in space that have no history and no moment."""
         return float(load_potential(H, self.loads.dead))
 
-    def joint_forces(self, H: Array, weights: Array) -> Array:
-        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6)."""
-        forces = np.empty((len(self.joints), 6))
-        constraints.wrenches(H, self.table, weights, self._reported, forces)
-        return forces
+    def stored_energy(self, H: Array) -> float:
+        """Energy of elements and springs."""
+        return self.elastic.energy(H) + float(constraints.spring_energy(H, self.table))
+
+    def joint_forces(self, H: Array, weights: Array, v: Array | None = None) -> Array:
+        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6).
+
+        ``v`` are the twists of the moving nodes, which dampers feel; default: none.
+        """
+        return self.connections.forces(H, self._still if v is None else v, weights)
 
     @property
     def symmetric(self) -> bool:
         """Whether the static equations have a symmetric matrix in every state."""
-        bound = bool(self.table.selection[:, 3:].any())
+        bound = bool(self.table.selection[:, 3:].any() or self.table.functions.any())
         turning = self._loads.turning or self._loads.pressure is not None
         return bool(self.uncoupled.all()) and not bound and not turning
 
@@ -303,19 +288,7 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
-        leaders, table = self.numbering.attachment.leaders, self.table
-        # drawn on its side A, or on B if A is ground
-        sides = (table.nodes[:, 0] >= self.count).astype(np.int64)
-        joints = tuple(
-            JointInfo(
-                name=joint.label,
-                kind=type(joint).__name__,
-                node=int(leaders[table.nodes[k, side]]),
-                offset=table.frames[k, side, 0],
-            )
-            for k, (joint, side) in enumerate(zip(self.joints, sides, strict=True))
-        )
-        return SceneInfo(self.numbering.bodies(), joints)
+        return SceneInfo(self.numbering.bodies(), self.connections.info())
 
 
 def _yes(chosen: bool | None) -> str:

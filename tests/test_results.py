@@ -49,7 +49,7 @@ def _rod():
         "tip", "RigidBody", np.array([NODES]), box=np.array([0.5, 0.2, 0.1]), points={"centre": 5}
     )
     joints = (
-        JointInfo("hinge", "Revolute", node=0),
+        JointInfo("hinge", "Cylindrical", node=0, coordinates=("angle", "displacement")),
         JointInfo("weld", "Fixed", 5, np.array([-0.25, 0, 0])),
     )
     return Result(
@@ -57,6 +57,8 @@ def _rod():
         frames=frames,
         velocities=np.tile(velocity, (count, 1, 1)),
         joint_forces=np.random.default_rng(0).normal(size=(count, 2, 6)),
+        joint_coordinates=np.column_stack([times, 2 * times]),
+        joint_violations=np.zeros((count, 2)),
         kinetic=2.0 + 0.5 * np.sin(times),
         elastic=1.0 - 0.5 * np.sin(times) + 3e-9 * times,
         potential=np.zeros(count),

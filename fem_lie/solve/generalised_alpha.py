@@ -148,7 +148,7 @@ class _Run:
         self._turned = options.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
-        turns = ~system.table.selection[:, :3].any(axis=1)
+        turns = system.connections.angular
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
@@ -200,6 +200,7 @@ class _Run:
                     seconds = clock.perf_counter() - begin
                     result = recorder.result(self.solver.factorisations, seconds)
                     raise ConvergenceError(self._failure(recorder.steps), result)
+                system.connections.accept(s.H)
                 recorder.record(index, s.H, s.twist1, self.weights, iterations)
         return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
 

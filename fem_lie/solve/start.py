@@ -32,12 +32,13 @@ def check_velocities(system: System, step: float) -> None:
     velocities, _ = with_driven(system, system.velocities, 0.0, step)
     first, second = np.zeros(system.m), np.zeros(system.m)
     constraints.rates(system.frames, velocities, system.table, first, second)
+    first -= system.connections.target_rates(0.0, step)[0]
     speed = max(np.abs(velocities[:, :3]).max() / system.length, np.abs(velocities[:, 3:]).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step) * max(1.0, system.length)
     if (np.abs(first) > bound).any():
         c = int(np.abs(first).argmax())
-        joint = system.joints[int(np.searchsorted(system.table.first, c, side="right")) - 1]
+        joint = system.connections.items[int(system.connections.owner[c])]
         raise ValueError(
             f"the initial velocities break {joint.label}: its constraint changes at the rate "
             f"{first[c]:g}; give both bodies velocities that the joint allows"
@@ -95,7 +96,7 @@ def accelerations(
     rate = np.zeros_like(v)
     rate[n + 1 :] = driven
     constraints.rates(H, rate, system.table, drive, first)
-    r[6 * n :] = second + drive
+    r[6 * n :] = second + drive - system.connections.target_rates(time, step)[1]
     _fill(system, H, step)
     try:
         solver.factorise()
@@ -116,6 +117,8 @@ def _fill(system: System, H: Array, step: float) -> None:
     tangent.clear()
     system.elastic.reset_stress(H)
     tangent.add_elastic(H)
+    tangent.add_springs(H)
+    tangent.add_dampers(H, 0.5 * step)
     tangent.add_mass(H, system.kinds)
     tangent.fill(tangent.A + 0.25 * step**2 * tangent.K, H, np.ones(system.m))
 
