@@ -34,7 +34,9 @@ REFERENCE = {  # t: slider x, crank angle
 }
 
 
-def mechanism(elements: int = 0, modulus: float = 2e8) -> tuple[fl.Scene, fl.Revolute, fl.Prismatic]:
+def mechanism(
+    elements: int = 0, modulus: float = 2e8
+) -> tuple[fl.Scene, fl.Revolute, fl.Prismatic]:
     """The scene, the crank's and the slider's joint; without elements the rod is rigid."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     crank = scene.add(
@@ -77,7 +79,9 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     scene, pivot, guide = mechanism(elements, modulus)
-    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=duration, step=step)
+    result = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10).run(
+        scene, duration=duration, step=step
+    )
     x = 0.2 + result.coordinate(guide)
     angle = result.coordinate(pivot)
     print("   t [s]    slider [m]   crank [rad]")

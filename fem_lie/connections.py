@@ -51,6 +51,15 @@ class Border(NamedTuple):
         return int(self.ptr[row] + found[0]) if len(found) else -1
 
 
+_FORWARD = np.array(
+    [
+        [-137 / 60, 5, -5, 10 / 3, -5 / 4, 1 / 5],
+        [15 / 4, -77 / 6, 107 / 6, -13, 61 / 12, -5 / 6],
+    ]
+)
+"""First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
+
+
 class _Pair(NamedTuple):
     """A tie between two nodes, perhaps with its sides exchanged."""
 
@@ -200,12 +209,10 @@ class Connections:
         return values
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """First and second rates of the targets at ``time``, by three later times."""
-        here = self.targets(time)
-        d1, d2, d3 = (self.targets(time + k * step) - here for k in (1, 2, 3))
-        first: Array = (18 * d1 - 9 * d2 + 2 * d3) / (6 * step)
-        second: Array = (-5 * d1 + 4 * d2 - d3) / step**2
-        return first, second
+        """First and second rates of the targets at ``time``, by five later times."""
+        values = [self.targets(time + k * step) for k in range(6)]
+        first, second = np.tensordot(_FORWARD, values, axes=1)
+        return first / step, second / step**2
 
     def accept(self, H: Array) -> None:
         """Remember the angles of an accepted state."""
