@@ -4,8 +4,8 @@ IFToMM benchmark (O. A. Bauchau et al., Multibody Syst. Dyn. 37 (2016) 29). Thre
 CD, at first a rectangle 0.24 m x 0.12 m in the x-z plane, are hinged about y to each other and to
 the ground at A and D; the axis at C is turned by 5 degrees about the vertical. Bar AB is driven
 with 0.6 rad/s. With parallel axes the parallelogram would move freely; with the defect the bars
-must bend and twist at every angle but one, and where it is flat (90 degrees) the mechanism goes over
-to the crossed branch, and back at 270 degrees.
+must bend and twist at every angle but one, and where it is flat (90 degrees) the mechanism goes
+over to the crossed branch, and back at 270 degrees.
 
 Bars AB and BC 16 mm, CD 8 mm square. The speed is taken up smoothly within --ramp seconds; results
 are compared at equal angles of the drive, for the motion is quasi-static. Reference: Exudyn 1.13.6,

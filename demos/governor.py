@@ -62,7 +62,7 @@ def rod(scene: fl.Scene, side: float, axis: fl.RigidBody, slider: fl.RigidBody) 
     joint = scene.add(
         fl.Revolute(axis.centre, body.centre, at=hinge, axis=(0, -side, 0), name=f"hinge {side:+}")
     )
-    bottom = slider.centre.position + (side * ASIDE, 0, 0)
+    bottom = slider.centre.position + np.array([side * ASIDE, 0, 0])
     distance = fl.Distance(body.centre, slider.centre, at=middle, to=bottom)
     scene.add(fl.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
     return joint

@@ -1,8 +1,8 @@
 """Spatial slider-crank: a crank drives a slider through a rod, rigid or flexible.
 
 After the IFToMM benchmark of that name (E. J. Haug, Computer Aided Kinematics and Dynamics of
-Mechanical Systems, 1989). The crank, 0.08 m, turns about the axis x through A = (0, 0.1, 0.12) m; the
-rod, 0.3 m, joins its end B to a slider C on the axis x. Gravity acts along -z, the crank starts
+Mechanical Systems, 1989). The crank, 0.08 m, turns about the axis x through A = (0, 0.1, 0.12) m;
+the rod, 0.3 m, joins its end B to a slider C on the axis x. Gravity acts along -z, the crank starts
 upright with 6 rad/s. Revolute joint at A, spherical joints at B and C, prismatic joint of the
 slider. Crank 0.12 kg, rod 0.5 kg, slider 2 kg.
 

@@ -2,7 +2,7 @@
 
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
-from fem_lie.choices import Choices
+from fem_lie.choices import Choices, Redundant
 from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
@@ -133,6 +133,7 @@ __all__ = [
     "PrescribedMotion",
     "PressureLoad",
     "Prismatic",
+    "Redundant",
     "Result",
     "Revolute",
     "RigidBody",

@@ -23,6 +23,11 @@ from fem_lie.connections import Border
 
 Flags = npt.NDArray[np.bool_]
 
+SOFTNESS = 1e-7
+"""By how much redundant constraints yield in one iteration, over what they would without others.
+
+The matrix is regular with it, and the iteration still ends where all constraints are met."""
+
 
 @compiled
 def _fill(
@@ -36,6 +41,7 @@ def _fill(
     columns: Array,
     rows: Array,
     scale: Array,
+    softness: Array,
     data: Array,
 ) -> None:
     at = 0
@@ -58,6 +64,9 @@ def _fill(
             for n in range(6):
                 data[at] = rows[leg, n] * scale[c]
                 at += 1
+        if len(softness):
+            data[at] = -softness[c]
+            at += 1
 
 
 @compiled
@@ -81,6 +90,8 @@ class KKT:
         pairs: list[tuple[Indices, Indices]],
         border: Border,
         held: Flags,
+        *,
+        redundant: bool = False,
     ) -> None:
         """Build the pattern.
 
@@ -88,7 +99,10 @@ class KKT:
             pairs: Rows and columns of coupled node pairs; the diagonal is added.
             border: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
+            redundant: Whether constraints may follow from others; they yield a little then, see
+                :data:`SOFTNESS`.
         """
+        self._redundant = redundant
         count, m = len(held), len(border.ptr) - 1
         self.legs, self._held = border, held
         diagonal = np.arange(count)
@@ -123,8 +137,9 @@ class KKT:
             lengths += [len(row)] * 6
         for constraint in range(m):
             nodes = border.nodes[border.ptr[constraint] : border.ptr[constraint + 1]]
-            columns.append((6 * nodes[:, np.newaxis] + np.arange(6)).ravel())
-            lengths.append(6 * len(nodes))
+            row = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
+            columns.append(np.append(row, 6 * count + constraint) if self._redundant else row)
+            lengths.append(len(columns[-1]))
         self._row_pointers = np.concatenate([[0], np.cumsum(lengths)]).astype(PETSc.IntType)
         self._columns = np.concatenate(columns).astype(PETSc.IntType)
         self._size = len(self._columns)
@@ -160,7 +175,18 @@ class KKT:
             columns,
             rows,
             scale,
+            self._softness(blocks, columns, scale),
             self._data,
         )
         self.matrix.stateIncrease()
         self.matrix.assemble()
+
+    def _softness(self, blocks: Array, columns: Array, scale: Array) -> Array:
+        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, (m,); none if not wanted."""
+        if not self._redundant:
+            return np.empty(0)
+        nodes = np.arange(len(self._held))
+        S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
+        legs = (columns**2 / np.where(S > 0.0, S, 1.0)[self.legs.nodes]).sum(axis=1)
+        total = np.bincount(self.legs.rows, legs, minlength=len(scale)) * scale**2
+        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))

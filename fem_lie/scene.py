@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie.bodies import Body, vector
-from fem_lie.choices import Choices
+from fem_lie.choices import Choices, Redundant
 from fem_lie.joints import Connection, Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
 
@@ -25,21 +25,28 @@ class Scene:
     Attributes:
         gravity: Acceleration of free fall, global components, shape (3,).
         choices: What is forced into or out of the iteration matrix.
+        redundant: What to do with constraints that follow from others.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
         connections: Springs, drives and gears.
     """
 
     def __init__(
-        self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0), *, choices: Choices | None = None
+        self,
+        gravity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        choices: Choices | None = None,
+        redundant: Redundant = Redundant.REFUSE,
     ) -> None:
         """Start empty.
 
         Args:
             gravity: Acceleration of free fall, global components.
             choices: What is forced into or out of the iteration matrix; default: nothing.
+            redundant: What to do with constraints that follow from others.
         """
         self.gravity = vector(gravity, 3, "gravity")
         self.choices = Choices() if choices is None else choices
+        self.redundant = Redundant(redundant)
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self.connections: list[Connection] = []

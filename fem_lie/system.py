@@ -10,13 +10,15 @@ Index 3 equations at a time level::
 
 from __future__ import annotations
 
+import logging
+
 from mpi4py import MPI
 
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array
-from fem_lie.choices import Choices
+from fem_lie.choices import Choices, Redundant
 from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.groups import Parametrisation
@@ -25,9 +27,11 @@ from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
 from fem_lie.nodal import add_mass_damping, load_potential, rigid_residual
 from fem_lie.numbering import Numbering
-from fem_lie.redundancy import check_redundancy
+from fem_lie.redundancy import minimum_norm, redundant_constraints, refuse
 from fem_lie.scene import Scene
 from fem_lie.tangent import Tangent
+
+_log = logging.getLogger(__name__)
 
 
 def refuse_ranks() -> None:
@@ -116,6 +120,7 @@ class System:
             self.held,
             self.numbering.supports,
             viscous=self._viscous,
+            redundant=scene.redundant is not Redundant.REFUSE,
         )
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         if dynamics and self.supports:
@@ -124,7 +129,11 @@ class System:
                 "joints in dynamics"
             )
         B = self.tangent.jacobian(self.frames)
-        check_redundancy(B, self.connections, self.length)
+        redundant = redundant_constraints(B, self.length)
+        if scene.redundant is Redundant.REFUSE:
+            refuse(redundant, self.connections)
+        elif len(redundant):
+            _log.info("%d of %d constraints are redundant", len(redundant), self.m)
         self._work = np.zeros((2, self.count, 4, 3))
         self.force = self._work[1]
         self._damping_work = np.zeros_like(self._work)
@@ -263,6 +272,9 @@ class System:
 
         ``v`` are the twists of the moving nodes, which dampers feel; default: none.
         """
+        if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
+            measure = np.where(self.connections.angular, 1.0 / self.length, 1.0)
+            weights = minimum_norm(self.tangent.jacobian(H), weights, measure)
         return self.connections.forces(H, self._still if v is None else v, weights)
 
     @property

@@ -41,6 +41,7 @@ class Tangent:
         axes: Array,
         *,
         viscous: bool,
+        redundant: bool,
     ) -> None:
         """Find the pattern.
 
@@ -52,6 +53,7 @@ class Tangent:
             held: Which unknowns of the nodes are zero, shape (n, 6).
             axes: Fixed axes of the supports, see :class:`~fem_lie.supports.Supports`.
             viscous: Whether the viscous forces of ``elastic`` count.
+            redundant: Whether constraints may follow from others.
         """
         self._mass, self._damping = mass, damping
         self._elastic, self._viscous = elastic, viscous
@@ -63,7 +65,7 @@ class Tangent:
         both = (np.concatenate([a, b]), np.concatenate([b, a]))
         moving = (both[0] < self._count) & (both[1] < self._count)
         joined = (both[0][moving], both[1][moving])
-        self.kkt = KKT([pair, *elastic.pairs, joined], self._border, held)
+        self.kkt = KKT([pair, *elastic.pairs, joined], self._border, held, redundant=redundant)
         place = self.kkt.place
         self._place_mass = place(*pair)
         self._place_elastic = [place(*pair) for pair in elastic.pairs]
@@ -102,7 +104,8 @@ class Tangent:
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
         B = self.jacobian(H)
         weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
-        return 1.0 / np.asarray(weighted.sum(axis=1)).ravel()
+        total = np.asarray(weighted.sum(axis=1)).ravel()
+        return np.divide(1.0, total, out=np.ones_like(total), where=total > 0.0)
 
     # --- parts ---
 

@@ -264,6 +264,31 @@ def test_joint_to_a_clamped_point_is_redundant():
         System(scene, dynamics=True)
 
 
+def held_twice(redundant: fl.Redundant) -> fl.Scene:
+    """A body on two fixed joints to the ground."""
+    scene = fl.Scene(gravity=(0, 0, -10.0), redundant=redundant)
+    body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0)))
+    for x in (-1.0, 1.0):
+        scene.add(fl.Fixed(fl.ground(), body.centre, at=(x, 0, 0), name=f"at {x:+.0f}"))
+    return scene
+
+
+def test_redundant_joint_forces_are_the_smallest():
+    """Each of two equal supports carries half the weight, and no moment is needed."""
+    with pytest.raises(ValueError, match="6 of 12 constraints are redundant"):
+        fl.statics(held_twice(fl.Redundant.REFUSE))
+    scene = held_twice(fl.Redundant.MINIMUM_NORM)
+    for forces in (
+        fl.statics(scene).joint_forces[-1],
+        fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01).joint_forces[-1],
+    ):
+        axes = scene.joints[0].frame()[1:]
+        # what the small softness of redundant constraints leaves
+        np.testing.assert_allclose(forces[:, :3] @ axes, [[0, 0, -10.0]] * 2, atol=1e-5)
+        # the moments of both shear forces about their joints cancel in the body
+        assert np.abs(forces[:, 3:].sum(axis=0)).max() < 1e-5
+
+
 @pytest.mark.parametrize("flexible", [False, True])
 def test_condition_of_matrix_does_not_depend_on_step(flexible):
     """From 1e-1 to 1e-7; unscaled it would grow like 1/h⁴ for the rigid body."""
