@@ -1,55 +1,23 @@
-"""All joints, springs, drives, gears and prescribed motions of a scene as tables of numbers."""
+"""All joints, springs, drives, gears and prescribed motions of a scene: one object for the system.
+
+Constraints of positions come first, then those of velocities.
+"""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import constraints, lie
+from fem_lie import constraints, rolling
 from fem_lie._jit import Array, Indices
-from fem_lie.constraints import JointTable
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
-from fem_lie.joints import Connection, Fixed, Joint, Tie
+from fem_lie.joints import Connection, Fixed, Joint
 from fem_lie.numbering import Numbering
 from fem_lie.scene import Scene
+from fem_lie.tables import Pair, Tables
 
 Flags = npt.NDArray[np.bool_]
-
-
-class Border(NamedTuple):
-    """Which moving nodes each constraint touches: its legs, in the order of the nodes.
-
-    Attributes:
-        ptr: First leg of each constraint and their number at the end, shape (m + 1,).
-        nodes: Node of each leg.
-    """
-
-    ptr: Indices
-    nodes: Indices
-
-    @property
-    def rows(self) -> Indices:
-        """Constraint of each leg."""
-        return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
-
-    @classmethod
-    def of(cls, touched: Sequence[set[int]], count: int) -> Border:
-        """From the nodes of each constraint; those from ``count`` on do not move."""
-        legs = [sorted(node for node in nodes if node < count) for nodes in touched]
-        ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in legs], dtype=np.int64)])
-        nodes = np.array([node for group in legs for node in group], dtype=np.int64)
-        return cls(ptr.astype(np.int64), nodes)
-
-    def leg(self, row: int, node: int) -> int:
-        """Of a constraint at a node, −1 if the node does not move."""
-        nodes = self.nodes[self.ptr[row] : self.ptr[row + 1]]
-        found = np.flatnonzero(nodes == node)
-        return int(self.ptr[row] + found[0]) if len(found) else -1
-
 
 _FORWARD = np.array(
     [
@@ -60,22 +28,16 @@ _FORWARD = np.array(
 """First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
 
 
-class _Pair(NamedTuple):
-    """A tie between two nodes, perhaps with its sides exchanged."""
-
-    tie: Tie
-    nodes: tuple[int, int]
-    exchanged: bool
-
-
 class Connections:
-    """Numbers the constraints, and says what results report of them.
+    """Numbers the constraints, evaluates them, and says what results report of them.
 
     Attributes:
         items: Joints, what acts along them, and prescribed motions as fixed joints.
-        table: Of constraints and springs.
+        table: Of constraints of positions, and springs.
+        rolling: Of constraints of velocities.
         border: Which nodes the constraints touch.
         owner: The item of each constraint, shape (m,).
+        m: Number of all constraints.
         probes: A table whose constraints are the coordinates that results report.
     """
 
@@ -88,104 +50,110 @@ class Connections:
             frames: Initial frames of all rows: moving nodes, ground, prescribed motions.
             held: Which unknowns of the moving nodes are zero, shape (n, 6).
         """
+        tables = Tables(numbering, frames, held)
         self._numbering, self._frames = numbering, frames
-        self._still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
         self.items: list[Connection] = [*scene.joints, *scene.connections]
-        groups = [[self._pair(tie) for tie in item.ties()] for item in self.items]
-        for k, motion in enumerate(scene.motions):
-            point = motion.point
-            joint = Fixed(point, point, name=f"motion of {point.label}")
-            nodes = (numbering.node(point), numbering.count + 1 + k)
-            self.items.append(joint)
-            groups.append([_Pair(joint.ties()[0], nodes, False)])
-        sizes = [item.size for item in self.items]
-        self.owner: Indices = np.repeat(np.arange(len(sizes)), np.array(sizes, dtype=np.int64))
-        springs = [item.spring for item in self.items]
-        self.table, self.border = self._tabulate(groups, sizes, springs)
+        motions = [
+            Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}")
+            for motion in scene.motions
+        ]
+        self.items += motions
+        sizes = np.array([item.size for item in self.items], dtype=np.int64)
+        first = np.cumsum(sizes) - sizes
+        groups = [
+            [tables.pair(tie, int(row)) for tie in item.ties()]
+            for item, row in zip(self.items, first, strict=True)
+        ]
+        for k in range(len(motions)):
+            j = len(self.items) - len(motions) + k
+            (pair,) = groups[j]
+            groups[j] = [pair._replace(nodes=(pair.nodes[0], numbering.count + 1 + k))]
+        self._number(tables, groups, sizes)
         self._drives = [
-            (int(np.searchsorted(self.owner, k)), item.history)
+            (int(first[k]), item.history)
             for k, item in enumerate(self.items)
             if item.history is not None
         ]
         self.table.targets[:] = self._initial()
-        self._reported = np.array([len(group) for group in groups], dtype=np.int64).cumsum()
-        self._reported -= np.array([len(group) for group in groups], dtype=np.int64)
+        counts = np.array([len(group) for group in groups], dtype=np.int64)
+        self._reported = np.cumsum(counts) - counts
         self._exchanged = np.array([group[0].exchanged for group in groups], dtype=np.int64)
-        probes = [self._pair(c.tie) for item in self.items for c in item.coordinates()]
-        self.probes, _ = self._tabulate([[pair] for pair in probes], [1] * len(probes))
+        coordinates = [c.tie for item in self.items for c in item.coordinates()]
+        probes = [tables.pair(tie, row) for row, tie in enumerate(coordinates)]
+        self.probes = tables.joints(probes, len(probes), [])
         self._turns = bool(self.table.functions.any() or self.probes.functions.any())
 
-    # --- tables ---
-
-    def _pair(self, tie: Tie) -> _Pair:
-        """With a side that moves as A: what touches ``Δ`` alone has a constant Jacobian there."""
-        nodes = self._numbering.node(tie.a), self._numbering.node(tie.b)
-        if tie.reversible and self._still[nodes[0]] and not self._still[nodes[1]]:
-            return _Pair(tie.exchanged(), nodes[::-1], True)
-        return _Pair(tie, nodes, False)
-
-    def _tabulate(
-        self,
-        groups: Sequence[Sequence[_Pair]],
-        sizes: Sequence[int],
-        springs: Sequence[tuple[float, float, float] | None] = (),
-    ) -> tuple[JointTable, Border]:
-        """Pairs, terms and constraints of the items, one after the other."""
-        starts, m = np.cumsum([0, *sizes]), sum(sizes)
-        given = [spring for spring in springs if spring is not None]
-        touched: list[set[int]] = [set() for _ in range(m)]
-        pairs, rows, spring = [], [], m
-        for k, group in enumerate(groups):
-            for pair in group:
-                pairs.append(pair)
-                for local in pair.tie.rows:
-                    rows.append(int(starts[k]) + local if local >= 0 else spring)
-                    spring += local < 0
-                    if local >= 0:
-                        touched[rows[-1]].update(pair.nodes)
-        border = Border.of(touched, self._numbering.count)
-        terms = [pair for pair in pairs for _ in pair.tie.rows]
-        legs = [
-            [border.leg(row, node) if row < m else -1 for node in pair.nodes]
-            for row, pair in zip(rows, terms, strict=True)
-        ]
-        functions = _stacked([pair.tie.functions for pair in pairs], (0, 3))
-        return JointTable(
-            nodes=np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2),
-            frames=np.array([self._in_nodes(pair) for pair in pairs]).reshape(-1, 2, 4, 3),
-            first=np.cumsum([0] + [len(pair.tie.rows) for pair in pairs], dtype=np.int64),
-            selection=_stacked([pair.tie.selection for pair in pairs], (0, 12)),
-            functions=functions,
-            rows=np.array(rows, dtype=np.int64),
-            legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
-            angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
-            curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=bool),
-            turned=np.zeros(len(pairs)),
-            targets=np.zeros(m),
-            springs=np.array(given, dtype=np.float64).reshape(-1, 3),
-        ), border
-
-    def _in_nodes(self, pair: _Pair) -> list[Array]:
-        """Frames of a pair in those of its nodes."""
-        return [
-            lie.se3_compose(lie.se3_inverse(self._frames[node]), frame)
-            for node, frame in zip(pair.nodes, pair.tie.frames, strict=True)
-        ]
+    def _number(self, tables: Tables, groups: list[list[Pair]], sizes: Indices) -> None:
+        """Constraints of positions, then those of velocities."""
+        pairs = [pair for group in groups for pair in group]
+        ties = [(k, tie) for k, item in enumerate(self.items) for tie in item.velocity_ties()]
+        counts = [len(tie.selection) for _, tie in ties]
+        positions = np.repeat(np.arange(len(sizes)), sizes)
+        velocities = np.repeat(np.array([k for k, _ in ties], dtype=np.int64), counts)
+        self.owner: Indices = np.concatenate([positions, velocities]).astype(np.int64)
+        self.m = len(self.owner)
+        touched: list[set[int]] = [set() for _ in range(self.m)]
+        for pair in pairs:
+            for row in pair.rows:
+                if row >= 0:
+                    touched[row].update(pair.nodes)
+        row = len(positions)
+        for _, tie in ties:
+            for _ in range(len(tie.selection)):
+                touched[row].update(tables.nodes(tie.a, tie.b))
+                row += 1
+        self.border = tables.border(touched)
+        springs = [item.spring for item in self.items if item.spring is not None]
+        self.table = tables.joints(pairs, len(positions), springs, self.border)
+        self.rolling = tables.rolling([tie for _, tie in ties], len(positions), self.border)
+        self._rolls = np.array([k for k, _ in ties], dtype=np.int64)
 
     def _initial(self) -> Array:
         """Targets of what keeps its initial value: those of drives without history and of gears."""
-        values = np.zeros(len(self.owner))
+        values = np.zeros(len(self.table.targets))
         constraints.violations(self._frames, self.table, values)
-        keeps = [not isinstance(self.items[k], Joint) for k in self.owner]
+        keeps = [not isinstance(self.items[k], Joint) for k in self.owner[: len(values)]]
         return np.where(keeps, values, 0.0)
 
     @property
     def angular(self) -> Flags:
         """Which constraints are of rotations alone, shape (m,)."""
-        table, angular = self.table, np.ones(len(self.owner), dtype=bool)
+        table, angular = self.table, np.ones(self.m, dtype=bool)
         lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
-        angular[table.rows[lengths & (table.rows < len(angular))]] = False
+        angular[table.rows[lengths & (table.rows < len(table.targets))]] = False
+        # an edge binds a velocity of a place, a disc both
+        angular[len(table.targets) :] = False
         return angular
+
+    # --- equations ---
+
+    @property
+    def of_velocities(self) -> int:
+        """Number of constraints of velocities, the last ones."""
+        return self.m - len(self.table.targets)
+
+    def add_velocity_constraints(
+        self, H: Array, v: Array, weights: Array, scale: Array, factor: float, r: Array
+    ) -> None:
+        """Their forces and, times ``scale · factor``, their violations to the residual ``r``."""
+        rolling.evaluate(H, v, self.rolling, weights, scale, factor, self._numbering.count, r)
+
+    def jacobian(self, H: Array, rows: Array) -> None:
+        """Derivative of all constraints, or of their rates, at the border's legs, (legs, 6)."""
+        rows[:] = 0.0
+        constraints.jacobian(H, self.table, rows)
+        if self.of_velocities:
+            rolling.jacobian(H, self.rolling, rows)
+
+    def rates(self, H: Array, v: Array) -> tuple[Array, Array]:
+        """First and second rates of constraints of positions, (m,), at constant twists and targets.
+
+        Of constraints of velocities: what is bound, and its first rate.
+        """
+        first, second = np.zeros(self.m), np.zeros(self.m)
+        constraints.rates(H, v, self.table, first, second)
+        rolling.rates(H, v, self.rolling, first, second)
+        return first, second
 
     # --- time ---
 
@@ -209,10 +177,11 @@ class Connections:
         return values
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """First and second rates of the targets at ``time``, by five later times."""
+        """First and second rates of the targets, (m,), at ``time``, by five later times."""
         values = [self.targets(time + k * step) for k in range(6)]
-        first, second = np.tensordot(_FORWARD, values, axes=1)
-        return first / step, second / step**2
+        rates = np.zeros((2, self.m))
+        rates[:, : len(self.table.targets)] = np.tensordot(_FORWARD, values, axes=1)
+        return rates[0] / step, rates[1] / step**2
 
     def accept(self, H: Array) -> None:
         """Remember the angles of an accepted state."""
@@ -226,6 +195,7 @@ class Connections:
         """Force and moment of each item on its point ``a``, in its axes there, shape (j, 6)."""
         forces = np.empty((len(self.items), 6))
         constraints.wrenches(H, v, self.table, weights, self._reported, self._exchanged, forces)
+        rolling.wrenches(H, self.rolling, weights, self._rolls, forces)
         return forces
 
     def coordinates(self, H: Array) -> Array:
@@ -234,9 +204,11 @@ class Connections:
         constraints.violations(H, self.probes, values)
         return values
 
-    def violations(self, H: Array) -> Array:
-        """Largest violation of a constraint of each item, shape (j,)."""
-        values, largest = np.zeros(len(self.owner)), np.zeros(len(self.items))
+    def violations(self, H: Array, v: Array) -> Array:
+        """Largest violation of a constraint of each item, of position or velocity, shape (j,)."""
+        values, largest = np.zeros(self.m), np.zeros(len(self.items))
+        if self.of_velocities:
+            rolling.rates(H, v, self.rolling, values, np.zeros(self.m))
         constraints.violations(H, self.table, values)
         np.maximum.at(largest, self.owner, np.abs(values))
         return largest
@@ -261,7 +233,3 @@ class Connections:
                 )
             )
         return tuple(joints)
-
-
-def _stacked(parts: Sequence[Array], shape: tuple[int, int]) -> Array:
-    return np.concatenate([np.empty(shape), *parts])

@@ -19,7 +19,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.connections import Border
+from fem_lie.tables import Border
 
 Flags = npt.NDArray[np.bool_]
 

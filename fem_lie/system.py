@@ -60,6 +60,8 @@ class System:
         tangent: The matrix; ``kkt`` is what it is filled into.
         force: On (x, d₁, d₂, d₃) in the last residual: ``G q̈`` and mass damping minus dead loads,
             shape (n, 4, 3).
+        velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
+            the matrix are like those of positions.
         choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
@@ -99,7 +101,10 @@ class System:
         self._any_held = bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table = self.connections.table
-        self.m = len(self.table.targets)
+        self.m = self.connections.m
+        self._binds_velocities = self.connections.of_velocities > 0
+        if self._binds_velocities and not dynamics:
+            raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
         box = np.ptp(self.frames[: self.count, 0], axis=0)
         self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
@@ -139,7 +144,7 @@ class System:
         self._damping_work = np.zeros_like(self._work)
         self._still = np.zeros((self.count, 6))
         self._applied, self._any_uncoupled = np.zeros((self.count, 6)), self.uncoupled.any()
-        self.choices = Choices(gyroscopic=True, geometric=True)
+        self.choices, self.velocity_factor = Choices(gyroscopic=True, geometric=True), 1.0
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
 
@@ -209,6 +214,9 @@ class System:
             self._work,
             r,
         )
+        if self._binds_velocities:
+            factor = self.velocity_factor
+            self.connections.add_velocity_constraints(H, v, weights, scale, factor, r)
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 

@@ -57,6 +57,7 @@ class Tangent:
         """
         self._mass, self._damping = mass, damping
         self._elastic, self._viscous = elastic, viscous
+        self._connections = connections
         self._table, self._border = connections.table, connections.border
         self._held, self._count = held, len(held)
         diagonal = np.arange(self._count)
@@ -81,7 +82,7 @@ class Tangent:
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
-        self._fill_rows(H)
+        self._connections.jacobian(H, self._rows)
         self.supports.turn_border(H, self._rows)
         border, held = self._border, self._held
         free = ~held[border.nodes].all(axis=1)
@@ -90,10 +91,6 @@ class Tangent:
         values = np.where(held[node], 0.0, self._rows[free]).ravel()
         shape = (len(border.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
-
-    def _fill_rows(self, H: Array) -> None:
-        self._rows[:] = 0.0
-        constraints.jacobian(H, self._table, self._rows)
 
     def constraint_scale(self, H: Array) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` in ``A``, shape (m,).
@@ -192,7 +189,7 @@ class Tangent:
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
-        self._fill_rows(H)
+        self._connections.jacobian(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
     def fill_increments(
@@ -202,7 +199,7 @@ class Tangent:
 
         In components along the nodes' axes, or along fixed ones if ``inertial``.
         """
-        self._fill_rows(H)
+        self._connections.jacobian(H, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
         if d.any():
             combine(self.A, self.K, self._rows, kinds, d, nodes, bind)

@@ -54,3 +54,13 @@ def test_bricard():
     assert fine["position_error"] < 1.2e-6
     assert 3.5 < coarse["position_error"] / fine["position_error"] < 4.5
     assert fine["violation"] < 1e-11
+
+
+def test_rolling_disc():
+    """Second order against an independent integration; the force of contact does no work."""
+    coarse, fine = (main("rolling_disc", step=h, duration=1.0) for h in (2e-3, 1e-3))
+    assert fine["position_error"] < 1e-5
+    assert 3.8 < coarse["position_error"] / fine["position_error"] < 4.2
+    assert fine["energy_error"] < 2e-6
+    assert 3.8 < coarse["energy_error"] / fine["energy_error"] < 4.2
+    assert fine["violation"] < 1e-8

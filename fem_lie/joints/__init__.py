@@ -1,7 +1,8 @@
 """Joints between two frames of beams, shells, rigid bodies and ground, and what acts along them."""
 
 from fem_lie.joints.acting import Drive, Gear, Spring
-from fem_lie.joints.connection import Connection, Coordinate, Tie
+from fem_lie.joints.connection import Connection, Coordinate, Tie, VelocityTie
+from fem_lie.joints.contact import KnifeEdge, RollingDisc
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.kinds import (
     Cylindrical,
@@ -27,13 +28,16 @@ __all__ = [
     "Gear",
     "InPlane",
     "Joint",
+    "KnifeEdge",
     "Planar",
     "Prismatic",
     "Revolute",
     "RigidLink",
+    "RollingDisc",
     "Screw",
     "Spherical",
     "Spring",
     "Tie",
     "Universal",
+    "VelocityTie",
 ]

@@ -74,6 +74,24 @@ class Tie(NamedTuple):
         )
 
 
+class VelocityTie(NamedTuple):
+    """A pair of frames whose relative velocity is bound, see :mod:`fem_lie.rolling`.
+
+    Attributes:
+        a: Point that carries frame A; likewise ``b``.
+        b: See there.
+        frames: The two frames in the initial configuration, each (4, 3).
+        selection: Components of the twist of B against A in the axes of B, shape (k, 6).
+        radius: Of a disc about e₃ of B, whose two constraints turn with the point of contact.
+    """
+
+    a: Point
+    b: Point
+    frames: tuple[Array, Array]
+    selection: Array
+    radius: float = 0.0
+
+
 class Connection(ABC):
     """What ties frames of bodies to each other; use one of the subclasses.
 
@@ -94,8 +112,12 @@ class Connection(ABC):
 
     @property
     def size(self) -> int:
-        """Number of constraints."""
+        """Number of constraints of positions."""
         return 0
+
+    def velocity_ties(self) -> list[VelocityTie]:
+        """Constraints of velocities."""
+        return []
 
     @property
     def history(self) -> History | None:

@@ -140,6 +140,7 @@ class _Run:
     def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
         self.options, self.system = options, system
         self.p = parameters(options.radius, step, system.length)
+        system.velocity_factor = 1.0 / self.p.damping
         self.policy = options.policy.fresh()
         self.s = State.start(system.frames, system.kinds)
         spin = float(np.abs(system.velocities[:, 3:]).max())

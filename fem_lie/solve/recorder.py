@@ -127,7 +127,7 @@ class Recorder(History):
         self.velocities[row] = attachment.twists(v)
         self.joint_forces[row] = system.joint_forces(H, multipliers, v)
         self.joint_coordinates[row] = system.connections.coordinates(H)
-        self.joint_violations[row] = system.connections.violations(H)
+        self.joint_violations[row] = system.connections.violations(H, v)
         self.invariants[row] = inertia.invariants(
             H,
             v[:n],

@@ -74,6 +74,8 @@ def vibrations(
     system = System(scene, dynamics=True)
     if scene.redundant is not Redundant.REFUSE:
         raise ValueError("vibrations need constraints of which none is redundant")
+    if any(joint.velocity_ties() for joint in scene.joints):
+        raise ValueError("vibrations need constraints of positions, got one of velocities")
     free = int((~system.held).sum()) - system.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
