@@ -3,7 +3,7 @@
 from fem_lie.beam import Beam, Damping
 from fem_lie.bodies import Body, Point, ground
 from fem_lie.buckling_modes import BucklingModes
-from fem_lie.choices import Choices
+from fem_lie.choices import Choices, Redundant
 from fem_lie.drilling import Parameters
 from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
@@ -33,7 +33,26 @@ from fem_lie.imperfections import (
     imperfect,
 )
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
-from fem_lie.joints import Fixed, InPlane, Joint, Revolute, RigidLink, Spherical
+from fem_lie.joints import (
+    Coordinate,
+    Cylindrical,
+    Distance,
+    Drive,
+    Fixed,
+    Gear,
+    InPlane,
+    Joint,
+    KnifeEdge,
+    Planar,
+    Prismatic,
+    Revolute,
+    RigidLink,
+    RollingDisc,
+    Screw,
+    Spherical,
+    Spring,
+    Universal,
+)
 from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
 from fem_lie.loads import (
     Clamp,
@@ -96,12 +115,16 @@ __all__ = [
     "Components",
     "ConstantStep",
     "ConvergenceError",
+    "Coordinate",
     "Critical",
     "CriticalPoint",
+    "Cylindrical",
     "Damping",
     "Director",
     "Displacement",
     "DisplacementControl",
+    "Distance",
+    "Drive",
     "EdgeLoad",
     "Eigenstrain",
     "EquilibriumPath",
@@ -110,6 +133,7 @@ __all__ = [
     "Fixed",
     "Formulation",
     "FrameMap",
+    "Gear",
     "GeneralisedAlpha",
     "Geodesic",
     "Group",
@@ -118,6 +142,7 @@ __all__ = [
     "Imperfection",
     "InPlane",
     "Joint",
+    "KnifeEdge",
     "Limit",
     "LineLoad",
     "LineMesh",
@@ -134,6 +159,7 @@ __all__ = [
     "Parametrisation",
     "PathResult",
     "PathState",
+    "Planar",
     "Ply",
     "Point",
     "PointLoad",
@@ -141,13 +167,17 @@ __all__ = [
     "PreStress",
     "PrescribedMotion",
     "PressureLoad",
+    "Prismatic",
     "RandomImperfection",
+    "Redundant",
     "Result",
     "Resultants",
     "Revolute",
     "RigidBody",
     "RigidLink",
+    "RollingDisc",
     "Scene",
+    "Screw",
     "Section",
     "SectionMesh",
     "SectionProperties",
@@ -156,6 +186,7 @@ __all__ = [
     "ShellFormulation",
     "ShellSection",
     "Spherical",
+    "Spring",
     "StaticResult",
     "StepHistory",
     "StrainEnergy",
@@ -164,6 +195,7 @@ __all__ = [
     "SurfacePressure",
     "Temperature",
     "Units",
+    "Universal",
     "VolumeLoad",
     "Warping",
     "branch",

@@ -13,7 +13,7 @@ from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 3
+_FORMAT, _VERSION = "fem_lie results", 4
 _NUMBERS = ("factorisations", "seconds")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info", "steps"))
 
@@ -119,7 +119,8 @@ def _read_body(group: Any) -> BodyInfo:
 
 def _write_joint(group: Any, joint: JointInfo) -> None:
     group.attrs.update({"name": joint.name, "kind": joint.kind})
-    group.attrs["node"] = joint.node
+    group.attrs.update({"node": joint.node, "first": joint.first})
+    group["coordinates"] = list(joint.coordinates) or np.empty(0, dtype="S1")
     group["offset"] = joint.offset
 
 
@@ -129,4 +130,6 @@ def _read_joint(group: Any) -> JointInfo:
         kind=group.attrs["kind"],
         node=int(group.attrs["node"]),
         offset=group["offset"][()],
+        coordinates=tuple(name.decode() for name in group["coordinates"][()]),
+        first=int(group.attrs["first"]),
     )

@@ -1,216 +1,337 @@
 """Compiled constraints of joints: everything is written in the relative motion of two frames.
 
 The frames A and B of a joint are fixed to their nodes. With ``Δ = R_Aᵀ (x_B − x_A)`` and
-``Q = R_Aᵀ R_B`` the constraints of every joint here are ``Φ = S z``, ``z = (Δ, Q)`` with a constant
-selection ``S``: invariant under rigid motion, at most quadratic in positions and directors. With
-twists ``(u, η)`` of the joint frames::
-
-    δΔ = Q u_B − u_A + Δ × η_A        δQ = Q η̂_B − η̂_A Q
+``Q = R_Aᵀ R_B`` what joints forbid, drive, couple and load are terms ``S z + Σ cₖ fₖ(z)``,
+``z = (Δ, Q)``, with a constant selection ``S`` and the functions ``f`` of
+:mod:`fem_lie.joint_functions`: invariant under rigid motion, and without functions at most
+quadratic in positions and directors. A constraint is the sum of its terms minus a target, a spring
+or damper a force ``k (q − q₀) + c q̇`` along its term ``q``.
 
 The node ``count`` and those after it do not move by themselves: ground and prescribed frames.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie import lie
-from fem_lie._jit import Array, Indices, compiled
+from fem_lie import joint_functions, lie
+from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie.relative_motion import force, relative_motion, variation
+
+Flags = npt.NDArray[np.bool_]
 
 
 class JointTable(NamedTuple):
-    """All joints of a scene, ``j`` joints with ``m`` constraints.
+    """Pairs of frames of all joints of a scene, ``j`` pairs with ``t`` terms, ``m`` constraints.
 
     Attributes:
-        nodes: Nodes A and B, shape (j, 2).
+        nodes: Nodes A and B of each pair, shape (j, 2).
         frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
-        first: First constraint of each joint and ``m`` at the end, shape (j + 1,).
-        selection: Rows ``S``, shape (m, 12): three columns for Δ, nine for Q (row-major).
+        first: First term of each pair and ``t`` at the end, shape (j + 1,).
+        selection: Rows ``S``, shape (t, 12): three columns for Δ, nine for Q (row-major).
+        functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
+        rows: The constraint that each term is a part of, or ``m`` plus the number of its spring,
+            shape (t,).
+        legs: Where in the border of the matrix each term's sides A and B are, −1 where they do
+            not move or there is no constraint, shape (t, 2).
+        angle: Sine and cosine of each pair's angle, shape (j, 2, 12).
+        curved: Which pairs have terms with functions, shape (j,).
+        turned: That angle at the last accepted state, shape (j,).
+        targets: What the constraints are to be, shape (m,).
+        springs: Stiffness, damping and rest value, shape (k, 3).
     """
 
     nodes: Indices
     frames: Array
     first: Indices
     selection: Array
+    functions: Array
+    rows: Indices
+    legs: Indices
+    angle: Array
+    curved: Flags
+    turned: Array
+    targets: Array
+    springs: Array
+
+
+@inlined
+def joint_table(plain: tuple[Any, ...]) -> JointTable:
+    """From the plain tuple of the same, which is cheaper to pass from Python."""
+    return JointTable(
+        plain[0],
+        plain[1],
+        plain[2],
+        plain[3],
+        plain[4],
+        plain[5],
+        plain[6],
+        plain[7],
+        plain[8],
+        plain[9],
+        plain[10],
+        plain[11],
+    )
 
 
 @compiled
-def _relative_motion(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array) -> None:
-    """``z = (Δ, Q)`` of joint j, and its two frames."""
+def _locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
+    """Relative motion of pair j and its functions, and its two frames."""
     lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
     lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
-    for k in range(3):
-        z[k] = 0.0
-        for i in range(3):
-            z[k] += A[1 + k, i] * (B[0, i] - A[0, i])
-        for n in range(3):
-            q = 0.0
-            for i in range(3):
-                q += A[1 + k, i] * B[1 + n, i]
-            z[3 + 3 * k + n] = q
+    relative_motion(A, B, z)
+    if table.curved[j]:
+        joint_functions.values(z, table.angle[j], table.turned[j], f)
 
 
 @compiled
-def _variation(z: Array, twist_a: Array, twist_b: Array, out: Array) -> None:
-    """``out = (δΔ, δQ)`` for twists (6,) of the two frames."""
-    ua, wa, ub, wb = twist_a[:3], twist_a[3:], twist_b[:3], twist_b[3:]
-    D, Q = z[:3], z[3:].reshape(3, 3)
-    out[0] = -ua[0] + D[1] * wa[2] - D[2] * wa[1]
-    out[1] = -ua[1] + D[2] * wa[0] - D[0] * wa[2]
-    out[2] = -ua[2] + D[0] * wa[1] - D[1] * wa[0]
-    dQ = out[3:].reshape(3, 3)
+def _value(table: JointTable, t: int, z: Array, f: Array) -> float:
+    """Of term t, of its rate if ``z`` and ``f`` are rates."""
+    value = 0.0
+    for k in range(12):
+        value += table.selection[t, k] * z[k]
     for k in range(3):
-        out[k] += Q[k, 0] * ub[0] + Q[k, 1] * ub[1] + Q[k, 2] * ub[2]
-        dQ[k, 0] = Q[k, 1] * wb[2] - Q[k, 2] * wb[1]
-        dQ[k, 1] = Q[k, 2] * wb[0] - Q[k, 0] * wb[2]
-        dQ[k, 2] = Q[k, 0] * wb[1] - Q[k, 1] * wb[0]
-    for n in range(3):
-        dQ[0, n] -= wa[1] * Q[2, n] - wa[2] * Q[1, n]
-        dQ[1, n] -= wa[2] * Q[0, n] - wa[0] * Q[2, n]
-        dQ[2, n] -= wa[0] * Q[1, n] - wa[1] * Q[0, n]
+        value += table.functions[t, k] * f[k]
+    return value
 
 
 @compiled
-def _force(z: Array, p: Array, fa: Array, fb: Array) -> None:
-    """Forces on the two frames that do the work ``p · δz``."""
-    D, Q, n, P = z[:3], z[3:].reshape(3, 3), p[:3], p[3:].reshape(3, 3)
-    fa[0], fa[1], fa[2] = -n[0], -n[1], -n[2]
-    fa[3] = n[1] * D[2] - n[2] * D[1]
-    fa[4] = n[2] * D[0] - n[0] * D[2]
-    fa[5] = n[0] * D[1] - n[1] * D[0]
-    for k in range(3):
-        fb[k] = Q[0, k] * n[0] + Q[1, k] * n[1] + Q[2, k] * n[2]
-        fb[3 + k] = 0.0
-    for i in range(3):
-        # rows of P and Q for the moment on A, columns for that on B
-        fa[3] -= P[2, i] * Q[1, i] - P[1, i] * Q[2, i]
-        fa[4] -= P[0, i] * Q[2, i] - P[2, i] * Q[0, i]
-        fa[5] -= P[1, i] * Q[0, i] - P[0, i] * Q[1, i]
-        fb[3] += Q[i, 2] * P[i, 1] - Q[i, 1] * P[i, 2]
-        fb[4] += Q[i, 0] * P[i, 2] - Q[i, 2] * P[i, 0]
-        fb[5] += Q[i, 1] * P[i, 0] - Q[i, 0] * P[i, 1]
+def _gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
+    """``p = ∂(term t)/∂z``."""
+    p[:] = table.selection[t]
+    joint_functions.add_gradients(z, table.angle[j], table.functions[t], p)
 
 
 @compiled
-def _multiplier_weights(table: JointTable, j: int, weights: Array, p: Array) -> None:
-    """``p = Sᵀ weights`` of joint j: what its constraints do on ``δz``."""
-    p[:] = 0.0
-    for c in range(table.first[j], table.first[j + 1]):
+def _twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
+    """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
+    for side in range(2):
+        node = table.nodes[j, side]
+        twist[side] = 0.0
+        if node < v.shape[0]:
+            lie.apply_adjoint_inverse(table.frames[j, side], v[node], twist[side])
+
+
+@compiled
+def _load(
+    v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
+) -> None:
+    """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
+    m, twist, dz, gradient = len(table.targets), np.empty((2, 6)), np.empty(12), np.empty(12)
+    p[:], c[:] = 0.0, 0.0
+    for t in range(table.first[j], table.first[j + 1]):
+        row = table.rows[t]
+        if row < m:
+            weight = weights[row]
+        else:
+            k, damping, rest = table.springs[row - m]
+            weight = k * (_value(table, t, z, f) - rest)
+            if damping != 0.0:
+                _twists(v, table, j, twist)
+                variation(z, twist[0], twist[1], dz)
+                _gradient(table, j, t, z, gradient)
+                weight += damping * (gradient @ dz)
         for k in range(12):
-            p[k] += weights[c] * table.selection[c, k]
+            p[k] += weight * table.selection[t, k]
+        for k in range(3):
+            c[k] += weight * table.functions[t, k]
+    joint_functions.add_gradients(z, table.angle[j], c, p)
 
 
 @compiled
 def evaluate(
-    H: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
+    H: Array, v: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
 ) -> None:
-    """Add joint forces ``Bᵀ weights`` to the nodes' rows of ``r``; set its last rows ``scale · Φ``.
+    """Add joint forces ``Bᵀ weights`` to the nodes' rows of ``r``; set its next rows ``scale · Φ``.
 
     Args:
         H: Frames of all nodes, shape (≥ count, 4, 3).
+        v: Twists of the nodes that move, for dampers, shape (n, 6).
         table: The joints.
-        weights: Multipliers in units of forces and moments, shape (m,).
-        scale: Factor of each constraint, shape (m,).
+        weights: Multipliers in units of forces and moments, shape (≥ m,).
+        scale: Factor of each constraint, shape (≥ m,).
         count: Number of nodes that move.
-        r: Residual, shape (6 count + m,), updated.
+        r: Residual, shape (≥ 6 count + m,), updated.
     """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    force, moved = np.empty((2, 6)), np.empty(6)
+    f, c, sides, moved = np.zeros(3), np.empty(3), np.empty((2, 6)), np.empty(6)
+    m = len(table.targets)
+    for row in range(m):
+        r[6 * count + row] = -scale[row] * table.targets[row]
     for j in range(table.nodes.shape[0]):
-        _relative_motion(H, table, j, A, B, z)
-        for c in range(table.first[j], table.first[j + 1]):
-            value = 0.0
-            for k in range(12):
-                value += table.selection[c, k] * z[k]
-            r[6 * count + c] = scale[c] * value
-        _multiplier_weights(table, j, weights, p)
-        _force(z, p, force[0], force[1])
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            row = table.rows[t]
+            if row < m:
+                r[6 * count + row] += scale[row] * _value(table, t, z, f)
+        _load(v, table, j, z, f, weights, p, c)
+        force(z, p, sides[0], sides[1])
         for side in range(2):
             node = table.nodes[j, side]
             if node < count:
-                lie.apply_adjoint_inverse_transposed(table.frames[j, side], force[side], moved)
+                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
                 for k in range(6):
                     r[6 * node + k] += moved[k]
 
 
 @compiled
-def wrenches(H: Array, table: JointTable, weights: Array, side: Indices, out: Array) -> None:
-    """Force and moment that each joint exerts on its frame A or B (``side`` 0 or 1), in that frame.
+def violations(H: Array, table: JointTable, out: Array) -> None:
+    """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m = len(table.targets)
+    for row in range(m):
+        out[row] = -table.targets[row]
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] < m:
+                out[table.rows[t]] += _value(table, t, z, f)
 
-    ``out`` has shape (j, 6).
+
+@compiled
+def unwrap(H: Array, table: JointTable) -> None:
+    """Remember the angles of an accepted state: the next ones are within half a turn of them."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    for j in range(table.nodes.shape[0]):
+        if table.functions[table.first[j] : table.first[j + 1], joint_functions.ANGLE].any():
+            _locate(H, table, j, A, B, z, f)
+            table.turned[j] = f[joint_functions.ANGLE]
+
+
+@compiled
+def spring_energy(H: Array, table: JointTable) -> float:
+    """Energy ``½ k (q − q₀)²`` of all springs."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m, energy = len(table.targets), 0.0
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] >= m:
+                _locate(H, table, j, A, B, z, f)
+                k, _, rest = table.springs[table.rows[t] - m]
+                energy += 0.5 * k * (_value(table, t, z, f) - rest) ** 2
+    return energy
+
+
+@compiled
+def wrenches(
+    H: Array, v: Array, table: JointTable, weights: Array, pairs: Indices, side: Indices, out: Array
+) -> None:
+    """Force and moment that chosen pairs exert on frame A or B (``side`` 0 or 1), in that frame.
+
+    ``out`` has one row of six for each of ``pairs``.
     """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    force = np.empty((2, 6))
-    for j in range(table.nodes.shape[0]):
-        _relative_motion(H, table, j, A, B, z)
-        _multiplier_weights(table, j, weights, p)
-        _force(z, p, force[0], force[1])
+    f, c, sides = np.zeros(3), np.empty(3), np.empty((2, 6))
+    for i in range(pairs.shape[0]):
+        j = pairs[i]
+        _locate(H, table, j, A, B, z, f)
+        _load(v, table, j, z, f, weights, p, c)
+        force(z, p, sides[0], sides[1])
         for k in range(6):
-            out[j, k] = -force[side[j], k]
+            out[i, k] = -sides[side[i], k]
 
 
 @compiled
 def jacobian(H: Array, table: JointTable, rows: Array) -> None:
-    """``rows[c, side] = ∂Φ_c/∂h`` in the twists of the nodes A and B, shape (m, 2, 6)."""
-    A, B, z = np.empty((4, 3)), np.empty((4, 3)), np.empty(12)
-    force = np.empty((2, 6))
+    """Add ``∂Φ/∂h`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    p, sides, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
     for j in range(table.nodes.shape[0]):
-        _relative_motion(H, table, j, A, B, z)
-        for c in range(table.first[j], table.first[j + 1]):
-            _force(z, table.selection[c], force[0], force[1])
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            _gradient(table, j, t, z, p)
+            force(z, p, sides[0], sides[1])
             for side in range(2):
-                lie.apply_adjoint_inverse_transposed(
-                    table.frames[j, side], force[side], rows[c, side]
-                )
+                leg = table.legs[t, side]
+                if leg >= 0:
+                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                    for k in range(6):
+                        rows[leg, k] += moved[k]
 
 
 @compiled
 def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Array) -> None:
-    """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere."""
+    """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere.
+
+    That of springs is in it with their present force, without their stiffness.
+    """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    twist, still, unit = np.empty(6), np.zeros(6), np.empty(6)
-    dz, force, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
+    f, c, rest = np.zeros(3), np.empty(3), np.zeros((0, 6))
+    twist, unit = np.zeros((2, 6)), np.empty(6)
+    dz, dp, sides, bent = np.empty(12), np.empty(12), np.empty((2, 6)), np.empty((2, 6))
+    moved = np.empty(6)
     for j in range(table.nodes.shape[0]):
-        _relative_motion(H, table, j, A, B, z)
-        _multiplier_weights(table, j, weights, p)
+        _locate(H, table, j, A, B, z, f)
+        _load(rest, table, j, z, f, weights, p, c)
         for column in range(12):
             source = column // 6
             if place[j, 0, source] < 0 and place[j, 1, source] < 0:
                 continue
-            unit[:] = 0.0
+            unit[:], twist[:], dp[:] = 0.0, 0.0, 0.0
             unit[column % 6] = 1.0
-            lie.apply_adjoint_inverse(table.frames[j, source], unit, twist)
-            if source == 0:
-                _variation(z, twist, still, dz)
-            else:
-                _variation(z, still, twist, dz)
-            _force(dz, p, force[0], force[1])
-            force[0, :3] = 0.0  # −n: the only part that does not depend on z
+            lie.apply_adjoint_inverse(table.frames[j, source], unit, twist[source])
+            variation(z, twist[0], twist[1], dz)
+            force(dz, p, sides[0], sides[1])
+            sides[0, :3] = 0.0  # −n: the only part that does not depend on z
+            joint_functions.add_gradient_changes(z, dz, table.angle[j], c, dp)
+            force(z, dp, bent[0], bent[1])
+            sides += bent
             for side in range(2):
                 if place[j, side, source] >= 0:
-                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], force[side], moved)
+                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
                     block = K[place[j, side, source]]
                     for k in range(6):
                         block[k, column % 6] += moved[k]
 
 
 @compiled
-def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
-    """``first = dΦ/dt``, ``second = d²Φ/dt²`` (m,) at constant twists ``v`` (nodes, 6)."""
-    A, B, z = np.empty((4, 3)), np.empty((4, 3)), np.empty(12)
-    ta, tb, dz, ddz = np.empty(6), np.empty(6), np.empty(12), np.empty(12)
+def add_springs(
+    H: Array, table: JointTable, place: Indices, stiff: float, damp: float, K: Array
+) -> None:
+    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers along ``b`` to blocks ``K``."""
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
+    m = len(table.targets)
     for j in range(table.nodes.shape[0]):
-        _relative_motion(H, table, j, A, B, z)
-        lie.apply_adjoint_inverse(table.frames[j, 0], v[table.nodes[j, 0]], ta)
-        lie.apply_adjoint_inverse(table.frames[j, 1], v[table.nodes[j, 1]], tb)
-        _variation(z, ta, tb, dz)
-        _variation(dz, ta, tb, ddz)
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] < m:
+                continue
+            k, c, _ = table.springs[table.rows[t] - m]
+            _locate(H, table, j, A, B, z, f)
+            _gradient(table, j, t, z, p)
+            force(z, p, sides[0], sides[1])
+            for side in range(2):
+                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], b[side])
+            for side in range(2):
+                for source in range(2):
+                    if place[j, side, source] >= 0:
+                        product = np.outer(b[side], b[source])
+                        K[place[j, side, source]] += (stiff * k + damp * c) * product
+
+
+@compiled
+def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
+    """``dΦ/dt`` and ``d²Φ/dt²`` (≥ m,) at constant twists ``v`` (nodes, 6) and constant targets."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    twist, dz, ddz, p, dp = np.empty((2, 6)), np.empty(12), np.empty(12), np.empty(12), np.empty(12)
+    m = len(table.targets)
+    first[:m], second[:m] = 0.0, 0.0
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        _twists(v, table, j, twist)
+        variation(z, twist[0], twist[1], dz)
+        variation(dz, twist[0], twist[1], ddz)
         for k in range(3):
-            ddz[k] += ta[k]  # −u_A is the only part that does not depend on z
-        for c in range(table.first[j], table.first[j + 1]):
-            first[c] = second[c] = 0.0
-            for k in range(12):
-                first[c] += table.selection[c, k] * dz[k]
-                second[c] += table.selection[c, k] * ddz[k]
+            ddz[k] += twist[0, k]  # −u_A is the only part that does not depend on z
+        for t in range(table.first[j], table.first[j + 1]):
+            row = table.rows[t]
+            if row >= m:
+                continue
+            _gradient(table, j, t, z, p)
+            dp[:] = 0.0
+            joint_functions.add_gradient_changes(z, dz, table.angle[j], table.functions[t], dp)
+            first[row] += p @ dz
+            second[row] += p @ ddz + dp @ dz

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 if TYPE_CHECKING:
     from fem_lie.bodies import Body, Point
-    from fem_lie.joints import Joint
+    from fem_lie.joints import Connection
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -69,12 +69,16 @@ class JointInfo:
         kind: Its class.
         node: A node that it is fixed to, for drawing; −1 if there is none.
         offset: Its place in that node's frame, shape (3,).
+        coordinates: Names of its relative coordinates.
+        first: Where these begin among those of all joints.
     """
 
     name: str
     kind: str
     node: int = -1
     offset: Array = field(default_factory=lambda: np.zeros(3))
+    coordinates: tuple[str, ...] = ()
+    first: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +96,7 @@ class SceneInfo:
         """
         return _named(self.bodies, name, "body")
 
-    def joint(self, joint: Joint | str) -> int:
+    def joint(self, joint: Connection | str) -> int:
         """Number of the joint with this name, or of this joint of the scene.
 
         Raises:
@@ -100,6 +104,19 @@ class SceneInfo:
         """
         name = joint if isinstance(joint, str) else joint.label
         return self.joints.index(_named(self.joints, name, "joint"))
+
+    def coordinate(self, joint: Connection | str, name: str | None) -> int:
+        """Number of a joint's relative coordinate; its only or first one if there is no name.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        info = self.joints[self.joint(joint)]
+        wanted = name if name is not None else info.coordinates[0] if info.coordinates else ""
+        if wanted not in info.coordinates:
+            known = ", ".join(info.coordinates) or "none"
+            raise ValueError(f"{info.name} has no coordinate {wanted!r}; it has: {known}")
+        return info.first + info.coordinates.index(wanted)
 
     def node(self, point: Point | str | int) -> int:
         """Node of a point: the point itself, "body.name", "body.node 3", or a node's number.

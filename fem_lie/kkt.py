@@ -20,9 +20,14 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.constraints import JointTable
+from fem_lie.tables import Border
 
 Flags = npt.NDArray[np.bool_]
+
+SOFTNESS = 1e-7
+"""By how much redundant constraints yield in one iteration, over what they would without others.
+
+The matrix is regular with it, and the iteration still ends where all constraints are met."""
 
 
 @compiled
@@ -32,11 +37,12 @@ def _fill(
     blocks: Array,
     held: Flags,
     iptr: Indices,
-    ipairs: Indices,
-    sides: Indices,
+    incident: Indices,
+    lptr: Indices,
     columns: Array,
     rows: Array,
     scale: Array,
+    softness: Array,
     data: Array,
 ) -> None:
     at = 0
@@ -52,26 +58,25 @@ def _fill(
                             data[at] = blocks[b, k, n]
                             at += 1
             for entry in range(iptr[i], iptr[i + 1]):
-                c, side = ipairs[entry, 0], ipairs[entry, 1]
-                data[at] = 0.0 if held[i, k] else columns[c, side, k] * scale[c]
+                c, leg = incident[entry, 0], incident[entry, 1]
+                data[at] = 0.0 if held[i, k] else columns[leg, k] * scale[c]
                 at += 1
-    for c in range(rows.shape[0]):
-        for order in range(2):
-            side = sides[c, order]
-            if side >= 0:
-                for n in range(6):
-                    data[at] = rows[c, side, n] * scale[c]
-                    at += 1
+    for c in range(lptr.shape[0] - 1):
+        for leg in range(lptr[c], lptr[c + 1]):
+            for n in range(6):
+                data[at] = rows[leg, n] * scale[c]
+                at += 1
+        if len(softness):
+            data[at] = -softness[c]
+            at += 1
 
 
 @compiled
 def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
-    for c in range(rows.shape[0]):
-        for side in range(2):
-            node = nodes[c, side]
-            for k in range(6):
-                if node >= held.shape[0] or held[node, k]:
-                    rows[c, side, k] = 0.0
+    for leg in range(rows.shape[0]):
+        for k in range(6):
+            if held[nodes[leg], k]:
+                rows[leg, k] = 0.0
 
 
 class KKT:
@@ -85,23 +90,26 @@ class KKT:
     def __init__(
         self,
         pairs: list[tuple[Indices, Indices]],
-        table: JointTable,
+        border: Border,
         held: Flags,
+        *,
+        redundant: bool = False,
     ) -> None:
         """Build the pattern.
 
         Args:
-            pairs: Rows and columns of coupled node pairs; joints and the diagonal are added.
-            table: The joints.
+            pairs: Rows and columns of coupled node pairs; the diagonal is added.
+            border: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
+            redundant: Whether constraints may follow from others; they yield a little then, see
+                :data:`SOFTNESS`.
         """
-        count, m = len(held), len(table.selection)
-        per_constraint = np.repeat(np.arange(len(table.nodes)), np.diff(table.first))
-        self._nodes, self._held = table.nodes[per_constraint], held
-        moving = table.nodes[(table.nodes < count).all(axis=1)]
+        self._redundant = redundant
+        count, m = len(held), len(border.ptr) - 1
+        self.legs, self._held = border, held
         diagonal = np.arange(count)
-        r = np.concatenate([diagonal, moving[:, 0], moving[:, 1], *(p[0] for p in pairs)])
-        c = np.concatenate([diagonal, moving[:, 1], moving[:, 0], *(p[1] for p in pairs)])
+        r = np.concatenate([diagonal, *(p[0] for p in pairs)])
+        c = np.concatenate([diagonal, *(p[1] for p in pairs)])
         pattern = sp.csr_matrix((np.ones(len(r)), (r, c)), shape=(count, count))
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices
@@ -114,14 +122,11 @@ class KKT:
 
     def _border(self, count: int, m: int) -> None:
         """Which constraints touch which nodes, and the scalar pattern."""
-        c, side = np.nonzero(self._nodes < count)
-        node = self._nodes[c, side]
-        order = np.lexsort((c, node))
-        self._incident = np.stack([c, side], axis=1)[order]
-        self._incident_ptr = np.searchsorted(node[order], np.arange(count + 1))
-        key = np.where(self._nodes < count, self._nodes, -1)
-        self._sides = np.argsort(np.where(key < 0, count, key), axis=1, kind="stable")
-        self._sides[np.take_along_axis(key, self._sides, axis=1) < 0] = -1
+        border = self.legs
+        c, leg = border.rows, np.arange(len(border.nodes))
+        order = np.lexsort((c, border.nodes))
+        self._incident = np.stack([c, leg], axis=1)[order]
+        self._incident_ptr = np.searchsorted(border.nodes[order], np.arange(count + 1))
         columns = []
         lengths = []
         for i in range(count):
@@ -136,10 +141,10 @@ class KKT:
             columns += rows
             lengths += [len(r) for r in rows]
         for constraint in range(m):
-            sides = self._sides[constraint]
-            nodes = self._nodes[constraint, sides[sides >= 0]]
-            columns.append((6 * nodes[:, np.newaxis] + np.arange(6)).ravel())
-            lengths.append(6 * len(nodes))
+            nodes = border.nodes[border.ptr[constraint] : border.ptr[constraint + 1]]
+            row = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
+            columns.append(np.append(row, 6 * count + constraint) if self._redundant else row)
+            lengths.append(len(columns[-1]))
         self._row_pointers = np.concatenate([[0], np.cumsum(lengths)]).astype(PETSc.IntType)
         self._columns = np.concatenate(columns).astype(PETSc.IntType)
         self._size = len(self._columns)
@@ -157,13 +162,13 @@ class KKT:
 
         Args:
             blocks: ``S``, shape (nnz, 6, 6).
-            columns: ``B`` in the twists of nodes A and B, shape (m, 2, 6); those of nodes that do
-                not move are set to zero, as in ``rows``.
-            rows: ``BT`` in their increments, shape (m, 2, 6).
+            columns: ``B`` in the twists of the legs' nodes, shape (legs, 6); what is held is set to
+                zero, as in ``rows``.
+            rows: ``BT`` in their increments, shape (legs, 6).
             scale: ``σ``, shape (m,).
         """
-        _clear_held(columns, self._nodes, self._held)
-        _clear_held(rows, self._nodes, self._held)
+        _clear_held(columns, self.legs.nodes, self._held)
+        _clear_held(rows, self.legs.nodes, self._held)
         _fill(
             self.indptr,
             self.indices,
@@ -171,11 +176,22 @@ class KKT:
             self._held,
             self._incident_ptr,
             self._incident,
-            self._sides,
+            self.legs.ptr,
             columns,
             rows,
             scale,
+            self._softness(blocks, columns, scale),
             self._data,
         )
         self.matrix.stateIncrease()
         self.matrix.assemble()
+
+    def _softness(self, blocks: Array, columns: Array, scale: Array) -> Array:
+        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, (m,); none if not wanted."""
+        if not self._redundant:
+            return np.empty(0)
+        nodes = np.arange(len(self._held))
+        S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
+        legs = (columns**2 / np.where(S > 0.0, S, 1.0)[self.legs.nodes]).sum(axis=1)
+        total = np.bincount(self.legs.rows, legs, minlength=len(scale)) * scale**2
+        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.constraints import JointTable
+from fem_lie.constraints import joint_table
 from fem_lie.frames import pull, pull_derivative, push
 from fem_lie.groups import tangent, turn
 
@@ -93,8 +93,7 @@ def rigid_residual(
                 work[1, i, k, j] -= dead[i, k, j]
     pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
     _add_moments(H, moment, following, r)
-    table = JointTable(joints[0], joints[1], joints[2], joints[3])
-    constraints.evaluate(H, table, weights, scale, count, r)
+    constraints.evaluate(H, v, joint_table(joints), weights, scale, count, r)
 
 
 @compiled
@@ -184,7 +183,10 @@ def add_blocks(target: Array, place: Indices, blocks: Array) -> None:
 def combine(
     A: Array, K: Array, rows: Array, kinds: Indices, d: Array, nodes: Indices, bind: Indices
 ) -> None:
-    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``.
+
+    ``rows`` are those of constraints at ``nodes``, shape (legs, 6).
+    """
     count = d.shape[0]
     T, product = np.empty((count, 6, 6)), np.empty((6, 6))
     for i in range(count):
@@ -195,15 +197,12 @@ def combine(
             for n in range(6):
                 A[b, k, n] += product[k, n]
     row = np.empty(6)
-    for c in range(rows.shape[0]):
-        for side in range(2):
-            node = nodes[c, side]
-            if node < count:
-                for n in range(6):
-                    row[n] = 0.0
-                    for k in range(6):
-                        row[n] += rows[c, side, k] * T[node, k, n]
-                rows[c, side] = row
+    for leg in range(rows.shape[0]):
+        for n in range(6):
+            row[n] = 0.0
+            for k in range(6):
+                row[n] += rows[leg, k] * T[nodes[leg], k, n]
+        rows[leg] = row
 
 
 @compiled
@@ -218,11 +217,9 @@ def to_inertial(
                 turn(H[i], A[b, :, n])
             for k in range(6):
                 turn(H[j], A[b, k])
-    for c in range(rows.shape[0]):
-        for side in range(2):
-            if nodes[c, side] < indptr.shape[0] - 1:
-                turn(H[nodes[c, side]], columns[c, side])
-                turn(H[nodes[c, side]], rows[c, side])
+    for leg in range(rows.shape[0]):
+        turn(H[nodes[leg]], columns[leg])
+        turn(H[nodes[leg]], rows[leg])
 
 
 @compiled

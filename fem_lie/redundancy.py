@@ -2,50 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from fem_lie.constraints import JointTable
-from fem_lie.joints import Joint
+from fem_lie._jit import Array, Indices
+from fem_lie.connections import Connections
 
+_NOTHING = 1e-10  # of a row whose entries would be of order 1, or over the length
 _DEPENDENT = 1e-10  # squared distance of a unit row from the span of others
 
 
-def check_redundancy(
-    B: sp.csr_matrix, joints: Sequence[Joint], table: JointTable, length: float
-) -> None:
-    """Check that no constraint follows from the others.
+def redundant_constraints(B: sp.csr_matrix, length: float) -> Indices:
+    """Those that follow from the others.
 
     Args:
-        B: Their Jacobian in the twists of the moving nodes, shape (m, 6 n).
-        joints: All joints.
-        table: The same.
+        B: Jacobian of all in the twists of the moving nodes, shape (m, 6 n).
         length: Of the model: what a rotation counts.
-
-    Raises:
-        ValueError: Some do; the message names their joints.
     """
     if B.shape[0] == 0:
-        return
+        return np.empty(0, dtype=np.int64)
     B = B @ sp.diags(np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6))
     norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     # within one rigid body both sides cancel up to round-off
-    within = table.nodes[:, 0] == table.nodes[:, 1]
-    norms[np.repeat(within, np.diff(table.first))] = 0.0
+    norms[norms < _NOTHING * min(1.0, 1.0 / length)] = 0.0
     empty = np.flatnonzero(norms == 0.0)
     unit = sp.diags(np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)) @ B
     gram = (unit @ unit.T).toarray()
     # a pivot is the squared distance of a row from the span of those before it
     _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=_DEPENDENT)
-    redundant = np.union1d(pivots[rank:] - 1, empty)
+    return np.asarray(np.union1d(pivots[rank:] - 1, empty), dtype=np.int64)
+
+
+def refuse(redundant: Indices, connections: Connections) -> None:
+    """Raise ``ValueError`` that names the joints of redundant constraints if there are any."""
     if len(redundant):
-        owner = np.searchsorted(table.first, redundant, side="right") - 1
-        names = "; ".join(joints[int(k)].label for k in dict.fromkeys(owner))
+        owner = dict.fromkeys(connections.owner[redundant])
+        names = "; ".join(connections.items[int(k)].label for k in owner)
         raise ValueError(
-            f"{len(redundant)} of {B.shape[0]} constraints are redundant, they follow from the "
-            f"other joints and clamps: {names}. Replace a joint by one with fewer constraints "
-            "(e.g. Spherical instead of Revolute) or remove it"
+            f"{len(redundant)} of {len(connections.owner)} constraints are redundant, they follow "
+            f"from the other joints and clamps: {names}. Replace a joint by one with fewer "
+            "constraints (e.g. Spherical instead of Revolute) or remove it, or see "
+            "Scene(redundant=...)"
         )
+
+
+def minimum_norm(B: sp.csr_matrix, weights: Array, measure: Array) -> Array:
+    """The smallest multipliers that exert the forces ``Bᵀ weights``, shape (m,).
+
+    Args:
+        B: Jacobian of all constraints.
+        weights: Any multipliers.
+        measure: What counts of each is its value times this, shape (m,).
+    """
+    scaled = sp.diags(1.0 / measure) @ B
+    gram = (scaled @ scaled.T).toarray()
+    values, vectors = np.linalg.eigh(gram)
+    keep = values > _DEPENDENT * values[-1]
+    vectors = vectors[:, keep]
+    small: Array = vectors @ (vectors.T @ (weights * measure)) / measure
+    return small

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_lie.bodies import Point
-    from fem_lie.joints import Joint
+    from fem_lie.joints import Connection
 
 __all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo", "StepHistory"]
 
@@ -36,6 +36,8 @@ class Result:
         velocities: Local velocities (translation, rotation), shape (T, N, 6).
         joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
             axes that it has on that side, shape (T, j, 6).
+        joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
+        joint_violations: Largest violation of a constraint of each joint, shape (T, j).
         kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of loads.
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
@@ -50,6 +52,8 @@ class Result:
     frames: Array
     velocities: Array
     joint_forces: Array
+    joint_coordinates: Array
+    joint_violations: Array
     kinetic: Array
     elastic: Array
     potential: Array
@@ -64,11 +68,14 @@ class Result:
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
         j = len(self.info.joints)
+        c = sum(len(joint.coordinates) for joint in self.info.joints)
         count = len(self.times)
         for name, shape in (
             ("frames", (n, 4, 3)),
             ("velocities", (n, 6)),
             ("joint_forces", (j, 6)),
+            ("joint_coordinates", (c,)),
+            ("joint_violations", (j,)),
             ("kinetic", ()),
             ("elastic", ()),
             ("potential", ()),
@@ -99,7 +106,23 @@ class Result:
         """Velocity of a point (translation, rotation) in its local frame, shape (T, 6)."""
         return self.velocities[:, self.info.node(point)]
 
-    def joint_force(self, joint: Joint | str) -> Array:
+    def coordinate(self, joint: Connection | str, name: str | None = None) -> Array:
+        """Relative coordinate of a joint, shape (T,): angle in rad, unwrapped, or a length.
+
+        Args:
+            joint: A joint, spring or drive of the scene, or its name.
+            name: Such as "angle" or "displacement", for joints with several of them.
+
+        Raises:
+            ValueError: There is none.
+        """
+        return self.joint_coordinates[:, self.info.coordinate(joint, name)]
+
+    def joint_violation(self, joint: Connection | str) -> Array:
+        """Largest violation of a joint's constraints, shape (T,)."""
+        return self.joint_violations[:, self.info.joint(joint)]
+
+    def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (T, 6).
 
         Raises:

@@ -9,14 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie.bodies import Body, Point, ground, vector
-from fem_lie.choices import Choices
-from fem_lie.joints import Joint, RigidLink
+from fem_lie.choices import Choices, Redundant
+from fem_lie.joints import Connection, Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PointLoad, PrescribedMotion
 
 if TYPE_CHECKING:
     from fem_lie.plot import Units
 
-Item = TypeVar("Item", bound=Body | Joint | RigidLink | Load | Clamp | PrescribedMotion)
+Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
 
 
 class Scene:
@@ -25,29 +25,38 @@ class Scene:
     Attributes:
         gravity: Acceleration of free fall, global components, shape (3,).
         choices: What is forced into or out of the iteration matrix.
+        redundant: What to do with constraints that follow from others.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
+        connections: Springs, drives and gears.
     """
 
     def __init__(
-        self, gravity: npt.ArrayLike = (0.0, 0.0, 0.0), *, choices: Choices | None = None
+        self,
+        gravity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        choices: Choices | None = None,
+        redundant: Redundant = Redundant.REFUSE,
     ) -> None:
         """Start empty.
 
         Args:
             gravity: Acceleration of free fall, global components.
             choices: What is forced into or out of the iteration matrix; default: nothing.
+            redundant: What to do with constraints that follow from others.
         """
         self.gravity = vector(gravity, 3, "gravity")
         self.choices = Choices() if choices is None else choices
+        self.redundant = Redundant(redundant)
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self.connections: list[Connection] = []
         self.links: list[RigidLink] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, rigid link, load, clamp or prescribed motion, and return it.
+        """Add a body, joint, spring, drive, load, support and so on, and return it.
 
         Raises:
             ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
@@ -56,17 +65,14 @@ class Scene:
         """
         if isinstance(item, Body):
             self._add_body(item)
-        elif isinstance(item, Joint):
-            self._check_points(item.label, item.a.body, item.b.body)
-            item.frame()
-            if item.a.body is item.b.body and item.a.node == item.b.node:
-                raise ValueError(f"{item.label} joins a point to itself")
-            if item.selection[:, 3:].any() or item.at is not None:
-                _bind(item.label, item.a, item.b)
-            elif not item.reversible:
-                # its axis belongs to the frame of a
-                _bind(item.label, item.a, ground())
-            self.joints.append(item)
+        elif isinstance(item, Connection):
+            item.check()
+            self._check_points(item.label, *item.bodies)
+            _hold(item)
+            if isinstance(item, Joint):
+                self.joints.append(item)
+            else:
+                self.connections.append(item)
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)
@@ -144,3 +150,15 @@ def _bind(what: str, a: Point, b: Point) -> None:
     for point, other in ((a, b), (b, a)):
         if point.body is not None:
             point.body.bind_rotation(point.node, (other.body, other.node), what)
+
+
+def _hold(item: Connection) -> None:
+    """Tell bodies which of their nodes' rotations a connection takes hold of."""
+    for tie in item.ties():
+        if item.turns:
+            _bind(item.label, tie.a, tie.b)
+        elif not tie.reversible:
+            # its axes belong to the frame of a
+            _bind(item.label, tie.a, ground())
+    for tie in item.velocity_ties():
+        _bind(item.label, tie.a, tie.b)

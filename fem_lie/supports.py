@@ -8,7 +8,6 @@ positive definite, which constraints with multipliers do not.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from fem_lie._jit import Array, Indices
 
@@ -29,7 +28,7 @@ class Supports:
             axes: Rows ``A`` for all nodes, nan where unknowns are local, shape (n, 3, 3).
             indptr: Rows of the pattern of node pairs, with ``indices``.
             indices: See there.
-            constrained: Nodes A and B of each constraint, shape (m, 2).
+            constrained: Node of each leg of the constraints.
         """
         self.nodes: Indices = np.flatnonzero(np.isfinite(axes[:, 0, 0]))
         self._axes = axes[self.nodes]
@@ -39,8 +38,8 @@ class Supports:
         columns = number[indices]
         self._rows, self._columns = np.flatnonzero(rows >= 0), np.flatnonzero(columns >= 0)
         self._row_of, self._column_of = rows[self._rows], columns[self._columns]
-        of_nodes = np.append(number, -1)[np.minimum(constrained, len(axes))]
-        self._border: tuple[npt.NDArray[np.int64], ...] = np.nonzero(of_nodes >= 0)
+        of_nodes = number[constrained]
+        self._border: Indices = np.flatnonzero(of_nodes >= 0)
         self._border_of = of_nodes[self._border]
 
     def __bool__(self) -> bool:
@@ -63,10 +62,9 @@ class Supports:
         blocks[columns, :, :3] = blocks[columns, :, :3] @ Q[self._column_of].transpose(0, 2, 1)
 
     def turn_border(self, H: Array, rows: Array) -> None:
-        """Rows of constraints, shape (m, 2, 6)."""
-        c, side = self._border
+        """Legs of constraints, shape (legs, 6)."""
         Q = self._matrices(H)[self._border_of]
-        rows[c, side, :3] = np.einsum("kij,kj->ki", Q, rows[c, side, :3])
+        rows[self._border, :3] = np.einsum("kij,kj->ki", Q, rows[self._border, :3])
 
     def _matrices(self, H: Array) -> Array:
         """``A R`` of the supported nodes, shape (k, 3, 3)."""

@@ -10,27 +10,30 @@ Index 3 equations at a time level::
 
 from __future__ import annotations
 
+import logging
+
 from mpi4py import MPI
 
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array, Indices
+from fem_lie._jit import Array
 from fem_lie.carried_drilling import CarriedDrilling
-from fem_lie.choices import Choices
-from fem_lie.constraints import JointTable
+from fem_lie.choices import Choices, Redundant
+from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
-from fem_lie.info import JointInfo, SceneInfo
-from fem_lie.joints import Fixed, Joint
+from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
 from fem_lie.nodal import add_mass_damping, load_potential, rigid_residual
 from fem_lie.numbering import Numbering
-from fem_lie.redundancy import check_redundancy
+from fem_lie.redundancy import minimum_norm, redundant_constraints, refuse
 from fem_lie.scene import Scene
 from fem_lie.tangent import Tangent
+
+_log = logging.getLogger(__name__)
 
 
 def refuse_ranks() -> None:
@@ -49,7 +52,7 @@ class System:
         count: Moving nodes ``n``; ``size`` unknowns are six of each and ``m`` multipliers.
         frames: Initial frames, shape (n + 1 + p, 4, 3): moving nodes, ground, prescribed motions.
         velocities: Initial local velocities, same rows, (…, 6).
-        table: All joints.
+        connections: All joints, and what acts along them; ``table`` is theirs.
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
@@ -60,6 +63,8 @@ class System:
         force: On (x, d₁, d₂, d₃) in the last residual: ``G q̈`` and mass damping minus dead loads,
             shape (n, 4, 3).
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
+        velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
+            the matrix are like those of positions.
         choices: What :meth:`fill_matrix` takes in.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
@@ -100,8 +105,12 @@ class System:
         for clamp in scene.clamps:
             self.held[self.numbering.node(clamp.point)] = True
         self._any_held = bool(self.held.any())
-        self.joints, self.table, self._reported = self._tabulate(scene)
-        self.m = len(self.table.selection)
+        self.connections = Connections(scene, self.numbering, self.frames, self.held)
+        self.table = self.connections.table
+        self.m = self.connections.m
+        self._binds_velocities = self.connections.of_velocities > 0
+        if self._binds_velocities and not dynamics:
+            raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
         box = np.ptp(self.frames[: self.count, 0], axis=0)
         self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
@@ -109,7 +118,8 @@ class System:
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         self._damping = damping if dynamics else None
         self._loads = LoadCases(scene, self.numbering, self._weight(scene))
-        self.time_dependent = self._loads.time_dependent or bool(self._motions)
+        moves = bool(self._motions) or self.connections.driven
+        self.time_dependent = self._loads.time_dependent or moves
         numbering = self.numbering
         self.elastic = Elastic(numbering.assemblies, numbering.attachment, self._loads.pressures)
         self._viscous = dynamics and self.elastic.viscous
@@ -117,15 +127,20 @@ class System:
             self.inertia,
             self._damping,
             self.elastic,
-            self.table,
+            self.connections,
             self.held,
             self.numbering.supports,
             viscous=self._viscous,
+            redundant=scene.redundant is not Redundant.REFUSE,
         )
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
-        check_redundancy(B, self.joints, self.table, self.length)
+        redundant = redundant_constraints(B, self.length)
+        if scene.redundant is Redundant.REFUSE:
+            refuse(redundant, self.connections)
+        elif len(redundant):
+            _log.info("%d of %d constraints are redundant", len(redundant), self.m)
         self._work = np.zeros((2, self.count, 4, 3))
         self.force = self._work[1]
         self._damping_work = np.zeros_like(self._work)
@@ -135,34 +150,9 @@ class System:
         # reactions of what is held in a node's own axes turn with them
         self._turns = ~self.held
         self._turns[np.isfinite(self.numbering.supports[:, 0, 0]), :3] = True
-        self.choices = Choices(gyroscopic=True, geometric=True)
+        self.choices, self.velocity_factor = Choices(gyroscopic=True, geometric=True), 1.0
         self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
         self.set_time(0.0, 1.0)
-
-    def _tabulate(self, scene: Scene) -> tuple[list[Joint], JointTable, Indices]:
-        """All joints, a prescribed motion being a fixed joint to its moving frame.
-
-        Side A is one that moves; the third result is where in the table the user's side A is.
-        """
-        joints = list(scene.joints)
-        sides = [(self.numbering.node(joint.a), self.numbering.node(joint.b)) for joint in joints]
-        for k, motion in enumerate(scene.motions):
-            joints.append(Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}"))
-            sides.append((self.numbering.node(motion.point), self.count + 1 + k))
-        nodes = np.array(sides, dtype=np.int64).reshape(-1, 2)
-        still = np.append(self.held.all(axis=1), [True] * (len(self.frames) - self.count))[nodes]
-        reversible = np.array([joint.reversible for joint in joints], dtype=bool)
-        turned = reversible & still[:, 0] & ~still[:, 1]
-        nodes[turned] = nodes[turned, ::-1]
-        frames = np.empty((len(joints), 2, 4, 3))
-        for k, joint in enumerate(joints):
-            for side in range(2):
-                inverse = lie.se3_inverse(self.frames[nodes[k, side]])
-                frames[k, side] = lie.se3_compose(inverse, joint.frame())
-        sizes = [len(joint.selection) for joint in joints]
-        first = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]).astype(np.int64)
-        selection = np.concatenate([np.empty((0, 12))] + [joint.selection for joint in joints])
-        return joints, JointTable(nodes, frames, first, selection), turned.astype(np.int64)
 
     def _weight(self, scene: Scene) -> Array:
         """Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3)."""
@@ -176,10 +166,12 @@ class System:
         """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
 
         Raises:
-            ValueError: A history or motion is not finite.
+            ValueError: A history, motion or drive is not finite.
         """
         self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
+        if self.connections.driven:
+            self.table.targets[:] = self.connections.targets(time)
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
@@ -230,6 +222,9 @@ class System:
             self._work,
             r,
         )
+        if self._binds_velocities:
+            factor = self.velocity_factor
+            self.connections.add_velocity_constraints(H, v, weights, scale, factor, r)
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
@@ -274,7 +269,9 @@ class System:
             (mass, damping),
         )
         tangent.add_elastic(H)
+        tangent.add_springs(H)
         if damping != 0.0:
+            tangent.add_dampers(H, damping)
             tangent.add_viscosity(H, damping)
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
@@ -287,16 +284,24 @@ class System:
         """Potential of gravity and of loads fixed in space that have no history and no moment."""
         return float(load_potential(H, self.loads.dead))
 
-    def joint_forces(self, H: Array, weights: Array) -> Array:
-        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6)."""
-        forces = np.empty((len(self.joints), 6))
-        constraints.wrenches(H, self.table, weights, self._reported, forces)
-        return forces
+    def stored_energy(self, H: Array) -> float:
+        """Energy of elements and springs."""
+        return self.elastic.energy(H) + float(constraints.spring_energy(H, self.table))
+
+    def joint_forces(self, H: Array, weights: Array, v: Array | None = None) -> Array:
+        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6).
+
+        ``v`` are the twists of the moving nodes, which dampers feel; default: none.
+        """
+        if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
+            measure = np.where(self.connections.angular, 1.0 / self.length, 1.0)
+            weights = minimum_norm(self.tangent.jacobian(H), weights, measure)
+        return self.connections.forces(H, self._still if v is None else v, weights)
 
     @property
     def symmetric(self) -> bool:
         """Whether the static equations have a symmetric matrix in every state."""
-        bound = bool(self.table.selection[:, 3:].any())
+        bound = bool(self.table.selection[:, 3:].any() or self.table.functions.any())
         if bound or self._loads.turning or not self.uncoupled.all():
             return False
         return not self._loads.pressures or self._conserves()
@@ -330,19 +335,7 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
-        leaders, table = self.numbering.attachment.leaders, self.table
-        # drawn on its side A, or on B if A is ground
-        sides = (table.nodes[:, 0] >= self.count).astype(np.int64)
-        joints = tuple(
-            JointInfo(
-                name=joint.label,
-                kind=type(joint).__name__,
-                node=int(leaders[table.nodes[k, side]]),
-                offset=table.frames[k, side, 0],
-            )
-            for k, (joint, side) in enumerate(zip(self.joints, sides, strict=True))
-        )
-        return SceneInfo(self.numbering.bodies(), joints)
+        return SceneInfo(self.numbering.bodies(), self.connections.info())
 
 
 def _yes(chosen: bool | None) -> str:

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices
-from fem_lie.constraints import JointTable
+from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.elements.shell_maps import add_turnings
 from fem_lie.kkt import KKT, Flags
@@ -38,11 +38,12 @@ class Tangent:
         mass: Inertia,
         damping: Inertia | None,
         elastic: Elastic,
-        table: JointTable,
+        connections: Connections,
         held: Flags,
         axes: Array,
         *,
         viscous: bool,
+        redundant: bool,
     ) -> None:
         """Find the pattern.
 
@@ -50,43 +51,48 @@ class Tangent:
             mass: Inertia of the leaders.
             damping: Damping that goes with mass.
             elastic: All assemblies, and pressure.
-            table: The joints.
+            connections: All joints.
             held: Which unknowns of the nodes are zero, shape (n, 6).
             axes: Fixed axes of the supports, see :class:`~fem_lie.supports.Supports`.
             viscous: Whether the viscous forces of ``elastic`` count.
+            redundant: Whether constraints may follow from others.
         """
         self._mass, self._damping = mass, damping
         self._elastic, self._viscous = elastic, viscous
-        self._table, self._held, self._count = table, held, len(held)
+        self._connections = connections
+        self._table, self._border = connections.table, connections.border
+        self._held, self._count = held, len(held)
         diagonal = np.arange(self._count)
         pair = (np.repeat(diagonal, np.diff(mass.indptr)), mass.indices)
-        self.kkt = KKT([pair, *elastic.pairs], table, held)
+        a, b = self._table.nodes.T
+        both = (np.concatenate([a, b]), np.concatenate([b, a]))
+        moving = (both[0] < self._count) & (both[1] < self._count)
+        joined = (both[0][moving], both[1][moving])
+        self.kkt = KKT([pair, *elastic.pairs, joined], self._border, held, redundant=redundant)
         place = self.kkt.place
         self._place_mass = place(*pair)
         self._place_elastic = [place(*pair) for pair in elastic.pairs]
         self._diagonal = place(diagonal, diagonal)
-        a, b = table.nodes.T
         self._place_joints = np.stack(
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
-        self._nodes = np.repeat(table.nodes, np.diff(table.first), axis=0)
-        self.supports = Supports(axes, self.kkt.indptr, self.kkt.indices, self._nodes)
-        self._rows = np.zeros((len(self._nodes), 2, 6))
+        nodes = self._border.nodes
+        self.supports = Supports(axes, self.kkt.indptr, self.kkt.indices, nodes)
+        self._rows = np.zeros((len(nodes), 6))
         self.A = np.zeros((len(self.kkt.indices), 6, 6))
         self.K = np.zeros_like(self.A)
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
-        constraints.jacobian(H, self._table, self._rows)
+        self._connections.jacobian(H, self._rows)
         self.supports.turn_border(H, self._rows)
-        c, side = np.nonzero(self._nodes < self._count)
-        node = self._nodes[c, side]
-        free = ~self._held[node].all(axis=1)
-        c, side, node = c[free], side[free], node[free]
+        border, held = self._border, self._held
+        free = ~held[border.nodes].all(axis=1)
+        node = border.nodes[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
-        values = np.where(self._held[node], 0.0, self._rows[c, side]).ravel()
-        shape = (len(self._nodes), 6 * self._count)
-        return sp.csr_matrix((values, (np.repeat(c, 6), columns)), shape=shape)
+        values = np.where(held[node], 0.0, self._rows[free]).ravel()
+        shape = (len(border.ptr) - 1, 6 * self._count)
+        return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
     def constraint_scale(self, H: Array) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` in ``A``, shape (m,).
@@ -97,7 +103,8 @@ class Tangent:
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
         B = self.jacobian(H)
         weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
-        return 1.0 / np.asarray(weighted.sum(axis=1)).ravel()
+        total = np.asarray(weighted.sum(axis=1)).ravel()
+        return np.divide(1.0, total, out=np.ones_like(total), where=total > 0.0)
 
     # --- parts ---
 
@@ -160,6 +167,16 @@ class Tangent:
         """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
         constraints.geometric(H, self._table, weights, self._place_joints, self.K)
 
+    def add_springs(self, H: Array) -> None:
+        """Stiffness of springs in joints, to ``K``."""
+        if len(self._table.springs):
+            constraints.add_springs(H, self._table, self._place_joints, 1.0, 0.0, self.K)
+
+    def add_dampers(self, H: Array, factor: float) -> None:
+        """``factor`` times the derivative of dampers in joints in the twists, to ``A``."""
+        if len(self._table.springs):
+            constraints.add_springs(H, self._table, self._place_joints, 0.0, factor, self.A)
+
     def add_viscosity(self, H: Array, factor: float) -> None:
         """``factor`` times the derivative of viscous forces in the twists' rates, to ``A``."""
         if self._viscous:
@@ -186,7 +203,7 @@ class Tangent:
 
     def fill(self, blocks: Array, H: Array, scale: Array) -> None:
         """Blocks, bordered by the constraints at ``H`` times ``scale``, into the KKT."""
-        constraints.jacobian(H, self._table, self._rows)
+        self._connections.jacobian(H, self._rows)
         if self.supports:
             blocks = blocks.copy()
             self.supports.turn_blocks(H, blocks)
@@ -200,10 +217,10 @@ class Tangent:
 
         In components along the nodes' axes, or along fixed ones if ``inertial``.
         """
-        constraints.jacobian(H, self._table, self._rows)
-        columns, bind = self._rows.copy(), self.kkt.indices
+        self._connections.jacobian(H, self._rows)
+        columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
         if d.any():
-            combine(self.A, self.K, self._rows, kinds, d, self._nodes, bind)
+            combine(self.A, self.K, self._rows, kinds, d, nodes, bind)
         else:
             self.A += self.K
         if self.supports:
@@ -211,5 +228,5 @@ class Tangent:
             self.supports.turn_border(H, columns)
             self.supports.turn_border(H, self._rows)
         if inertial:
-            to_inertial(self.A, columns, self._rows, H, self._nodes, self.kkt.indptr, bind)
+            to_inertial(self.A, columns, self._rows, H, nodes, self.kkt.indptr, bind)
         self.kkt.fill(self.A, columns, self._rows, scale)

@@ -49,7 +49,7 @@ def _rod():
         "tip", "RigidBody", np.array([NODES]), box=np.array([0.5, 0.2, 0.1]), points={"centre": 5}
     )
     joints = (
-        JointInfo("hinge", "Revolute", node=0),
+        JointInfo("hinge", "Cylindrical", node=0, coordinates=("angle", "displacement")),
         JointInfo("weld", "Fixed", 5, np.array([-0.25, 0, 0])),
     )
     return Result(
@@ -57,6 +57,8 @@ def _rod():
         frames=frames,
         velocities=np.tile(velocity, (count, 1, 1)),
         joint_forces=np.random.default_rng(0).normal(size=(count, 2, 6)),
+        joint_coordinates=np.column_stack([times, 2 * times]),
+        joint_violations=np.zeros((count, 2)),
         kinetic=2.0 + 0.5 * np.sin(times),
         elastic=1.0 - 0.5 * np.sin(times) + 3e-9 * times,
         potential=np.zeros(count),
@@ -174,7 +176,12 @@ def test_a_saved_result_comes_back_bit_by_bit(rod, tmp_path):
 
 def test_a_result_without_joints_and_points_comes_back(rod, tmp_path):
     bare = SceneInfo(tuple(replace(body, points={}) for body in rod.info.bodies))
-    replace(rod, joint_forces=np.empty((21, 0, 6)), info=bare).save(tmp_path / "rod.h5")
+    none = {
+        "joint_forces": np.empty((21, 0, 6)),
+        "joint_coordinates": np.empty((21, 0)),
+        "joint_violations": np.empty((21, 0)),
+    }
+    replace(rod, info=bare, **none).save(tmp_path / "rod.h5")
     back = Result.load(tmp_path / "rod.h5")
     assert back.info.joints == () and back.info.bodies[0].points == {}
     assert back.joint_forces.shape == (21, 0, 6)
@@ -198,7 +205,7 @@ def test_other_files_are_refused(rod, tmp_path):
     rod.save(tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
-    with pytest.raises(ValueError, match=r"of version 3: format 'fem_lie results', version 0"):
+    with pytest.raises(ValueError, match=r"of version 4: format 'fem_lie results', version 0"):
         Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0

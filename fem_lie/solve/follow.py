@@ -203,7 +203,7 @@ def _result(
     return PathResult(
         factors=np.array(reached),
         frames=np.array(frames).reshape(len(states), system.numbering.total, 4, 3),
-        joint_forces=np.array(forces).reshape(len(states), len(system.joints), 6),
+        joint_forces=np.array(forces).reshape(len(states), len(system.connections.items), 6),
         iterations=np.diff(counts[ends]),
         failed_iterations=path.failed_iterations,
         info=system.info(),

@@ -151,6 +151,7 @@ class _Run:
     def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
         self.options, self.system = options, system
         self.p = parameters(options.radius, step, system.length)
+        system.velocity_factor = 1.0 / self.p.damping
         self.policy = options.policy.fresh()
         self.s = State.start(system.frames, system.kinds)
         spin = float(np.abs(system.velocities[:, 3:]).max())
@@ -161,7 +162,7 @@ class _Run:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
-        turns = ~system.table.selection[:, :3].any(axis=1)
+        turns = system.connections.angular
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
         methods = methods_in_time(system)
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
@@ -214,6 +215,7 @@ class _Run:
                     seconds = clock.perf_counter() - begin
                     result = recorder.result(self.solver.factorisations, seconds)
                     raise ConvergenceError(self._failure(recorder.steps), result)
+                system.connections.accept(s.H)
                 recorder.record(index, s.H, s.twist1, self.weights, iterations)
         return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
 

@@ -42,6 +42,9 @@ class History:
         rows = steps // save_every + 1 + (steps % save_every > 0)
         self.frames, self.velocities = np.empty((rows, n, 4, 3)), np.empty((rows, n, 6))
         self.joint_forces = np.empty((rows, len(info.joints), 6))
+        self.joint_violations = np.empty((rows, len(info.joints)))
+        coordinates = sum(len(joint.coordinates) for joint in info.joints)
+        self.joint_coordinates = np.empty((rows, coordinates))
         self.times = np.empty(rows)
         self.invariants, self.elastic = np.empty((rows, 7)), np.zeros(rows)
         self.potential, self.iterations = np.empty(rows), np.zeros(rows, dtype=np.int64)
@@ -86,6 +89,8 @@ class History:
             frames=self.frames[keep],
             velocities=self.velocities[keep],
             joint_forces=self.joint_forces[keep],
+            joint_coordinates=self.joint_coordinates[keep],
+            joint_violations=self.joint_violations[keep],
             kinetic=self.invariants[keep, 0],
             elastic=self.elastic[keep],
             potential=self.potential[keep],
@@ -120,7 +125,9 @@ class Recorder(History):
         attachment = system.numbering.attachment
         self.frames[row] = attachment.frames(H)
         self.velocities[row] = attachment.twists(v)
-        self.joint_forces[row] = system.joint_forces(H, multipliers)
+        self.joint_forces[row] = system.joint_forces(H, multipliers, v)
+        self.joint_coordinates[row] = system.connections.coordinates(H)
+        self.joint_violations[row] = system.connections.violations(H, v)
         self.invariants[row] = inertia.invariants(
             H,
             v[:n],
@@ -128,7 +135,7 @@ class Recorder(History):
             self._work[0],
             self._work[1],
         )
-        self.elastic[row] = system.elastic.energy(H)
+        self.elastic[row] = system.stored_energy(H)
         self.potential[row] = system.potential_energy(H)
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie import constraints, lie
+from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError
 from fem_lie.solve.scheme import Scheme
@@ -30,15 +30,15 @@ def check_velocities(system: System, step: float) -> None:
                 "rotation, in its frame); it must be zero"
             )
     velocities, _ = with_driven(system, system.velocities, 0.0, step)
-    first, second = np.zeros(system.m), np.zeros(system.m)
-    constraints.rates(system.frames, velocities, system.table, first, second)
+    first, _ = system.connections.rates(system.frames, velocities)
+    first -= system.connections.target_rates(0.0, step)[0]
     speed = max(np.abs(velocities[:, :3]).max() / system.length, np.abs(velocities[:, 3:]).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step) * max(1.0, system.length)
     _check_held(system, bound)
     if (np.abs(first) > bound).any():
         c = int(np.abs(first).argmax())
-        joint = system.joints[int(np.searchsorted(system.table.first, c, side="right")) - 1]
+        joint = system.connections.items[int(system.connections.owner[c])]
         raise ValueError(
             f"the initial velocities break {joint.label}: its constraint changes at the rate "
             f"{first[c]:g}; give both bodies velocities that the joint allows"
@@ -113,10 +113,9 @@ def accelerations(
     guided = system.supports.nodes
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
     system.residual(H, v, rate[:n], np.zeros(m), np.ones(m), r)
-    first, second, drive = np.zeros(m), np.zeros(m), np.zeros(m)
-    constraints.rates(H, v, system.table, first, second)
-    constraints.rates(H, rate, system.table, drive, first)
-    r[6 * n :] = second + drive
+    _, second = system.connections.rates(H, v)
+    drive, _ = system.connections.rates(H, rate)
+    r[6 * n :] = second + drive - system.connections.target_rates(time, step)[1]
     _fill(system, H, step)
     try:
         solver.factorise()
@@ -138,6 +137,8 @@ def _fill(system: System, H: Array, step: float) -> None:
     tangent.clear()
     system.elastic.reset_stress(H)
     tangent.add_elastic(H)
+    tangent.add_springs(H)
+    tangent.add_dampers(H, 0.5 * step)
     tangent.add_mass(H, system.kinds)
     tangent.fill(tangent.A + 0.25 * step**2 * tangent.K, H, np.ones(system.m))
 
@@ -244,6 +245,8 @@ def velocity_defect(
     system.supports.turn(s.H, left)
     solver.right_hand_side[: 6 * n] = 0.0
     solver.right_hand_side[6 * n :] = system.tangent.jacobian(s.H) @ left.ravel()
+    # what binds velocities asks for nothing
+    solver.right_hand_side[solver.right_hand_side.size - system.connections.of_velocities :] = 0.0
     _fill(system, s.H, h)
     solver.factorise()
     solver.solve()

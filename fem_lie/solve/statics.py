@@ -17,7 +17,7 @@ from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
 from fem_lie.elements.shell_maps import retract
 from fem_lie.info import SceneInfo
-from fem_lie.joints import Joint
+from fem_lie.joints import Connection
 from fem_lie.plot import SI, Units
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import (
@@ -91,7 +91,7 @@ class StaticResult:
         """Positions of a point at all steps, shape (k, 3)."""
         return self.frames[:, self.info.node(point), 0]
 
-    def joint_force(self, joint: Joint | str) -> Array:
+    def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6)."""
         return self.joint_forces[:, self.info.joint(joint)]
 
@@ -248,7 +248,7 @@ class _Newton:
         return StaticResult(
             np.array(self._factors),
             np.array(self._frames).reshape(k, system.numbering.total, 4, 3),
-            np.array(self._forces).reshape(k, len(system.joints), 6),
+            np.array(self._forces).reshape(k, len(system.connections.items), 6),
             np.array(self._counts, dtype=np.int64),
             self._failed,
             system.info(),
@@ -294,6 +294,7 @@ class _Newton:
                 self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))
                 self._counts.append(self.iterations)
+                system.connections.accept(self.H)
                 return True
             previous = self.last
         self.H, self.multipliers = H, multipliers

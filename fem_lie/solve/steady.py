@@ -41,11 +41,13 @@ def linearised(system: System, H: Array, v: Array, weights: Array) -> tuple[Arra
     tangent.add_inertia(*state, (0.0, 1.0))
     tangent.add_mass_damping(H, v, 1.0)
     tangent.add_elastic(H)
+    tangent.add_springs(H)
     tangent.add_geometric(H, weights)
     system.follow_motion()
     ad = lie.se3_ad(v)[tangent.kkt.indices]
     K = tangent.K + tangent.A @ ad
     tangent.add_viscosity(H, 1.0)
+    tangent.add_dampers(H, 1.0)
     return M, tangent.A + M @ ad, K
 
 

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._jit import Array
+from fem_lie.choices import Redundant
 from fem_lie.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.solve.rotation import Rotation
@@ -71,6 +72,10 @@ def vibrations(
             raise ValueError("the rotation comes with at=...; do not give spin, too")
         rotation = at.steady_rotation
     system = System(scene, dynamics=True)
+    if scene.redundant is not Redundant.REFUSE:
+        raise ValueError("vibrations need constraints of which none is redundant")
+    if any(joint.velocity_ties() for joint in scene.joints):
+        raise ValueError("vibrations need constraints of positions, got one of velocities")
     free = int((~system.held).sum()) - system.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")

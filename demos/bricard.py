@@ -1,0 +1,97 @@
+"""Bricard's mechanism: six hinges in a loop that could not move if their axes were not special.
+
+IFToMM benchmark A04. Five bars of 1 m and 1 kg, square section 0.1 m, and the ground form a closed
+loop with six revolute joints, along edges of a cube. Counting says that it cannot move: 5 x 6
+coordinates, 6 x 5 constraints. One of these follows from the others because of the geometry, so
+there is one degree of freedom, and one joint force that the motion does not decide.
+
+fem_lie refuses such a scene unless it is told to take of all possible joint forces the smallest:
+Scene(redundant=fl.Redundant.MINIMUM_NORM). The mechanism falls under gravity along -y from rest and
+comes back. Reference: maximal coordinates with least squares, 7 to 8 digits.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import fem_lie as fl
+
+RESULTS = Path(__file__).parents[1] / "results"
+POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], float)
+AXES = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]], float)
+
+REFERENCE = {  # t: position of P3
+    0.5: (0.968283679, -1.22462516, 0.750146609),
+    1.0: (0.510501461, -1.6491676, 0.140123115),
+    1.5: (-0.517729492, -1.64653841, 0.144455628),
+    2.0: (-0.969340345, -1.22124689, 0.754278011),
+    5.0: (0.999999998, -1.00006726, 0.99993274),
+    10.0: (0.999999963, -1.00026901, 0.999730952),
+}
+
+
+def mechanism(redundant: fl.Redundant) -> tuple[fl.Scene, fl.RigidBody]:
+    """The scene, and the bar from P2 to P3."""
+    scene = fl.Scene(gravity=(0, -9.81, 0), redundant=redundant)
+    along, across = 0.1**2 / 6, (1.0 + 0.1**2) / 12
+    bars = []
+    for start, end in pairwise(POINTS):
+        inertia = np.where(end - start != 0, along, across)
+        bars.append(scene.add(fl.RigidBody(1.0, inertia, 0.5 * (start + end))))
+    sides = [fl.ground(), *(bar.centre for bar in bars), fl.ground()]
+    for k, (a, b) in enumerate(pairwise(sides)):
+        scene.add(fl.Revolute(a, b, at=POINTS[k], axis=AXES[k], name=f"hinge {k}"))
+    return scene, bars[2]
+
+
+def main(step: float = 1e-3, duration: float = 2.0, pictures: bool = True) -> dict[str, Any]:
+    refusal = ""
+    try:
+        fl.GeneralisedAlpha().run(mechanism(fl.Redundant.REFUSE)[0], duration=step, step=step)
+    except ValueError as error:
+        refusal = str(error)
+        print(f"refused by default: {refusal}\n")
+    scene, bar = mechanism(fl.Redundant.MINIMUM_NORM)
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
+    result = scheme.run(scene, duration=duration, step=step)
+    corner = POINTS[3] - 0.5 * (POINTS[2] + POINTS[3])
+    path = result.position(bar.centre) + result.rotation(bar.centre) @ corner
+    errors = {}
+    print("   t [s]   P3 [m]                                distance from the reference")
+    for t, reference in REFERENCE.items():
+        if t <= duration:
+            row = result.index(t)
+            errors[t] = float(np.linalg.norm(path[row] - reference))
+            print(f"{t:8}   {path[row].round(7)!s:36}  {errors[t]:.1e}")
+    forces = np.abs(result.joint_forces[:, :, :3]).max(axis=(0, 2))
+    record = {
+        "step": step,
+        "refusal": refusal,
+        "position_error": max(errors.values(), default=float("nan")),
+        "energy_error": result.energy_error,
+        "violation": float(result.joint_violations.max()),
+        "largest_force": float(forces.max()),
+        "iterations_per_step": float(result.iterations[-1] / (len(result.times) - 1)),
+        "factorisations": result.factorisations,
+        "seconds": result.seconds,
+    }
+    print(
+        f"largest joint forces {forces.round(1)} N, joints open by {record['violation']:.1e}, "
+        f"energy {result.energy_error:.1e}, {record['iterations_per_step']:.1f} iterations per step"
+    )
+    if pictures:
+        RESULTS.mkdir(exist_ok=True)
+        file = RESULTS / "bricard.png"
+        result.picture(file, title="Bricard's mechanism")
+        print(f"picture: {file}")
+    return record
+
+
+if __name__ == "__main__":
+    from command_line import run
+
+    run(main)

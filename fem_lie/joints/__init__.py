@@ -1,0 +1,43 @@
+"""Joints between two frames of beams, shells, rigid bodies and ground, and what acts along them."""
+
+from fem_lie.joints.acting import Drive, Gear, Spring
+from fem_lie.joints.connection import Connection, Coordinate, Tie, VelocityTie
+from fem_lie.joints.contact import KnifeEdge, RollingDisc
+from fem_lie.joints.joint import Joint
+from fem_lie.joints.kinds import (
+    Cylindrical,
+    Distance,
+    Fixed,
+    InPlane,
+    Planar,
+    Prismatic,
+    Revolute,
+    Screw,
+    Spherical,
+    Universal,
+)
+from fem_lie.joints.link import RigidLink
+
+__all__ = [
+    "Connection",
+    "Coordinate",
+    "Cylindrical",
+    "Distance",
+    "Drive",
+    "Fixed",
+    "Gear",
+    "InPlane",
+    "Joint",
+    "KnifeEdge",
+    "Planar",
+    "Prismatic",
+    "Revolute",
+    "RigidLink",
+    "RollingDisc",
+    "Screw",
+    "Spherical",
+    "Spring",
+    "Tie",
+    "Universal",
+    "VelocityTie",
+]

@@ -1,0 +1,146 @@
+"""What acts along the relative coordinates of joints: springs, dampers, drives and gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie.joints.connection import Connection, Coordinate, History, Tie
+
+
+@dataclass(frozen=True, eq=False)
+class Spring(Connection):
+    """Spring and damper along a coordinate ``q``: force or moment ``k (q − q₀) + c dq/dt``.
+
+    Attributes:
+        coordinate: Of a joint: ``joint.angle``, ``joint.displacement``, ``Distance(…).length``.
+        stiffness: ``k``, moment per rad or force per length.
+        damping: ``c``, the same times time.
+        rest: ``q₀``; default: the value at the start.
+        name: How errors and results call it; default: after its coordinate.
+    """
+
+    coordinate: Coordinate
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float | None = None
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Spring({self.coordinate.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if a number is not finite or negative, or both are zero."""
+        numbers = (self.stiffness, self.damping)
+        if not np.isfinite(numbers).all() or min(numbers) < 0.0 or max(numbers) == 0.0:
+            raise ValueError(
+                f"{self.label}: stiffness and damping must be ≥ 0 and not both 0, got {numbers}"
+            )
+        if self.rest is not None and not np.isfinite(self.rest):
+            raise ValueError(f"{self.label}: rest must be finite, got {self.rest}")
+
+    def ties(self) -> list[Tie]:
+        """That of the coordinate."""
+        return [self.coordinate.as_row(-1)]
+
+    @property
+    def spring(self) -> tuple[float, float, float]:
+        """Stiffness, damping and rest value."""
+        rest = self.coordinate.start() if self.rest is None else self.rest
+        return float(self.stiffness), float(self.damping), float(rest)
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinate."""
+        return (self.coordinate,)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive(Connection):
+    """A coordinate follows a given function of time.
+
+    Attributes:
+        coordinate: Of a joint.
+        function: Angle or displacement as a function of time (in statics: of the load factor),
+            twice differentiable; at the start the coordinate's initial value. Default: that value.
+        name: How errors and results call it; default: after its coordinate.
+    """
+
+    coordinate: Coordinate
+    function: History | None = None
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Drive({self.coordinate.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the function does not start at the coordinate's value."""
+        start = self.coordinate.start()
+        given = start if self.function is None else float(self.function(0.0))
+        if not abs(given - start) <= 1e-8 * max(1.0, abs(start)):
+            raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
+
+    def ties(self) -> list[Tie]:
+        """That of the coordinate."""
+        return [self.coordinate.as_row(0)]
+
+    @property
+    def size(self) -> int:
+        """One."""
+        return 1
+
+    @property
+    def history(self) -> History | None:
+        """The function."""
+        return self.function
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinate."""
+        return (self.coordinate,)
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Connection):
+    """``first + ratio · second`` stays what it is at the start.
+
+    Two revolutes: a pair of spur gears of radii r₁, r₂ that turn against each other on one carrier
+    has the ratio r₂/r₁; a revolute and a prismatic joint: rack and pinion.
+
+    Attributes:
+        first: Coordinate of a joint.
+        second: Coordinate of another joint.
+        ratio: ``−d first / d second``.
+        name: How errors and results call it; default: after its coordinates.
+    """
+
+    first: Coordinate
+    second: Coordinate
+    ratio: float
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Gear({self.first.label}, {self.second.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the ratio is zero or not finite."""
+        if not np.isfinite(self.ratio) or self.ratio == 0.0:
+            raise ValueError(f"{self.label}: ratio must be a number other than 0, got {self.ratio}")
+
+    def ties(self) -> list[Tie]:
+        """Those of the two coordinates."""
+        return [self.first.as_row(0), self.second.as_row(0, self.ratio)]
+
+    @property
+    def size(self) -> int:
+        """One."""
+        return 1
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The two coordinates."""
+        return self.first, self.second

@@ -1,0 +1,190 @@
+"""What joints, springs, drives and gears have in common: terms in the relative motion of frames.
+
+See :mod:`fem_lie.constraints` for the relative motion ``z = (Δ, Q)``, selections and functions.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import joint_functions
+from fem_lie._jit import Array
+from fem_lie.bodies import Body, Point
+from fem_lie.relative_motion import relative_motion
+
+History = Callable[[float], float]
+
+NO_ANGLE = np.zeros((2, 12))
+"""Of pairs of frames whose angle is not used."""
+
+_TRANSPOSED = np.array([0, 1, 2, 3, 6, 9, 4, 7, 10, 5, 8, 11])
+
+
+def rows(*entries: dict[int, float]) -> Array:
+    """Selection rows from {index in z = (Δ₁ Δ₂ Δ₃ Q₁₁ Q₁₂ … Q₃₃): factor}."""
+    selection = np.zeros((len(entries), 12))
+    for row, entry in zip(selection, entries, strict=True):
+        for index, factor in entry.items():
+            row[index] = factor
+    return selection
+
+
+class Tie(NamedTuple):
+    """A pair of frames, and terms in their relative motion.
+
+    Attributes:
+        a: Point that carries frame A; likewise ``b``.
+        frames: The two frames in the initial configuration, each (4, 3).
+        selection: Linear part of the terms, shape (t, 12).
+        functions: Factors of angle, distance and tilt in them, shape (t, 3).
+        rows: The constraint of the connection that each term is a part of; −1: it is its spring.
+        angle: Sine and cosine of the angle, shape (2, 12).
+        reversible: Whether the sides may be exchanged, see :meth:`exchanged`.
+    """
+
+    a: Point
+    b: Point
+    frames: tuple[Array, Array]
+    selection: Array
+    functions: Array
+    rows: Sequence[int]
+    angle: Array = NO_ANGLE
+    reversible: bool = True
+
+    def exchanged(self) -> Tie:
+        """The same with sides A and B exchanged.
+
+        Of a reversible one, ``Δ`` along the axis changes its sign then and ``Q`` is transposed,
+        while what is selected of ``Q`` is zero on both sides or in neither.
+        """
+        selection = self.selection.copy()
+        selection[:, :3] *= -1.0
+        return Tie(
+            self.b,
+            self.a,
+            self.frames[::-1],
+            selection,
+            self.functions,
+            self.rows,
+            np.ascontiguousarray(self.angle[:, _TRANSPOSED]),
+        )
+
+
+class VelocityTie(NamedTuple):
+    """A pair of frames whose relative velocity is bound, see :mod:`fem_lie.rolling`.
+
+    Attributes:
+        a: Point that carries frame A; likewise ``b``.
+        b: See there.
+        frames: The two frames in the initial configuration, each (4, 3).
+        selection: Components of the twist of B against A in the axes of B, shape (k, 6).
+        radius: Of a disc about e₃ of B, whose two constraints turn with the point of contact.
+    """
+
+    a: Point
+    b: Point
+    frames: tuple[Array, Array]
+    selection: Array
+    radius: float = 0.0
+
+
+class Connection(ABC):
+    """What ties frames of bodies to each other; use one of the subclasses.
+
+    Attributes:
+        name: How errors and results call it.
+    """
+
+    name: str
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Name for messages and results."""
+
+    @abstractmethod
+    def ties(self) -> list[Tie]:
+        """Pairs of frames and terms; the force that results report is that of the first."""
+
+    @property
+    def size(self) -> int:
+        """Number of constraints of positions."""
+        return 0
+
+    def velocity_ties(self) -> list[VelocityTie]:
+        """Constraints of velocities."""
+        return []
+
+    @property
+    def history(self) -> History | None:
+        """What its only constraint is to be, as a function of time; ``None``: constant."""
+        return None
+
+    @property
+    def spring(self) -> tuple[float, float, float] | None:
+        """Stiffness, damping and rest value of the term without constraint."""
+        return None
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Relative coordinates that results report."""
+        return ()
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is bad in itself."""
+
+    @property
+    def bodies(self) -> list[Body | None]:
+        """What it is attached to, ``None`` for ground."""
+        return [point.body for tie in self.ties() for point in (tie.a, tie.b)]
+
+    @property
+    def turns(self) -> bool:
+        """Whether it feels rotations of its points."""
+        for tie in self.ties():
+            by_place = any(
+                point.body is not None
+                and np.abs(frame[0] - point.position).max() > 1e-9 * point.size
+                for point, frame in zip((tie.a, tie.b), tie.frames, strict=True)
+            )
+            used = tie.functions[:, [joint_functions.ANGLE, joint_functions.TILT]].any()
+            if by_place or used or tie.selection[:, 3:].any():
+                return True
+        return False
+
+
+class Coordinate(NamedTuple):
+    """A relative coordinate of a joint: for springs, drives and gears, and in results.
+
+    Attributes:
+        tie: Its pair of frames with the coordinate as the only term.
+        name: What results call it: ``angle`` (rad, unwrapped), ``displacement``, ``length``.
+        of: The joint's name.
+    """
+
+    tie: Tie
+    name: str
+    of: str
+
+    @property
+    def label(self) -> str:
+        """For messages."""
+        return f"{self.name} of {self.of}"
+
+    def start(self) -> float:
+        """Its value in the initial configuration."""
+        z, f, tie = np.empty(12), np.zeros(3), self.tie
+        relative_motion(*tie.frames, z)
+        joint_functions.values(z, tie.angle, 0.0, f)
+        return float(tie.selection[0] @ z + tie.functions[0] @ f)
+
+    def as_row(self, row: int, factor: float = 1.0) -> Tie:
+        """Its tie as a term of constraint ``row``, times ``factor``; −1: of a spring."""
+        tie = self.tie
+        return tie._replace(
+            selection=factor * tie.selection, functions=factor * tie.functions, rows=(row,)
+        )

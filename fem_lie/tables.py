@@ -1,0 +1,155 @@
+"""Tables of numbers for compiled loops from the ties of joints and what acts along them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._jit import Array, Indices
+from fem_lie.bodies import Point
+from fem_lie.constraints import JointTable
+from fem_lie.joints import Tie, VelocityTie
+from fem_lie.numbering import Numbering
+from fem_lie.rolling import RollingTable
+
+Flags = npt.NDArray[np.bool_]
+
+
+class Border(NamedTuple):
+    """Which moving nodes each constraint touches: its legs, in the order of the nodes.
+
+    Attributes:
+        ptr: First leg of each constraint and their number at the end, shape (m + 1,).
+        nodes: Node of each leg.
+    """
+
+    ptr: Indices
+    nodes: Indices
+
+    @property
+    def rows(self) -> Indices:
+        """Constraint of each leg."""
+        return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
+
+    @classmethod
+    def of(cls, touched: Sequence[set[int]], count: int) -> Border:
+        """From the nodes of each constraint; those from ``count`` on do not move."""
+        legs = [sorted(node for node in nodes if node < count) for nodes in touched]
+        ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in legs], dtype=np.int64)])
+        nodes = np.array([node for group in legs for node in group], dtype=np.int64)
+        return cls(ptr.astype(np.int64), nodes)
+
+    def leg(self, row: int, node: int) -> int:
+        """Of a constraint at a node, −1 if the node does not move."""
+        nodes = self.nodes[self.ptr[row] : self.ptr[row + 1]]
+        found = np.flatnonzero(nodes == node)
+        return int(self.ptr[row] + found[0]) if len(found) else -1
+
+
+class Pair(NamedTuple):
+    """A tie between two nodes, perhaps with its sides exchanged, and the rows of its terms.
+
+    Attributes:
+        tie: What is tied.
+        nodes: Of its sides A and B.
+        rows: Constraint of each term, −1 for that of a spring.
+        exchanged: Whether the user's side A is B here.
+    """
+
+    tie: Tie
+    nodes: tuple[int, int]
+    rows: Sequence[int]
+    exchanged: bool
+
+
+class Tables:
+    """Makes tables from ties.
+
+    Args:
+        numbering: Of the nodes.
+        frames: Initial frames of all rows: moving nodes, ground, prescribed motions.
+        held: Which unknowns of the moving nodes are zero, shape (n, 6).
+    """
+
+    def __init__(self, numbering: Numbering, frames: Array, held: Flags) -> None:
+        self._numbering, self._frames = numbering, frames
+        self._still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
+
+    def pair(self, tie: Tie, first: int) -> Pair:
+        """With a side that moves as A: what touches ``Δ`` alone has a constant Jacobian there."""
+        nodes = self.nodes(tie.a, tie.b)
+        rows = [first + row if row >= 0 else -1 for row in tie.rows]
+        if tie.reversible and self._still[nodes[0]] and not self._still[nodes[1]]:
+            return Pair(tie.exchanged(), nodes[::-1], rows, True)
+        return Pair(tie, nodes, rows, False)
+
+    def nodes(self, a: Point, b: Point) -> tuple[int, int]:
+        """Of two points."""
+        return self._numbering.node(a), self._numbering.node(b)
+
+    def border(self, touched: Sequence[set[int]]) -> Border:
+        """From the nodes that each constraint touches."""
+        return Border.of(touched, self._numbering.count)
+
+    def joints(
+        self,
+        pairs: Sequence[Pair],
+        m: int,
+        springs: Sequence[tuple[float, float, float]],
+        border: Border | None = None,
+    ) -> JointTable:
+        """Of ``m`` constraints; without a border there are no legs."""
+        number = iter(range(m, m + len(springs)))
+        rows = [row if row >= 0 else next(number) for pair in pairs for row in pair.rows]
+        nodes = [pair.nodes for pair in pairs for _ in pair.rows]
+        legs = [
+            [border.leg(row, node) if border is not None and row < m else -1 for node in both]
+            for row, both in zip(rows, nodes, strict=True)
+        ]
+        return JointTable(
+            nodes=np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2),
+            frames=self._in_nodes([(pair.nodes, pair.tie.frames) for pair in pairs]),
+            first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
+            selection=_stacked([pair.tie.selection for pair in pairs], (0, 12)),
+            functions=_stacked([pair.tie.functions for pair in pairs], (0, 3)),
+            rows=np.array(rows, dtype=np.int64),
+            legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
+            angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
+            curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=bool),
+            turned=np.zeros(len(pairs)),
+            targets=np.zeros(m),
+            springs=np.array(springs, dtype=np.float64).reshape(-1, 3),
+        )
+
+    def rolling(self, ties: Sequence[VelocityTie], start: int, border: Border) -> RollingTable:
+        """Of the constraints of velocities, which begin at ``start``."""
+        nodes = [self.nodes(tie.a, tie.b) for tie in ties]
+        first = np.cumsum([0] + [len(tie.selection) for tie in ties], dtype=np.int64)
+        owner = np.repeat(np.arange(len(ties)), np.diff(first))
+        legs = [[border.leg(start + row, n) for n in nodes[k]] for row, k in enumerate(owner)]
+        return RollingTable(
+            nodes=np.array(nodes, dtype=np.int64).reshape(-1, 2),
+            frames=self._in_nodes(list(zip(nodes, (tie.frames for tie in ties), strict=True))),
+            first=first,
+            selection=_stacked([tie.selection for tie in ties], (0, 6)),
+            radius=np.array([tie.radius for tie in ties], dtype=np.float64),
+            legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
+            start=np.array([start], dtype=np.int64),
+        )
+
+    def _in_nodes(self, pairs: Sequence[tuple[tuple[int, int], tuple[Array, Array]]]) -> Array:
+        """Frames of pairs in those of their nodes, shape (j, 2, 4, 3)."""
+        inside = [
+            lie.se3_compose(lie.se3_inverse(self._frames[node]), frame)
+            for nodes, frames in pairs
+            for node, frame in zip(nodes, frames, strict=True)
+        ]
+        return np.array(inside).reshape(-1, 2, 4, 3)
+
+
+def _stacked(parts: Sequence[Array], shape: tuple[int, int]) -> Array:
+    return np.concatenate([np.empty(shape), *parts])
