@@ -160,5 +160,5 @@ def _hold(item: Connection) -> None:
         elif not tie.reversible:
             # its axes belong to the frame of a
             _bind(item.label, tie.a, ground())
-    for tie in item.velocity_ties():
-        _bind(item.label, tie.a, tie.b)
+    for rolling in item.velocity_ties():
+        _bind(item.label, rolling.a, rolling.b)

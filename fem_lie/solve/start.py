@@ -203,10 +203,9 @@ def allowed_velocities(
     v, _ = with_driven(system, twist, time, step)
     if m == 0:
         return v
-    first, second = np.zeros(m), np.zeros(m)
-    constraints.rates(H, v, system.table, first, second)
+    first, _ = system.connections.rates(H, v)
     solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = first
+    solver.right_hand_side[6 * n :] = first - system.connections.target_rates(time, step)[0]
     _fill(system, H, step)
     solver.factorise()
     solver.solve()
