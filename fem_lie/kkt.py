@@ -132,11 +132,12 @@ class KKT:
         for i in range(count):
             blocks = self.indices[self.indptr[i] : self.indptr[i + 1]]
             entries = self._incident[self._incident_ptr[i] : self._incident_ptr[i + 1], 0]
-            border = 6 * count + entries
+            multipliers = 6 * count + entries
             own, all_free = 6 * i + np.arange(6), 6 * blocks[:, np.newaxis] + np.arange(6)
-            row = np.concatenate([all_free[~self._held[blocks]], border])
+            row = np.concatenate([all_free[~self._held[blocks]], multipliers])
             rows = [
-                np.append(a, border) if h else row for a, h in zip(own, self._held[i], strict=True)
+                np.append(diagonal, multipliers) if h else row
+                for diagonal, h in zip(own, self._held[i], strict=True)
             ]
             columns += rows
             lengths += [len(r) for r in rows]

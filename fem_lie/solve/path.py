@@ -369,7 +369,9 @@ class _Follower:
         return EquilibriumPath(
             factors=np.array([state.factor for state in states]),
             frames=np.array([state.frames for state in states]),
-            joint_forces=np.array(forces).reshape(len(states), len(model.system.connections.items), 6),
+            joint_forces=np.array(forces).reshape(
+                len(states), len(model.system.connections.items), 6
+            ),
             iterations=np.array([s.iterations for s in found.stations], dtype=np.int64),
             failed_iterations=found.failed_iterations,
             info=self._info,
