@@ -406,9 +406,9 @@ CASES = {
         lambda: arch_shell().symmetry("a=0", (0, 1, 0)),
         "not on a plane of symmetry",
     ),
-    "guided twice": (
-        lambda: [arch_shell().guide("00", n) for n in ((0, 0, 1), (0, 0, 0))],
-        "held along",
+    "guided along nothing": (
+        lambda: arch_shell().guide("00", (0, 0, 0)),
+        "direction of guide '00' must not be zero",
     ),
     "triangles of degree 2 in a mixed element": (
         lambda: fl.Shell(fl.surface(square, (1, 1), cell="triangle", degree=2), LAYER),
