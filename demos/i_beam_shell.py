@@ -13,8 +13,8 @@ Three loads, each compared with a beam that this script computes, too:
   twice, which makes them 1.3 % stiffer about the strong axis.
 * a torque: both ends are kept from warping, and most of it goes into bending of the flanges. The
   angle of V. Z. Vlasov, *Thin-walled elastic beams* (1961), with GJ of the section and
-  ``I_w = t b³ h²/24``: ``θ = T/GJ (ℓ − 2/k tanh(kℓ/2))``, ``k² = GJ/EI_w``. Without that it would be
-  six times as large.
+  ``I_w = t b³ h²/24``: ``θ = T/GJ (ℓ − 2/k tanh(kℓ/2))``, ``k² = GJ/EI_w``. Free to warp
+  it would be six times as large.
 """
 
 from __future__ import annotations

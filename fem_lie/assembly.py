@@ -186,6 +186,10 @@ class Assembly:
         function = forms.stress if forms.local is None else forms.local
         return np.empty(0) if function is None else function.x.array
 
+    def restore(self, carried: Array) -> None:
+        """Carry again what was carried when it was copied."""
+        self.carried[:] = carried
+
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""
         self.carry(H, np.zeros(6 * self.count))

@@ -136,7 +136,7 @@ class Elastic:
     def restore(self, carried: list[Array]) -> None:
         """Carry again what was carried when it was copied."""
         for (_, assembly), values in zip(self._assemblies, carried, strict=True):
-            assembly.carried[:] = values
+            assembly.restore(values)
 
     def clear_stress(self) -> None:
         """Make all carried stresses zero: a tangent without geometric stiffness."""

@@ -11,12 +11,15 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.assembly import Assembly, NodalInertia
+from fem_lie.elements.shell import drilling_alone
 from fem_lie.elements.shell_cells import ShellCells
 from fem_lie.elements.shell_maps import add_turnings
 from fem_lie.frames import NodalFrames
 
 if TYPE_CHECKING:
     from fem_lie.shell import Shell
+
+_FIVE = 5
 
 
 class ShellAssembly(Assembly):
@@ -46,14 +49,16 @@ class ShellAssembly(Assembly):
         stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
         axes = np.concatenate([body.axes for body in bodies])[permutation]
         measures = first.formulation.measures_for(cell, degree)
-        drilling = None
-        if first.drills:
-            drilling = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
-        self._unknowns = 6 if first.drills else 5
-        shell_cells = ShellCells(nodal, measures, drilling_stiffness=drilling, directions=axes)
+        shell_cells = ShellCells(nodal, measures, directions=axes)
         forms = first.formulation.forms(shell_cells, stiffness)
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
-        super().__init__(nodal, forms, order, np.argsort(permutation), None)
+        cell_order = np.argsort(permutation)
+        super().__init__(nodal, forms, order, cell_order, None)
+        self._drilling: Assembly | None = None
+        if first.drills:
+            gamma = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
+            whole = ShellCells(nodal, measures, drilling_stiffness=gamma, directions=axes)
+            self._drilling = Assembly(nodal, drilling_alone(whole), order, cell_order, None)
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)
         self._last, self._all = np.zeros((self.count, 6)), np.ones(self.count, dtype=bool)
@@ -66,7 +71,9 @@ class ShellAssembly(Assembly):
         """See the base class; what the cells carry is a coefficient and is packed anew."""
         self._frames.frames[:] = H
         forces = fem.assemble_vector(self._forms.residual).array
-        self._last[:, : self._unknowns] = forces.reshape(-1, self._unknowns)
+        self._last[:, :_FIVE], self._last[:, _FIVE:] = forces.reshape(-1, _FIVE), 0.0
+        if self._drilling is not None:
+            self._drilling.add_forces(H, self._last.reshape(-1))
         out.reshape(-1, 6)[:] += self._last
 
     def energy(self, H: Array) -> float:
@@ -74,15 +81,40 @@ class ShellAssembly(Assembly):
         if self._forms.local is not None:
             self.reset_stress(H)
         self._frames.frames[:] = H
-        return float(fem.assemble_scalar(self._forms.energy))
+        energy = float(fem.assemble_scalar(self._forms.energy))
+        return energy if self._drilling is None else energy + self._drilling.energy(H)
 
     def _blocks(self, H: Array, form: fem.Form) -> Array:
         """Derivatives in twists, as of any other body; the forces are those of the last call."""
-        n, blocks = self._unknowns, np.zeros((len(self.indices), 6, 6))
-        blocks[:, :n, :n] = self._assembled(H, form).reshape(-1, n, n)
+        blocks = np.zeros((len(self.indices), 6, 6))
+        blocks[:, :_FIVE, :_FIVE] = self._assembled(H, form).reshape(-1, _FIVE, _FIVE)
+        if self._drilling is not None:
+            blocks += self._drilling.tangent(H)
         add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
         return blocks
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""
-        super().carry(H, h.reshape(-1, 6)[:, : self._unknowns].ravel())
+        super().carry(H, h.reshape(-1, 6)[:, :_FIVE].ravel())
+        if self._drilling is not None:
+            self._drilling.carry(H, h)
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        super().clear_stress()
+        if self._drilling is not None:
+            self._drilling.clear_stress()
+
+    @property
+    def carried(self) -> Array:
+        """See the base class; a copy of both if there is drilling."""
+        if self._drilling is None:
+            return super().carried
+        return np.concatenate([super().carried, self._drilling.carried])
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        size = len(super().carried)
+        super().carried[:] = carried[:size]
+        if self._drilling is not None:
+            self._drilling.restore(carried[size:])
