@@ -24,6 +24,7 @@ ShellSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], Sh
 Director = Callable[[Array], npt.ArrayLike]
 
 _FIVE = 5
+_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 
 class ShellAssembly(Assembly):
@@ -50,6 +51,8 @@ class ShellAssembly(Assembly):
         measures = first.formulation.measures_for(cell, degree)
         forms = first.formulation.forms(ShellCells(nodal, measures, directions=axes), stiffness)
         super().__init__(nodal, forms, order, np.argsort(permutation), None)
+        plain = first.formulation.quadratic and measures.intermediate is None
+        self._settles = forms.local is not None and not plain
         if all(body.has_mass for body in bodies):
             elements = np.concatenate([body.element_inertia() for body in bodies])
             # as the cells of the bodies, and their nodes, are ordered there
@@ -73,6 +76,20 @@ class ShellAssembly(Assembly):
         five = self._assembled(H, form).reshape(-1, _FIVE, _FIVE)
         blocks[:, :_FIVE, :_FIVE] = five
         return blocks
+
+    def settle(self, H: Array) -> None:
+        """See the base class."""
+        if self._settles:
+            self.reset_stress(H)
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class; Newton's method in each cell where one solution is not enough."""
+        for _ in range(_LOCAL_ITERATIONS if self._settles else 1):
+            before = self.carried.copy()
+            super().reset_stress(H)
+            change = np.abs(self.carried - before).max(initial=0.0)
+            if change <= _SETTLED * np.abs(before).max(initial=0.0):
+                return
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""
