@@ -190,6 +190,13 @@ class Assembly:
         """Carry again what was carried when it was copied."""
         self.carried[:] = carried
 
+    def settle(self, H: Array) -> None:
+        """Make the cells' own unknowns those of frames ``H``, if forces there depend on them.
+
+        The elimination of unknowns in which the energy is quadratic is exact from anywhere, so that
+        nothing is to be done for most elements.
+        """
+
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""
         self.carry(H, np.zeros(6 * self.count))

@@ -143,6 +143,12 @@ class Elastic:
         for _, assembly in self._assemblies:
             assembly.clear_stress()
 
+    def settle(self, H: Array) -> None:
+        """Make what the forces at frames ``H`` need of carried unknowns that of these frames."""
+        frames = self._attachment.frames(H)
+        for where, assembly in self._assemblies:
+            assembly.settle(frames[where])
+
     def reset_stress(self, H: Array) -> None:
         """Make all carried stresses the true ones at frames ``H``."""
         frames = self._attachment.frames(H)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from fem_lie.shell import Shell
 
 _FIVE = 5
+_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 
 class ShellAssembly(Assembly):
@@ -54,6 +55,8 @@ class ShellAssembly(Assembly):
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
+        plain = first.formulation.quadratic and measures.intermediate is None
+        self._settles = forms.local is not None and not plain
         self._drilling: Assembly | None = None
         if first.drills:
             gamma = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
@@ -92,6 +95,20 @@ class ShellAssembly(Assembly):
             blocks += self._drilling.tangent(H)
         add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
         return blocks
+
+    def settle(self, H: Array) -> None:
+        """See the base class."""
+        if self._settles:
+            self.reset_stress(H)
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class; Newton's method in each cell where one solution is not enough."""
+        for _ in range(_LOCAL_ITERATIONS if self._settles else 1):
+            before = self.carried.copy()
+            super().reset_stress(H)
+            change = np.abs(self.carried - before).max(initial=0.0)
+            if change <= _SETTLED * np.abs(before).max(initial=0.0):
+                return
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""

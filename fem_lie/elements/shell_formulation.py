@@ -37,6 +37,11 @@ class ShellFormulation(ABC):
 
     measures: StrainMeasures | None = None
 
+    @property
+    def quadratic(self) -> bool:
+        """Whether the energy is a quadratic function of the strains."""
+        return True
+
     @abstractmethod
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """Strain measures for each kind of cell and degree."""
@@ -67,7 +72,8 @@ class ShellFormulation(ABC):
         """The strain measures for these cells.
 
         Raises:
-            ValueError: There are none, or those that were given are for other cells.
+            ValueError: There are none, or those that were given are for other cells or have no
+                stress fields where some are needed.
         """
         if self.measures is None:
             found = self.defaults().get((cell, degree))
@@ -81,6 +87,11 @@ class ShellFormulation(ABC):
             raise ValueError(
                 f"these strain measures are for {self.measures.cell.name}s of degree "
                 f"{self.measures.degree}, the mesh has {cell}s of degree {degree}"
+            )
+        if self.defaults() is _MIXED and self.measures.stresses is None:
+            raise ValueError(
+                f"there is no mixed element with the strain measures for {cell}s of degree "
+                f"{degree}: use Displacement"
             )
         return self.measures
 
@@ -114,6 +125,11 @@ class HuWashizu(ShellFormulation):
 
     law: Law | None = None
 
+    @property
+    def quadratic(self) -> bool:
+        """See the base class; nothing is known of a user's law."""
+        return self.law is None
+
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """See the base class."""
         return _MIXED
@@ -136,6 +152,11 @@ class Displacement(ShellFormulation):
     """
 
     law: Law | None = None
+
+    @property
+    def quadratic(self) -> bool:
+        """See the base class; nothing is known of a user's law."""
+        return self.law is None
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """See the base class."""

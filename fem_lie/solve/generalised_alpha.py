@@ -254,6 +254,8 @@ class _Run:
         tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
+            if not carried:
+                system.elastic.settle(s.H1)
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
             if policy.before_iteration(iteration) or self.solver.factorisations == 0:
                 self._factorise(None if carried else s.H1)

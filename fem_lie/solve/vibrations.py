@@ -130,6 +130,7 @@ class _Linear:
         n = 6 * system.count
         self.v = self.rotation.velocities(self.H[: system.count])
         none, r = np.zeros_like(self.v), np.empty(system.size)
+        system.elastic.reset_stress(self.H)
         system.residual(self.H, self.v, none, np.zeros(system.m), np.ones(system.m), r)
         self.gap = float(np.abs(r[n:]).max(initial=0.0)) / max(1.0, system.length)
         self.B = system.tangent.jacobian(self.H) @ sp.diags(self.weight)
@@ -140,7 +141,6 @@ class _Linear:
             self.multipliers = -gram.solve(self.B @ force)
         self.force = float(np.abs(force).max(initial=0.0))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
-        system.elastic.reset_stress(self.H)
         self.blocks = linearised(system, self.H, self.v, self.multipliers)
 
     def balanced(self, tolerance: float = _BALANCED) -> bool:
