@@ -4,11 +4,12 @@ Radius 100, length 200, thickness 1, E = 30e3, nu = 0.3. At both ends a rigid di
 displacements in its plane and leaves those along the axis, and the directors, free. The forces,
 12000 each at full load, push two opposite points at mid-length inward until they nearly meet.
 Symmetry leaves an eighth. K. Y. Sze, X. H. Liu & S. H. Lo, Finite Elem. Anal. Des. 40 (2004) 1551,
-with 48 x 48 elements; the reference is their table.
+with 48 x 48 elements.
 
 Between a tenth and a fifth of the load the cylinder snaps more than once. There the deflections
-depend on the mesh, and the table and other solutions differ by 20 %; the errors are taken beyond,
-where they differ by 3 %. Where the load falls the path is followed all the same.
+depend on the mesh, and different solutions differ by 20 %; the errors are taken beyond. There
+theirs is 1 % below those of elements of degree 4 under the force and 3 to 8 % below them at a right
+angle; what is found here lies between. Where the load falls the path is followed all the same.
 """
 
 from __future__ import annotations
@@ -31,14 +32,23 @@ FORMULATIONS: dict[str, fl.ShellFormulation] = {
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
 }
-# load factor: deflection inward under the force, and outward at a right angle from it
-REFERENCE = {
+# load factor: deflections inward under the force, and outward at a right angle from it
+PUBLISHED = {
     0.05: (9.561, -0.233),
     0.1: (23.164, -2.391),
     0.3: (65.498, 17.979),
     0.5: (73.79, 25.381),
     0.75: (79.339, 30.604),
     1.0: (83.102, 34.272),
+}
+# displacement elements of degree 4 on 14 x 18 cells, not converged
+OTHER = {
+    0.05: (9.630, -0.2377),
+    0.1: (23.734, -2.467),
+    0.3: (66.732, 19.561),
+    0.5: (75.144, 27.406),
+    0.75: (80.043, 31.832),
+    1.0: (84.244, 36.310),
 }
 COMPARED = 0.25  # errors are taken from this load factor on
 
@@ -69,18 +79,19 @@ def pinched(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
     return scene
 
 
-def main(mesh: int = 48, formulation: str = "HR", pictures: bool = True) -> dict[str, Any]:
+def main(mesh: int = 40, formulation: str = "HR", pictures: bool = True) -> dict[str, Any]:
     if formulation not in FORMULATIONS:
         raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
-    result = fl.follow_loads(pinched(mesh, FORMULATIONS[formulation]), list(REFERENCE))
+    result = fl.follow_loads(pinched(mesh, FORMULATIONS[formulation]), list(PUBLISHED))
     inward = RADIUS - result.position("cylinder.00")[:, 2]
     outward = -RADIUS - result.position("cylinder.10")[:, 1]
     found = np.column_stack([inward, outward])
-    errors = found / np.array(list(REFERENCE.values())) - 1.0
-    print("load  inward    outward   errors")
-    for row in np.column_stack([list(REFERENCE), found, errors]):
-        print("{:4.2f} {:9.3f} {:9.3f}   {:+.2%} {:+.2%}".format(*row))
-    late = np.array([factor >= COMPARED for factor in REFERENCE])
+    errors = found / np.array(list(PUBLISHED.values())) - 1.0
+    others = found / np.array(list(OTHER.values())) - 1.0
+    print("load  inward    outward   over the published ones  over the others")
+    for row in np.column_stack([list(PUBLISHED), found, errors, others]):
+        print("{:4.2f} {:9.3f} {:9.3f}   {:+8.2%} {:+8.2%} {:+13.2%} {:+8.2%}".format(*row))
+    late = np.array([factor >= COMPARED for factor in PUBLISHED])
     record = {
         "mesh": mesh,
         "formulation": formulation,
@@ -90,6 +101,8 @@ def main(mesh: int = 48, formulation: str = "HR", pictures: bool = True) -> dict
         "error_b": float(errors[-1, 1]),
         "late_error_a": float(np.abs(errors[late, 0]).max()),
         "late_error_b": float(np.abs(errors[late, 1]).max()),
+        "other_error_a": float(others[-1, 0]),
+        "other_error_b": float(others[-1, 1]),
         "load_steps": result.load_steps,
         "iterations": int(result.iterations.sum()) + result.failed_iterations,
         "failed_iterations": result.failed_iterations,

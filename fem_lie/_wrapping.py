@@ -101,9 +101,9 @@ class Wrapping:
         Args:
             kernel: One of :mod:`fem_lie.ufcx`.
             spaces: Of the arguments of the new form.
-            inner: One to three compiled forms, as the kernel wants them.
-            extra: Functions that the kernel reads or fills beside those of ``inner``: the
-                increment ``h``, and ``δy = L h``.
+            inner: One to four compiled forms, as the kernel wants them.
+            extra: Functions that the kernel reads or fills: the increment ``h``, and ``δy = L h``,
+                or ``z`` of the residual with element-local fields.
         """
         # state first: fem_lie.assembly writes it into the packed coefficients itself
         functions = dict.fromkeys([self.state, self.coordinates, *extra])
@@ -145,7 +145,8 @@ class Wrapping:
             head[place] = offsets[f]
         # the constants follow the header, so its length must be known before it is written
         constants_at = len(head) + sum(len(part.description(offsets, 0)) for part in inner)
-        for place, part in zip((ufcx.FIRST, ufcx.SECOND, ufcx.THIRD), inner, strict=False):
+        descriptions = ufcx.FIRST, ufcx.SECOND, ufcx.THIRD, ufcx.FOURTH
+        for place, part in zip(descriptions, inner, strict=False):
             head[place] = len(head)
             head += part.description(offsets, constants_at)
             constants_at += sum(int(np.prod(c.ufl_shape)) for c in part.constants)

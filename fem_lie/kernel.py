@@ -195,32 +195,31 @@ class LocalFrameForms:
             raise ValueError("give an energy with local fields as a UFL form, not as StrainEnergy")
 
     def _build_plain(self, energy: ufl.Form, y: fem.Function) -> None:
-        if self.local is None:
-            unknowns, space = y, y.function_space
-        else:
-            unknowns = (y, self.local)
-            parts = [f.function_space.ufl_element() for f in unknowns]
-            space = fem.functionspace(y.function_space.mesh, basix.ufl.mixed_element(parts))
-        gradient = ufl.derivative(energy, unknowns, ufl.TestFunction(space))
+        test, trial = (make(y.function_space) for make in (ufl.TestFunction, ufl.TrialFunction))
+        gradient = ufl.derivative(energy, y, test)
         force = CompiledForm(gradient)
         if force.address == 0:
             raise ValueError(f"the energy does not depend on the coordinates {y}: {energy}")
-        # what couples y and s is the same in the rows of s and, transposed, in those of y
-        test, trial = (make(y.function_space) for make in (ufl.TestFunction, ufl.TrialFunction))
-        rows_y = gradient if self.local is None else ufl.derivative(energy, y, test)
-        stiffness = CompiledForm(ufl.derivative(rows_y, y, trial))
+        stiffness = CompiledForm(ufl.derivative(gradient, y, trial))
         if self.local is None:
-            self._wrap(CompiledForm(energy), force, stiffness, force)
+            self._wrap(CompiledForm(energy), [force], [stiffness, force])
             return
-        rows_s = ufl.derivative(energy, self.local, ufl.TestFunction(self.local.function_space))
-        local_rows = CompiledForm(ufl.derivative(rows_s, unknowns, ufl.TrialFunction(space)))
-        self._wrap(CompiledForm(energy), force, stiffness, force, [local_rows])
-        self._carry = self._wrapping.form(
-            ufcx.local_kernel,
-            [self.local.function_space],
-            [force, local_rows],
-            extra=[self.increment],
+        s, S = self.local, self.local.function_space
+        rows = ufl.derivative(energy, s, ufl.TestFunction(S))
+        # products with vectors where they will do: a matrix costs several times as much
+        z, dy = fem.Function(S), fem.Function(y.function_space)
+        condensed = CompiledForm(gradient - ufl.derivative(gradient, s, z))
+        changed = CompiledForm(rows + ufl.derivative(rows, y, dy))
+        coupling = CompiledForm(ufl.derivative(rows, y, trial))
+        own = CompiledForm(ufl.derivative(rows, s, ufl.TrialFunction(S)))
+        self._wrap(
+            CompiledForm(energy),
+            [condensed, CompiledForm(rows), own],
+            [stiffness, force, coupling, own],
+            [z],
         )
+        extra = [self.increment, dy]
+        self._carry = self._wrapping.form(ufcx.local_kernel, [S], [changed, own], extra)
 
     def _build_carried(self, energy: StrainEnergy, y: fem.Function) -> None:
         space, points = y.function_space, energy.quadrature_element()
@@ -231,11 +230,11 @@ class LocalFrameForms:
         moduli = ufl.diff(sigma, strain)
         variation, weight, dx = energy.change(y, test), energy.weight, energy.dx
         stiffness = energy.stiffness(self.stress, moduli, y, test, trial)
+        carried = CompiledForm(weight * ufl.inner(self.stress, variation) * dx)
         self._wrap(
             CompiledForm(energy.form()),
-            CompiledForm(weight * ufl.inner(sigma, variation) * dx),
-            CompiledForm(weight * stiffness * dx),
-            CompiledForm(weight * ufl.inner(self.stress, variation) * dx),
+            [CompiledForm(weight * ufl.inner(sigma, variation) * dx)],
+            [CompiledForm(weight * stiffness * dx), carried],
         )
         if energy.viscosity is not None:
             self._build_viscous(energy, y)
@@ -272,15 +271,14 @@ class LocalFrameForms:
     def _wrap(
         self,
         energy: CompiledForm,
-        force: CompiledForm,
-        stiffness: CompiledForm,
-        carried: CompiledForm,
-        local_rows: Sequence[CompiledForm] = (),
+        residual: Sequence[CompiledForm],
+        tangent: Sequence[CompiledForm],
+        extra: Sequence[fem.Function] = (),
     ) -> None:
         V, form = self.increment.function_space, self._wrapping.form
         self.energy = form(ufcx.energy_kernel, [], [energy])
-        self.residual = form(ufcx.residual_kernel, [V], [force, *local_rows])
-        self.tangent = form(ufcx.tangent_kernel, [V, V], [stiffness, carried, *local_rows])
+        self.residual = form(ufcx.residual_kernel, [V], residual, extra)
+        self.tangent = form(ufcx.tangent_kernel, [V, V], tangent)
 
     def carry(self) -> None:
         """Update the carried stress, or the local fields, by the increment ``h`` about to be made.

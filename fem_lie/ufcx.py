@@ -124,8 +124,9 @@ def _apply(typing_context, address, state, y, given, out, nodes):  # type: ignor
 COORDINATES, PULL, PUSH, GEOMETRIC = 0, 1, 2, 3  # addresses of the map's functions
 N_Y, N_S, N_H, NODES = 4, 5, 6, 7  # sizes: coordinates, local fields, unknowns, nodes
 AT_STATE, AT_Y, AT_H, AT_DY = 8, 9, 10, 11  # offsets into the packed coefficients w
-FIRST, SECOND, THIRD = 12, 13, 14  # where the descriptions of the FFCx functions begin
-HEADER_SIZE = 15
+FIRST, SECOND, THIRD, FOURTH = 12, 13, 14, 15  # where the descriptions of FFCx's functions begin
+HEADER_SIZE = 16
+AT_Z = AT_H  # what the residual has instead of an increment
 # a description: address (0: the form is zero), offset of its constants, doubles of its w, number of
 # segments, then (offset in our w, length) of each segment
 
@@ -194,14 +195,6 @@ def _solve(M, B):  # type: ignore[no-untyped-def]
                     B[i, j] -= factor * B[k, j]
 
 
-@compiled
-def _take(K, start, columns):  # type: ignore[no-untyped-def]
-    """Write columns ``start …`` of the rows ``K`` into ``columns``."""
-    for i in range(columns.shape[0]):
-        for j in range(columns.shape[1]):
-            columns[i, j] = K[i, start + j]
-
-
 # --- the kernels ----------------------------------------------------------------------------------
 
 
@@ -225,24 +218,22 @@ def energy_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 @callback(UFCX_SIGNATURE)
 def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 1: ``Lᵀ (f_y − K_syᵀ K_ss⁻¹ f_s)``. First FFCx function: f, second: rows ``K_s``."""
+    """Rank 1: ``Lᵀ (f_y − K_ys z)`` with ``z = K_ss⁻¹ f_s``.
+
+    First FFCx function: the bracket, second: f_s, third: K_ss.
+    """
     head, state, y = _prepare(w, c)
     n_y, n_s = head[N_Y], head[N_S]
-    n = n_y + n_s
-    f = stack(n)
-    _clear(f, n)
-    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     if n_s > 0:
-        K, M = stack(n_s * n), stack(n_s * n_s)
-        _clear(K, n_s * n)
-        _inner(head, head[SECOND], K, w, c, x, entity, permutation)
-        rows, values = numba.carray(K, (n_s, n)), numba.carray(f, (n,))
-        matrix, z = numba.carray(M, (n_s, n_s)), numba.carray(_shift(f, n_y), (n_s, 1))
-        _take(rows, n_y, matrix)
-        _solve(matrix, z)
-        for k in range(n_s):
-            for i in range(n_y):
-                values[i] -= rows[k, i] * z[k, 0]
+        z, M = _shift(w, head[AT_Z]), stack(n_s * n_s)
+        _clear(z, n_s)
+        _clear(M, n_s * n_s)
+        _inner(head, head[SECOND], z, w, c, x, entity, permutation)
+        _inner(head, head[THIRD], M, w, c, x, entity, permutation)
+        _solve(numba.carray(M, (n_s, n_s)), numba.carray(z, (n_s, 1)))
+    f = stack(n_y)
+    _clear(f, n_y)
+    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     _apply(head[PULL], state, y, f, A, head[NODES])
 
 
@@ -250,28 +241,31 @@ def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped
 def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
     """Rank 2: ``Lᵀ (K_yy − K_syᵀ K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
 
-    First: K_yy, second: carried f, or none, and then no derivative of the map, third: rows K_s.
+    First: K_yy, second: carried f_y, or none, and then no derivative of the map, third: K_sy,
+    fourth: K_ss.
     """
     head, state, y = _prepare(w, c)
     n_y, n_s, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
-    n = n_y + n_s
-    K, f = stack(n_y * n_y), stack(n)
+    K, f = stack(n_y * n_y), stack(n_y)
     _clear(K, n_y * n_y)
-    _clear(f, n)
+    _clear(f, n_y)
     _inner(head, head[FIRST], K, w, c, x, entity, permutation)
     if head[SECOND] != 0:
         _inner(head, head[SECOND], f, w, c, x, entity, permutation)
         if head[GEOMETRIC] != 0:
             _apply(head[GEOMETRIC], state, y, f, A, nodes)
     if n_s > 0:
-        R, M, B = stack(n_s * n), stack(n_s * n_s), stack(n_s * n_y)
-        _clear(R, n_s * n)
+        R, M, B = stack(n_s * n_y), stack(n_s * n_s), stack(n_s * n_y)
+        _clear(R, n_s * n_y)
+        _clear(M, n_s * n_s)
         _inner(head, head[THIRD], R, w, c, x, entity, permutation)
-        whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n))
-        matrix, change = numba.carray(M, (n_s, n_s)), numba.carray(B, (n_s, n_y))
-        _take(rows, n_y, matrix)
-        _take(rows, 0, change)
-        _solve(matrix, change)
+        _inner(head, head[FOURTH], M, w, c, x, entity, permutation)
+        whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n_y))
+        change = numba.carray(B, (n_s, n_y))
+        for k in range(n_s):
+            for j in range(n_y):
+                change[k, j] = rows[k, j]
+        _solve(numba.carray(M, (n_s, n_s)), change)
         for k in range(n_s):
             for i in range(n_y):
                 factor = rows[k, i]
@@ -317,23 +311,20 @@ def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 @callback(UFCX_SIGNATURE)
 def local_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``. First: f, second: K_s."""
+    """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``.
+
+    First: the bracket, second: K_ss.
+    """
     head, state, y = _prepare(w, c)
-    n_y, n_s = head[N_Y], head[N_S]
-    n = n_y + n_s
-    K, M, f, dy = stack(n_s * n), stack(n_s * n_s), stack(n), stack(n_y)
-    _clear(K, n_s * n)
-    _clear(f, n)
-    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    _inner(head, head[SECOND], K, w, c, x, entity, permutation)
+    n_s, dy = head[N_S], _shift(w, head[AT_DY])
+    f, M = stack(n_s), stack(n_s * n_s)
+    _clear(f, n_s)
+    _clear(M, n_s * n_s)
     _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
-    rows, matrix = numba.carray(K, (n_s, n)), numba.carray(M, (n_s, n_s))
-    z, change = numba.carray(_shift(f, n_y), (n_s, 1)), numba.carray(dy, (n_y,))
-    for k in range(n_s):
-        for i in range(n_y):
-            z[k, 0] += rows[k, i] * change[i]
-    _take(rows, n_y, matrix)
-    _solve(matrix, z)
+    _inner(head, head[FIRST], f, w, c, x, entity, permutation)
+    _inner(head, head[SECOND], M, w, c, x, entity, permutation)
+    z = numba.carray(f, (n_s, 1))
+    _solve(numba.carray(M, (n_s, n_s)), z)
     out = numba.carray(A, (n_s,))
     for k in range(n_s):
         out[k] -= z[k, 0]
