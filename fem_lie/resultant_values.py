@@ -1,11 +1,11 @@
 """Stress resultants of a shell in one state, as arrays.
 
-What they are. The components are work-conjugate to the strains of
-:mod:`fem_lie.elements.shell_strains`: forces and moments per *unloaded* length along the axes
-(e₁, e₂) of the section, which the deformation carries along; (``cut_forces`` are those in equilibrium). With the director as z, ``N = ∫ σ dz``,
-``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at the top, ``M₁₁ = −D (w,₁₁ + ν w,₂₂)``) and ``Q``
-the transverse shear. Mixed elements give their own stress field, the others the law at their
-strain.
+The components are work-conjugate to the strains of :mod:`fem_lie.elements.shell_strains`: forces and
+moments per *unloaded* length along the axes (e₁, e₂) of the section, which the deformation carries
+along. With the director as z, ``N = ∫ σ dz``, ``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at the top,
+``M₁₁ = −D (w,₁₁ + ν w,₂₂)``), and ``Q`` is the transverse shear. In equilibrium with the loads are
+the forces on cuts, :attr:`ResultantValues.cut_forces`. Mixed elements give their own stress field,
+the others the law at their strain.
 
 Values at points of integration are those of the element. Those at nodes are extrapolated in each
 cell by a (bi)linear field, and averaged, as tensors, over the cells that meet smoothly there; at
@@ -102,10 +102,11 @@ class ResultantValues:
                 "direction or a function of the place, or ask for what does not depend on axes: "
                 + ", ".join(name for name, each in QUANTITIES.items() if not each.turns)
             )
-        return self._shared
+        return self.averaged
 
     @cached_property
-    def _shared(self) -> Array:
+    def averaged(self) -> Array:
+        """As :attr:`nodal`, along ``places.shared``, whatever axes these are; shape (p, 8)."""
         places, patches = self.places, self.places.patches
         turn = between(places.asked_at_nodes, places.shared[patches.number])
         values = patches.mean(turned(self.in_cells, *turn))
@@ -167,8 +168,8 @@ class ResultantValues:
         """Moments on these cuts, ``m_i = t × M_ij x,j``; shape (m, g, 2, 3)."""
         _, M, _ = self._tensors()
         director = self.places.points.places(self.frames[self.shell.mesh.cells, 3])
-        moments: Array = np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
-        return moments
+        across = np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
+        return np.asarray(across, dtype=np.float64)
 
     def _tensors(self) -> tuple[Array, Array, Array]:
         v = self.at_points
@@ -207,7 +208,7 @@ class ResultantValues:
         patches = self.places.patches
         thickness = np.repeat(self.shell.thickness, patches.number.shape[1])
         mean = patches.mean(thickness.reshape(patches.number.shape))
-        return known.of(self.nodal if known.turns else self._shared, mean)
+        return known.of(self.nodal if known.turns else self.averaged, mean)
 
     def _of(self, name: str | None, values: Array) -> Array:
         """A quantity of values (m, q, 8), or all eight."""

@@ -31,7 +31,7 @@ from fem_lie.cell_functions import (
 from fem_lie.info import SceneInfo
 from fem_lie.patches import unit
 from fem_lie.plot import SI, Units
-from fem_lie.quantities import QUANTITIES, quantity
+from fem_lie.quantities import COMPONENTS, QUANTITIES, quantity
 from fem_lie.resultant_values import LARGEST_JUMP, ResultantValues
 from fem_lie.shell import Shell
 from fem_lie.shell_stress import Along, ShellStress, StressPlaces
@@ -200,6 +200,26 @@ class Resultants(ResultantValues):
         cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
         cells["thickness"] = self.shell.thickness
         write_surface(path, x, self.places.patches.number, self.shell.mesh, points, cells)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all values to an HDF5 file; an old file is replaced.
+
+        Data sets: ``places`` (p, 3) of the averaged values, ``cells`` (m, k) of them, ``averaged``
+        (p, 8) along ``axes`` (p, 3, 3); ``in_cells`` (m, k, 8), ``at_points`` (m, g, 8), ``points``
+        (m, g, 3), ``areas`` (m, g), ``cut_forces`` and ``cut_moments`` (m, g, 2, 3); all places and
+        axes of the unloaded shell. The attribute ``components`` names the eight.
+        """
+        import h5py
+
+        patches = self.places.patches
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": "fem_lie resultants", "version": 1})
+            file.attrs["components"] = list(COMPONENTS)
+            file["places"] = self.shell.mesh.points[patches.node]
+            file["cells"], file["axes"] = patches.number, self.places.shared
+            file["averaged"] = self.averaged
+            for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
+                file[name] = getattr(self, name)
 
     def picture(
         self,

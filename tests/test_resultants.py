@@ -515,6 +515,20 @@ def test_cells_of_second_degree_are_drawn_as_they_are(tmp_path, cell, degree):
     assert surface.area == pytest.approx(shell.areas().sum(), rel=2e-3)
 
 
+def test_hdf5_file_holds_everything(tmp_path):
+    import h5py
+
+    shell, result = cantilever("quadrilateral", 1, None)
+    found = fl.resultants(result, shell)
+    found.save(tmp_path / "plate.h5")
+    with h5py.File(tmp_path / "plate.h5") as file:
+        assert tuple(file.attrs["components"]) == COMPONENTS
+        np.testing.assert_array_equal(file["averaged"], found.nodal)
+        np.testing.assert_array_equal(file["at_points"], found.at_points)
+        places = file["places"][()][file["cells"][()]]
+        np.testing.assert_array_equal(places, shell.mesh.points[shell.mesh.cells])
+
+
 def test_picture(tmp_path):
     from PIL import Image
 
