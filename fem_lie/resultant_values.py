@@ -1,8 +1,8 @@
 """Stress resultants of a shell in one state, as arrays.
 
-The components are work-conjugate to the strains of :mod:`fem_lie.elements.shell_strains`: forces and
-moments per *unloaded* length along the axes (e₁, e₂) of the section, which the deformation carries
-along. With the director as z, ``N = ∫ σ dz``, ``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at the top,
+The components are work-conjugate to the strains of :mod:`fem_lie.elements.shell_strains`: forces
+and moments per *unloaded* length along the axes (e₁, e₂) of the section, which the deformation
+carries along. With the director as z, ``N = ∫ σ dz``, ``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at the top,
 ``M₁₁ = −D (w,₁₁ + ν w,₂₂)``), and ``Q`` is the transverse shear. In equilibrium with the loads are
 the forces on cuts, :attr:`ResultantValues.cut_forces`. Mixed elements give their own stress field,
 the others the law at their strain.

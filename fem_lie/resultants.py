@@ -167,7 +167,7 @@ class Resultants(ResultantValues):
         self, name: str | None, values: Array, element: ElementMaker, deformed: bool
     ) -> fem.Function:
         mesh = self.deformed_mesh if deformed else self.mesh
-        return cells_function(mesh, values, element, name or "N, M, Q")
+        return cells_function(mesh, self.shell.mesh, values, element, name or "N, M, Q")
 
     # --- files and pictures ---
 
