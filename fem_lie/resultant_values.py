@@ -2,10 +2,10 @@
 
 The components are work-conjugate to the strains of :mod:`fem_lie.elements.shell_strains`: forces
 and moments per *unloaded* length along the axes (e₁, e₂) of the section, which the deformation
-carries along. With the director as z, ``N = ∫ σ dz``, ``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at the top,
-``M₁₁ = −D (w,₁₁ + ν w,₂₂)``), and ``Q`` is the transverse shear. In equilibrium with the loads are
-the forces on cuts, :attr:`ResultantValues.cut_forces`. Mixed elements give their own stress field,
-the others the law at their strain.
+carries along. With the director as z, ``N = ∫ σ dz``, ``M = ∫ σ z dz`` (positive ``M₁₁`` pulls at
+the top, ``M₁₁ = −D (w,₁₁ + ν w,₂₂)``), and ``Q`` is the transverse shear. In equilibrium with the
+loads are the forces on cuts, :attr:`ResultantValues.cut_forces`. Mixed elements give their own
+stress field, the others the law at their strain.
 
 Values at points of integration are those of the element. Those at nodes are extrapolated in each
 cell by a (bi)linear field, and averaged, as tensors, over the cells that meet smoothly there; at
