@@ -218,6 +218,24 @@ def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
     np.testing.assert_allclose(after.axes, before.axes @ Q.T, atol=1e-12)
 
 
+def test_the_order_of_cells_and_nodes_does_not_matter():
+    shell = arch_shell(along=around)
+    H = crumpled(shell)
+    rng = np.random.default_rng(8)
+    cells = rng.permutation(len(shell.mesh.cells))
+    number = rng.permutation(len(H))  # new number of each node
+    node = np.argsort(number)
+    mesh = fl.SurfaceMesh.from_cells(
+        shell.mesh.points[node], number[shell.mesh.cells[cells]], "quadrilateral"
+    )
+    shuffled = fl.Shell(mesh, LAYER, director=outward, along=around)
+    one = fl.resultants(states(shell, H), shell)
+    other = fl.resultants(states(shuffled, H[node]), shuffled)
+    scale = np.abs(one.at_points).max()
+    np.testing.assert_allclose(other.at_points, one.at_points[cells], atol=1e-9 * scale)
+    np.testing.assert_allclose(other.nodal, one.nodal[node], atol=1e-9 * scale)
+
+
 def test_axes_of_the_user():
     """Other axes, the same tensor; and they may depend on the place."""
     shell = arch_shell(along=around)
