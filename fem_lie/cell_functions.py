@@ -45,18 +45,18 @@ def dolfinx_surface(mesh: SurfaceMesh, places: Array) -> dolfinx.mesh.Mesh:
 
 
 def cells_function(
-    mesh: dolfinx.mesh.Mesh, values: Array, element: ElementMaker, name: str
+    mesh: dolfinx.mesh.Mesh, of: SurfaceMesh, values: Array, element: ElementMaker, name: str
 ) -> fem.Function:
     """A function by its values in each cell.
 
     Args:
         mesh: From :func:`dolfinx_surface`.
+        of: What that was made of.
         values: At the nodes or points of each cell of the surface, shape (m, q) or (m, q, b).
         element: What the function is made of.
         name: Its name.
     """
-    degree = mesh.geometry.cmap.degree
-    chosen = element(mesh.topology.cell_name(), degree, values.shape[2:])
+    chosen = element(of.cell, of.degree, values.shape[2:])
     f = fem.Function(fem.functionspace(mesh, chosen), name=name)
     rows = f.x.array.reshape(-1, *values.shape[2:])
     rows[f.function_space.dofmap.list] = values[mesh.topology.original_cell_index]

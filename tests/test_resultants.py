@@ -218,6 +218,24 @@ def test_rigid_motion_leaves_resultants_alone(cell, degree, formulation):
     np.testing.assert_allclose(after.axes, before.axes @ Q.T, atol=1e-12)
 
 
+def test_the_order_of_cells_and_nodes_does_not_matter():
+    shell = arch_shell(along=around)
+    H = crumpled(shell)
+    rng = np.random.default_rng(8)
+    cells = rng.permutation(len(shell.mesh.cells))
+    number = rng.permutation(len(H))  # new number of each node
+    node = np.argsort(number)
+    mesh = fl.SurfaceMesh.from_cells(
+        shell.mesh.points[node], number[shell.mesh.cells[cells]], "quadrilateral"
+    )
+    shuffled = fl.Shell(mesh, LAYER, director=outward, along=around)
+    one = fl.resultants(states(shell, H), shell)
+    other = fl.resultants(states(shuffled, H[node]), shuffled)
+    scale = np.abs(one.at_points).max()
+    np.testing.assert_allclose(other.at_points, one.at_points[cells], atol=1e-9 * scale)
+    np.testing.assert_allclose(other.nodal, one.nodal[node], atol=1e-9 * scale)
+
+
 def test_axes_of_the_user():
     """Other axes, the same tensor; and they may depend on the place."""
     shell = arch_shell(along=around)
@@ -513,6 +531,20 @@ def test_cells_of_second_degree_are_drawn_as_they_are(tmp_path, cell, degree):
     fl.resultants(states(shell, shell.frames), shell).write_vtk(tmp_path / "arch.vtu")
     surface = pyvista.read(tmp_path / "arch.vtu").extract_surface(nonlinear_subdivision=3)
     assert surface.area == pytest.approx(shell.areas().sum(), rel=2e-3)
+
+
+def test_hdf5_file_holds_everything(tmp_path):
+    import h5py
+
+    shell, result = cantilever("quadrilateral", 1, None)
+    found = fl.resultants(result, shell)
+    found.save(tmp_path / "plate.h5")
+    with h5py.File(tmp_path / "plate.h5") as file:
+        assert tuple(file.attrs["components"]) == COMPONENTS
+        np.testing.assert_array_equal(file["averaged"], found.nodal)
+        np.testing.assert_array_equal(file["at_points"], found.at_points)
+        places = file["places"][()][file["cells"][()]]
+        np.testing.assert_array_equal(places, shell.mesh.points[shell.mesh.cells])
 
 
 def test_picture(tmp_path):
