@@ -103,8 +103,8 @@ def test_path_begins_again_anywhere_and_goes_both_ways(deep):
     np.testing.assert_allclose(on.position(crown)[-1], path.position(crown)[-1], atol=1e-6)
     back = fl.follow_path(scene, 0.5, start=path.stations[path.limits[0].index - 2], backwards=True)
     assert back.factors[-1] == 0.5 and back.stable.all()
-    first = np.interp(0.5, path.factors[:10], -path.displacement(crown)[:10, 1])
-    assert -back.displacement(crown)[-1, 1] == pytest.approx(first, rel=0.3)
+    first = np.interp(0.5, path.factors[:30], -path.displacement(crown)[:30, 1])
+    assert -back.displacement(crown)[-1, 1] == pytest.approx(first, rel=1e-2)
 
 
 def test_displacement_control_passes_limit_points_of_the_load(deep):
@@ -128,7 +128,7 @@ def test_load_control_stops_at_a_limit_point_and_keeps_what_it_has(deep):
 
 
 def test_path_ends_where_it_is_told_to(deep):
-    scene, crown, path = deep
+    scene, crown, _ = deep
     stopped = fl.follow_path(scene, stop=lambda s: -s.displacement(crown)[1] - 50.0)
     assert stopped.complete
     assert -stopped.displacement(crown)[-1, 1] == pytest.approx(50.0, abs=1e-6)
@@ -205,7 +205,7 @@ def test_bad_options_are_refused(options, message):
 
 
 def test_bad_scenes_are_refused(deep):
-    scene, crown = arch(4)
+    scene, _ = arch(4)
     scene.loads.clear()
     with pytest.raises(ValueError, match="needs a load"):
         fl.follow_path(scene)
