@@ -13,9 +13,9 @@ and its load has a maximum 14 % above the critical one, at which it snaps.
 
 Here the critical load is found in two ways: by linear buckling (one call, `fl.buckling`), and by
 following the straight column until the tangent gets a negative pivot; that bifurcation is located
-to 1e-6 of the load. Then the branch is entered (`fl.branch`) and followed as any other path. With an
-imperfection in the shape of the first mode there is no bifurcation: the path bends into the branch.
-The column stretches a little (EA L^2/EI = 1e6), so both loads differ by beta^2/1e6.
+to 1e-6 of the load. Then the branch is entered (`fl.branch`) and followed as any other path. With
+an imperfection in the shape of the first mode there is no bifurcation: the path bends into the
+branch. The column stretches a little (EA L^2/EI = 1e6), so both loads differ by beta^2/1e6.
 """
 
 from __future__ import annotations

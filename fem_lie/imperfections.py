@@ -96,17 +96,19 @@ class FieldImperfection(Imperfection):
 
 @dataclass(frozen=True, eq=False)
 class RandomImperfection(Imperfection):
-    """Waves of one length with random directions and phases, along the third directors.
+    """Waves of one length with random directions and phases.
 
     Attributes:
-        amplitude: Largest displacement of a node.
+        amplitude: 2.5 times the root of the mean square of the displacements.
         wavelength: Of all waves.
         seed: Of the random numbers; the same gives the same.
+        along: Unit direction as a function of the place, shape (3,); default: third directors.
     """
 
     amplitude: float
     wavelength: float
     seed: int
+    along: Callable[[Array], npt.ArrayLike] | None = None
 
     def of(self, body: Body) -> tuple[Array, Array]:
         """See the base class.
@@ -116,11 +118,14 @@ class RandomImperfection(Imperfection):
         """
         if not self.wavelength > 0:
             raise ValueError(f"the wavelength must be positive, got {self.wavelength!r}")
-        largest = np.abs(self._waves(body.frames[:, 0])).max()
-        scale = self.amplitude / largest
+        # the same field for all bodies of a scene: about the largest of so many waves
+        scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 
         def field(places: Array, frames: Array) -> Array:
-            return scale * self._waves(places)[:, np.newaxis] * frames[:, 3]
+            across = frames[:, 3]
+            if self.along is not None:
+                across = np.array([self.along(x) for x in places], dtype=np.float64)
+            return np.asarray(scale * self._waves(places)[:, np.newaxis] * across)
 
         return _with_rotations(body, field)
 

@@ -1,0 +1,191 @@
+"""Stability: inertia of the tangent, linear buckling, critical points, branches, imperfections."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+from test_paths import arch, column
+
+import fem_lie as fl
+from fem_lie.solve.stability import StableEquilibrium, inertia
+
+
+def dense(model: StableEquilibrium, factor: float) -> np.ndarray:
+    """Tangent on what the constraints leave free."""
+    import scipy.linalg
+
+    model._fill(factor)
+    K, B = model.pencil()
+    Z = scipy.linalg.null_space(B.toarray()) if B.shape[0] else np.eye(K.shape[0])
+    return Z.T @ K.toarray() @ Z
+
+
+def test_inertia_is_that_of_the_eigenvalues():
+    import scipy.sparse as sp
+
+    random = np.random.default_rng(0)
+    A = random.standard_normal((30, 30))
+    A = A + A.T
+    negative, zero = inertia(sp.csr_matrix(A))
+    assert (negative, zero) == ((np.linalg.eigvalsh(A) < 0).sum(), 0)
+    B = A.copy()
+    B[:, 3] = B[:, 7]
+    B[3] = B[7]
+    assert inertia(sp.csr_matrix(B))[1] == 1
+
+
+@pytest.mark.parametrize("joint", [False, True], ids=["clamped", "hinged by a joint"])
+def test_tangent_is_symmetric_at_equilibrium_and_its_pivots_count_eigenvalues(joint):
+    """Beams couple rotations; in local increments that vanishes where forces balance."""
+    scene, _ = arch(12, hinged=joint)
+    path = fl.follow_path(scene, 0.95, resolution=0.1, locate=None)
+    model = StableEquilibrium(scene, "test_")
+    for station in path.stations[:: max(1, len(path) // 6)]:
+        model.restore(station.state)
+        K = dense(model, station.factor)
+        assert np.abs(K - K.T).max() <= 1e-6 * np.abs(K).max()
+        assert station.negative == (np.linalg.eigvalsh(K + K.T) < 0).sum()
+
+
+@pytest.mark.parametrize("ends", ["fixed-free", "pinned-pinned"])
+def test_linear_buckling_and_path_find_eulers_load(ends):
+    scene, _, _ = column(ends, 16)
+    modes = fl.buckling(scene, 3)
+    # the next ones are 9 and 25, or 4 and 9 times as high
+    ratios = [1.0, 9.0, 25.0] if ends == "fixed-free" else [1.0, 4.0, 9.0]
+    np.testing.assert_allclose(modes.factors, ratios, rtol=3e-3)
+    path = fl.follow_path(scene, 1.2)
+    (point,) = path.critical
+    assert point.kind is fl.Critical.BIFURCATION
+    assert point.negative_pivots == (0, 1)
+    assert path.complete and path.negative_pivots[-1] == 1
+    assert abs(modes.factors[0] - 1.0) <= 1e-3
+    assert abs(point.factor - modes.factors[0]) <= 1e-3
+    low, high = point.bracket
+    assert 0 < high - low <= 1e-6 * point.factor  # located as promised
+    # the mode of the path is that of linear theory
+    a, b = modes.shape(1)[:, 0], point.shapes[0][:, 0]
+    across = modes.shape(1)[:, :3], point.shapes[0][:, :3]
+    cosine = abs(np.sum(across[0] * across[1])) / np.linalg.norm(across[0])
+    assert cosine / np.linalg.norm(across[1]) == pytest.approx(1.0, abs=1e-6), (a, b)
+
+
+def test_branches_of_a_column_are_the_elastica_on_both_sides():
+    scene, beam, _ = column("fixed-free", 16)
+    point = fl.follow_path(scene, 1.1).bifurcations[0]
+    tips = []
+    for side in (1, -1):
+        start = fl.branch(scene, point, side=side)
+        path = fl.follow_path(scene, 1.2, start=start)
+        assert path.complete and path.stable.all()
+        tips.append(path.position(beam.end)[-1])
+    np.testing.assert_allclose(tips[0] * [-1, 1, 1], tips[1], atol=1e-7)
+    m = _modulus(path.factors[-1] / point.factor)
+    assert abs(tips[0][0]) == pytest.approx(2 * np.sqrt(m) / ellipk(m), rel=1e-4)
+
+
+def _modulus(over: float) -> float:
+    from scipy.optimize import brentq
+
+    return brentq(lambda m: (2 * ellipk(m) / np.pi) ** 2 - over, 1e-9, 0.99)
+
+
+def test_imperfect_column_bends_into_the_branch():
+    """The smaller the imperfection, the nearer it comes, and there is no critical point."""
+    scene, _, _ = column("fixed-free", 16)
+    modes = fl.buckling(scene, 1)
+    point = fl.follow_path(scene, 1.1).bifurcations[0]
+    exact = fl.follow_path(scene, 1.2, start=fl.branch(scene, point))
+    gaps = []
+    for size in (1e-2, 1e-3):
+        path = fl.follow_path(fl.imperfect(scene, fl.ModeImperfection(modes, 1, size)), 1.2)
+        assert path.complete and not path.critical and path.stable.all()
+        ends = [abs(p.position("column.end")[-1, 0]) for p in (path, exact)]
+        gaps.append(abs(ends[0] - ends[1]))
+    assert gaps[1] <= 0.15 * gaps[0]  # of first order away from the bifurcation
+
+
+def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
+    """A simply supported square: N = 4 pi² D/a²; Poisson's ratio does not matter."""
+    t, nu, n = 0.01, 0.3, 12
+    plate = fl.Shell(
+        fl.surface(lambda a, b: (a, b, 0.0), (n, n)),
+        fl.ShellSection.layer(t, fl.Material(1.0, nu, 1.0)),
+        name="plate",
+    )
+    z = plate.held
+    for name in ("a=0", "a=1", "b=0", "b=1"):
+        z[[p.node for p in plate.points(name)], 2] = True
+    z[[p.node for p in plate.points("a=0")], 0] = True
+    z[plate["00"].node, 1] = True
+    scene = fl.Scene()
+    scene.add(plate)
+    bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
+    scene.add(fl.EdgeLoad(plate, "a=1", force=(-bryan, 0, 0)))
+    modes = fl.buckling(scene, 2)
+    assert modes.factors[0] == pytest.approx(1.0, rel=0.02)  # the mesh; shear takes 1e-3
+    # two half waves along the load: (2 + 1/2)² over 4
+    assert modes.factors[1] == pytest.approx(6.25 / 4, rel=0.04)
+    point = fl.follow_path(scene, 1.2, critical_points=1).critical[0]
+    assert point.factor == pytest.approx(modes.factors[0], rel=1e-3)
+    assert point.negative_pivots == (0, 1)
+
+
+def test_imperfections_are_free_of_stress_and_keep_supports():
+    scene, _, _ = column("pinned-pinned", 8)
+    wave = fl.FieldImperfection(lambda x: (0.01 * np.sin(np.pi * x[2]), 0.0, 0.0))
+    random = fl.RandomImperfection(0.005, 0.5, seed=3)
+    other = fl.imperfect(scene, wave, random)
+    again = fl.imperfect(scene, wave, fl.RandomImperfection(0.005, 0.5, seed=3))
+    assert scene.bodies[0].frames[4, 0, 0] == 0.0  # the perfect one stays
+    np.testing.assert_array_equal(other.bodies[0].frames, again.bodies[0].frames)
+    assert np.abs(other.bodies[0].frames[:, 0, 0]).max() > 5e-3
+    model = StableEquilibrium(other, "test_")
+    internal, _ = model.forces()
+    assert np.abs(internal).max() <= 1e-9  # EA is 1e6
+    slope = np.pi * 0.01
+    tangent = fl.imperfect(scene, wave).bodies[0].frames[0, 1]
+    assert tangent[0] / tangent[2] == pytest.approx(slope, rel=1e-3)
+
+
+def test_shell_normals_follow_the_field_and_symmetry_stays():
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, b, 0.0), (8, 8)),
+        fl.ShellSection.layer(0.01, fl.Material(1.0, 0.3, 1.0)),
+        name="plate",
+    )
+    shell.symmetry("a=0", (1, 0, 0))
+    scene = fl.Scene()
+    scene.add(shell)
+    bump = fl.FieldImperfection(lambda x: (0.0, 0.0, 0.01 * (x[0] + np.sin(x[1]))))
+    H = fl.imperfect(scene, bump).bodies[0].frames
+    inside = shell.frames[:, 0, 0] > 0
+    x = shell.frames[:, 0]
+    normal = np.column_stack([-0.01 + 0 * x[:, 0], -0.01 * np.cos(x[:, 1]), 1 + 0 * x[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, np.newaxis]
+    np.testing.assert_allclose(H[inside, 3], normal[inside], atol=1e-8)
+    np.testing.assert_allclose(H[~inside, 3, 0], 0.0, atol=1e-15)  # no tilt out of the plane
+
+
+def test_modes_that_do_not_exist_are_refused():
+    scene, _, _ = column("fixed-free", 4)
+    modes = fl.buckling(scene, 2)
+    with pytest.raises(ValueError, match="modes are 1 … 2, got 3"):
+        modes.shape(3)
+    with pytest.raises(ValueError, match="modes are 1 … 2, got 0"):
+        fl.imperfect(scene, fl.ModeImperfection(modes, 0, 0.1))
+    point = fl.follow_path(scene, 1.1).bifurcations[0]
+    with pytest.raises(ValueError, match="modes are 1"):
+        fl.branch(scene, point, mode=9)
+    with pytest.raises(ValueError, match="side 1 or −1"):
+        fl.branch(scene, point, side=2)
+    with pytest.raises(ValueError, match="degrees of freedom"):
+        fl.buckling(scene, 1000)
+    with pytest.raises(ValueError, match="at least one imperfection"):
+        fl.imperfect(scene)
+
+
+def test_pulled_column_does_not_buckle_below_what_its_elements_resolve():
+    """Elements of length h carry bending as shear of the stiffness 12 EI/h², which then yields."""
+    for count in (4, 8):
+        scene, _, euler = column("fixed-free", count, factor=-1.0)
+        assert fl.buckling(scene, 1).factors[0] * euler >= 12 * count**2
