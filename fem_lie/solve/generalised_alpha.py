@@ -127,7 +127,7 @@ class GeneralisedAlpha:
         """
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
-        if not isinstance(step, int | float):
+        if isinstance(step, StepChoice):
             from fem_lie.solve import variable_steps
 
             return variable_steps.run(self, scene, duration, step, save_every, progress)

@@ -10,10 +10,10 @@ Nothing here knows of a scheme: it asks for the sizes of an error of the order `
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
-from typing import Protocol
 
 AIM = 0.8
 """Error that is aimed at, over the tolerance."""
@@ -34,20 +34,27 @@ STRETCH = 4
 """So many steps before an event they are made to fit."""
 
 
-class StepChoice(Protocol):
-    """What :meth:`~fem_lie.GeneralisedAlpha.run` takes as ``step`` if it is to estimate errors."""
+class StepChoice(ABC):
+    """What :meth:`~fem_lie.GeneralisedAlpha.run` takes as ``step`` if it is to estimate errors.
+
+    Attributes:
+        refinement: If above 1, the true local errors are measured, too: each step is done a second
+            time in so many parts.
+    """
 
     refinement: int
 
+    @abstractmethod
     def check(self, duration: float) -> None:
         """Raise ``ValueError`` if it does not fit a run of this duration."""
 
+    @abstractmethod
     def control(self, duration: float, length: float, order: int) -> Control:
         """The sizes of one run of a model of this length by a scheme of this order."""
 
 
 @dataclass(frozen=True)
-class ConstantStep:
+class ConstantStep(StepChoice):
     """Steps of one size, with estimates of their errors in the result.
 
     Attributes:
@@ -60,7 +67,7 @@ class ConstantStep:
     refinement: int = 1
 
     def check(self, duration: float) -> None:
-        """See the protocol."""
+        """See the base class."""
         if not (isfinite(self.size) and self.size > 0):
             raise ValueError(f"the step must be positive, got {self.size}")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
@@ -68,12 +75,12 @@ class ConstantStep:
         _check_refinement(self.refinement)
 
     def control(self, duration: float, length: float, order: int) -> Control:
-        """See the protocol."""
+        """See the base class."""
         return Control(self.size, inf, inf, (duration,), self.size, self.size, order)
 
 
 @dataclass(frozen=True)
-class AdaptiveStep:
+class AdaptiveStep(StepChoice):
     """Steps as large as a tolerance allows.
 
     Attributes:
@@ -99,7 +106,7 @@ class AdaptiveStep:
     refinement: int = 1
 
     def check(self, duration: float) -> None:
-        """See the protocol."""
+        """See the base class."""
         for name in ("tolerance", "rotation_tolerance", "first", "smallest", "largest"):
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value > 0):
@@ -114,7 +121,7 @@ class AdaptiveStep:
         _check_refinement(self.refinement)
 
     def control(self, duration: float, length: float, order: int) -> Control:
-        """See the protocol."""
+        """See the base class."""
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
         times = (*sorted(set(map(float, self.events))), duration)
@@ -202,6 +209,8 @@ class Control:
                 return
             top = floor(2.0 * log2(self._largest / self._first) + 1e-6)
             change = min(change, LARGEST_RISE, top - self.level)
+        elif self.size < sqrt(2.0) * self.smallest:
+            return
         self._move(max(change, -1))
 
     def reject(self, e: float) -> None:

@@ -50,6 +50,9 @@ ITERATION = 0.01
 SIDE = 1e-9
 """How far from an event its two sides are, in steps."""
 
+SWEEPS = 3
+"""Iterations for the part of velocities across the joints."""
+
 REJECTIONS = 2
 """Steps rejected one after the other after which accelerations are found anew."""
 
@@ -63,6 +66,8 @@ def run(
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
+    if not (np.isfinite(duration) and duration > 0):
+        raise ValueError(f"duration must be positive, got {duration}")
     choice.check(duration)
     system = System(scene, dynamics=True, parametrisation=options.parametrisation)
     control = choice.control(duration, system.length, ORDER)
@@ -130,28 +135,36 @@ class _VariableRun(_Run):
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
             if self.system.m and self.factors.usable:
-                s.v[:] -= (1.0 - r * r) * self._across(time)
+                s.v[:] -= self._across(time, 1.0 - r * r)
             self._set_parameters(h)
         self.factors.use(self.p.mass)
         if self.factors.usable:
             self.scale[:] = self.factors.scale()
 
-    def _across(self, time: float) -> Array:
-        """The part of the velocities of the groups that is across the joints, shape (n, 6)."""
+    def _across(self, time: float, share: float) -> Array:
+        """``share`` of the velocities of the groups that is across the joints, shape (n, 6).
+
+        With the kept matrix, whose Jacobian is old: by iteration.
+        """
         system, s, n = self.system, self.s, self.system.count
         v = system.velocities.copy()
         v[:n] = s.twist1
         v, _ = with_driven(system, v, time, self._h)
-        first, second = np.zeros(system.m), np.zeros(system.m)
-        constraints.rates(s.H, v, system.table, first, second)
+        wanted, found, unused = (np.zeros(system.m) for _ in range(3))
+        constraints.rates(s.H, v, system.table, wanted, unused)
+        across = np.zeros_like(v)
         self.r[: 6 * n] = 0.0
-        self.r[6 * n :] = self.factors.scale() * self.factors.factor * first
-        super()._solve()
-        across = self.dx[: 6 * n].reshape(n, 6).copy()
+        for _ in range(SWEEPS):
+            constraints.rates(s.H, across, system.table, found, unused)
+            # the rows of the kept matrix are scaled as they were when it was made
+            scale = self.factors.scale() * self.factors.factor
+            self.r[6 * n :] = scale * (share * wanted - found)
+            super()._solve()
+            across[:n] += self.dx[: 6 * n].reshape(n, 6)
         flat = (s.kinds & 1) == 1
         R = lie.rotation(s.H[:n])[flat]
-        across[flat, :3] = np.einsum("nij,nj->ni", R, across[flat, :3])
-        return across
+        across[:n][flat, :3] = np.einsum("nij,nj->ni", R, across[:n][flat, :3])
+        return across[:n]
 
     def _restart(self, time: float) -> None:
         """Make accelerations and velocities at ``time`` consistent."""

@@ -1,0 +1,57 @@
+"""The demos of time errors and variable steps against their references."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+
+def main(demo: str, **parameters):
+    return importlib.import_module(f"demos.{demo}").main(pictures=False, **parameters)
+
+
+def test_estimates_of_a_free_body():
+    record = main("time_error", case="body")
+    assert 0.97 <= record["ratio_median"] <= 1.03
+    assert 0.97 <= record["ratio_p05"] <= record["ratio_p95"] <= 1.05
+    assert 0.8 <= record["ratio_min"] <= record["ratio_max"] <= 1.25
+    # three loads, each with a kink every 0.1 π s
+    assert record["steps_with_a_kink"] == 9
+    assert record["share_within"] >= 0.99
+
+
+def test_estimates_of_a_rigid_pendulum_and_its_tip():
+    record = main("time_error", case="pendulum")
+    assert record["share_within_3"] >= 0.95
+    assert record["log_correlation"] >= 0.95
+    reference = (-0.58577183066, 0.0, -0.01018573161)
+    tip = [record[f"tip_{axis}"] for axis in "xyz"]
+    # at the default tolerance, 1e-8 m/s
+    assert np.linalg.norm(np.subtract(tip, reference)) <= 1e-6
+    assert record["factorisations"] <= 0.02 * record["steps"]
+
+
+def test_estimates_of_a_flexible_pendulum():
+    record = main("time_error", case="flexible", duration=0.5)
+    assert record["share_within_5"] >= 0.9
+
+
+def test_error_follows_the_tolerance():
+    record = main("time_error", case="tolerance", tolerance=1e-6)
+    assert 0.8 <= record["slope"] <= 1.2
+    assert record["tip_error"] <= 2e-6
+
+
+def test_variable_steps_through_a_violent_moment():
+    """A short version: up to 3 s, two constant steps."""
+    record = main("variable_step", duration=3.0, halvings=2)
+    assert record["times_fewer"] >= 3.0
+    assert record["rejected"] > 0
+    # the table has 6 digits of positions that are right to 5e-7
+    assert record["reference_error"] <= 5e-6
+    assert record["largest_step"] / record["smallest_step"] >= 20
+
+
+def test_bad_case():
+    with pytest.raises(ValueError, match="case must be body, pendulum, flexible or tolerance"):
+        main("time_error", case="none")

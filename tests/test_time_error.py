@@ -1,0 +1,388 @@
+"""Local errors of time integration, and steps that follow a tolerance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from demos.time_error import TIP, rigid_pendulum, tip
+from fem_lie import lie
+from fem_lie.solve.step_control import Control, StepChoice
+
+PARTS = 10
+# of second order, an error measured by a step in PARTS parts lacks that of the parts
+MISSING = 1.0 - 1.0 / PARTS**2
+KINDS = [(group, parametrisation) for group in fl.Group for parametrisation in fl.Parametrisation]
+
+
+def tumbling(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
+    """A free body under smooth loads."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body", group=group))
+    body.move((1.0, -2.0, 0.5))
+    body.turn((3.0, 2.0, -1.0), about=body.centre)
+    scene.add(fl.PointLoad(body.centre, force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1)))
+    scene.add(
+        fl.PointLoad(
+            body.centre, moment=(3, -2, 5), following=True, history=lambda t: math.cos(3 * t)
+        )
+    )
+    return scene
+
+
+def with_joints(group: fl.Group) -> fl.Scene:
+    """The double pendulum, turning about all axes."""
+    scene = rigid_pendulum(group)
+    for body in scene.bodies:
+        body.turn((5.0, 1.0, 4.0), about=(0, 0, 0))
+    return scene
+
+
+def run(scene: fl.Scene, step: float | StepChoice, duration: float = 1.0, **options) -> fl.Result:
+    return fl.GeneralisedAlpha(**options).run(scene, duration=duration, step=step)
+
+
+# --- the estimate ---
+
+
+@pytest.mark.parametrize(("group", "parametrisation"), KINDS)
+@pytest.mark.parametrize("make", [tumbling, with_joints])
+def test_estimate_over_error_tends_to_one(make, group, parametrisation):
+    """With a matrix of its own in every step; a kept one changes the estimate, not its order."""
+    away = []
+    for h in (4e-3, 2e-3):
+        result = run(
+            make(group),
+            fl.ConstantStep(h, refinement=PARTS),
+            0.2,
+            parametrisation=parametrisation,
+            policy=fl.EveryIteration(),
+            tolerance=1e-11,
+        )
+        # the first steps have what is left of the start
+        ratios = MISSING * result.steps.ratios[5:]
+        away.append(np.median(np.abs(ratios - 1.0), axis=0))
+    assert (away[1] < 0.04).all()
+    # of first order in h; nearly nothing is nothing
+    assert ((away[1] < 0.65 * away[0]) | (away[1] < 2e-3)).all()
+
+
+def test_estimate_is_of_third_order():
+    sizes = [run(tumbling(), fl.ConstantStep(h), 0.2).steps.translation[-1] for h in (2e-3, 1e-3)]
+    assert 2.9 < np.log2(sizes[0] / sizes[1]) < 3.1
+
+
+def test_flight_has_no_error():
+    """On R³×SO(3) the parabola is exact, and the estimate says so."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="body"))
+    body.move((1, 0, 5))
+    steps = run(scene, fl.ConstantStep(0.01), 0.2, tolerance=1e-12).steps
+    assert steps.translation.max() < 1e-13
+    assert steps.rotation.max() < 1e-13
+
+
+def test_estimating_changes_nothing():
+    """Nor do the components of the matrix change the estimate."""
+    plain = run(with_joints(fl.Group.SE3), 2e-3, 0.2)
+    watched = run(with_joints(fl.Group.SE3), fl.ConstantStep(2e-3), 0.2)
+    inertial = run(
+        with_joints(fl.Group.SE3), fl.ConstantStep(2e-3), 0.2, components=fl.Components.INERTIAL
+    )
+    # two runs end their iterations at 2e-8 of a step's motion
+    np.testing.assert_allclose(watched.frames, plain.frames, atol=1e-9)
+    np.testing.assert_allclose(watched.joint_forces, plain.joint_forces, atol=1e-4)
+    np.testing.assert_allclose(inertial.steps.translation, watched.steps.translation, rtol=0.05)
+
+
+def test_nodes_of_the_error_are_those_of_the_results():
+    result = run(with_joints(fl.Group.SE3), fl.ConstantStep(1e-3), 0.01)
+    far, _ = result.info.node("bar II.centre"), result.info.node("bar I.centre")
+    assert (result.steps.nodes[:, 0] == far).all()
+
+
+# --- the order with steps that change ---
+
+
+class Zigzag(Control):
+    """Up and down by one level, again and again."""
+
+    def accept(self, e: float) -> None:
+        self.level = 1 - self.level
+
+
+@dataclass(frozen=True)
+class Alternating(StepChoice):
+    size: float
+    refinement: int = 1
+
+    def check(self, duration: float) -> None:
+        pass
+
+    def control(self, duration: float, length: float, order: int) -> Control:
+        return Zigzag(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
+
+
+@pytest.mark.parametrize("group", list(fl.Group))
+def test_second_order_with_alternating_steps(group):
+    """Joint forces, too: wrong by a tenth if velocities across joints stay as they are."""
+    options = {"policy": fl.EveryIteration()}
+    exact = run(with_joints(group), 2.5e-4, 0.5, **options)
+    errors, forces = [], []
+    for h in (4e-3, 2e-3, 1e-3):
+        result = run(with_joints(group), Alternating(h), 0.5, **options)
+        sizes = result.steps.sizes[:20] / h
+        np.testing.assert_allclose(sizes, np.tile([1.0, 2**0.5], 10), rtol=1e-12)
+        same = exact.resampled(result.times[5:])
+        gaps = result.position("bar II.centre")[5:] - same.position("bar II.centre")
+        errors.append(np.abs(gaps).max())
+        forces.append(np.abs(result.joint_forces[5:] - same.joint_forces).max())
+    # what the exact run lacks is a tenth of the last error
+    assert np.log2(errors[0] / errors[2]) / 2 > 1.85
+    assert np.log2(forces[0] / forces[2]) / 2 > 1.85
+    assert forces[2] < 1e-3 * np.abs(exact.joint_forces).max()
+
+
+def test_joint_forces_with_kept_matrices():
+    """The part of velocities across the joints is found with an old Jacobian."""
+    exact = run(with_joints(fl.Group.R3xSO3), 2.5e-4, 0.5)
+    result = run(with_joints(fl.Group.R3xSO3), Alternating(1e-3), 0.5)
+    same = exact.resampled(result.times[5:])
+    gap = np.abs(result.joint_forces[5:] - same.joint_forces).max()
+    assert gap < 3e-3 * np.abs(exact.joint_forces).max()
+
+
+# --- the tolerance ---
+
+
+@pytest.mark.parametrize("group", list(fl.Group))
+def test_global_error_follows_the_tolerance(group):
+    tolerances = 10.0 ** np.arange(-2, -6.5, -1)
+    errors = []
+    for tolerance in tolerances:
+        result = run(rigid_pendulum(group), fl.AdaptiveStep(tolerance, 2 * tolerance))
+        errors.append(np.linalg.norm(tip(result)[-1] - TIP))
+        steps = result.steps
+        assert (steps.translation <= tolerance * steps.sizes).all()
+        assert (steps.rotation <= 2 * tolerance * steps.sizes).all()
+    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
+    assert 0.8 < slope < 1.2
+
+
+def test_rotations_have_their_own_tolerance():
+    loose, strict = (
+        run(tumbling(), fl.AdaptiveStep(1e-1, rotation_tolerance=value), 0.5)
+        for value in (1e-3, 1e-5)
+    )
+    assert len(strict.times) > 5 * len(loose.times)
+    assert (strict.steps.rotation <= 1e-5 * strict.steps.sizes).all()
+
+
+def spinning_top() -> fl.Scene:
+    """On a spherical joint; R. Brüls & A. Cardona's."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    top = scene.add(fl.RigidBody(15.0, (0.234375, 0.234375, 0.46875), (0, 1, 0), name="top"))
+    scene.add(fl.Spherical(top.centre, fl.ground(), at=(0, 0, 0)))
+    top.turn((0.0, 150.0, 0.0), about=(0, 0, 0))
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("make", "tolerance"), [(rigid_pendulum, 1e-5), (tumbling, 1e-3), (spinning_top, 1e-4)]
+)
+def test_factorisations_are_kept_when_steps_change(make, tolerance):
+    result = run(make(), fl.AdaptiveStep(tolerance))
+    assert len(np.unique(result.steps.sizes.round(9))) >= 3
+    assert result.factorisations <= 0.02 * len(result.steps.times)
+
+
+def test_sizes_are_levels():
+    """But for the steps that are made to fit the end."""
+    result = run(rigid_pendulum(), fl.AdaptiveStep(1e-4, first=1e-3))
+    levels = 2.0 * np.log2(result.steps.sizes / 1e-3)
+    away = np.abs(levels - levels.round()) > 1e-6
+    assert not away[:-4].any()
+    assert result.times[-1] == 1.0
+    np.testing.assert_allclose(np.cumsum(result.steps.sizes), result.steps.times, rtol=1e-12)
+
+
+def test_stiff_waves_do_not_stop_the_steps():
+    """After steps that do not resolve the waves of a beam a smaller one finds its accelerations."""
+    steel = fl.Material(E=207e9, nu=0.3, density=7800.0)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    square = fl.Section.rectangle(5e-3, 5e-3, steel)
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), square, cells=4, name="bar"))
+    scene.add(fl.Spherical(fl.ground(), bar.start))
+    # a blow at 0.2 s, of 5 ms
+    blow = lambda t: math.exp(-(((t - 0.2) / 5e-3) ** 2))  # noqa: E731
+    scene.add(fl.PointLoad(bar.end, force=(0, 20.0, 0), history=blow))
+    coarse, fine = (run(scene, fl.AdaptiveStep(tol, largest=0.02), 0.3) for tol in (1e-2, 1e-3))
+    assert len(coarse.steps.rejected) > 0
+    assert coarse.steps.sizes.min() > 1e-5
+    gap = np.linalg.norm(coarse.position(bar.end)[-1] - fine.position(bar.end)[-1])
+    assert gap < 1e-2
+
+
+# --- events ---
+
+
+def pushed(history) -> fl.Scene:
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(2.0, (1.0, 1.0, 1.0), name="ball"))
+    scene.add(fl.PointLoad(body.centre, force=(6.0, 0, 0), history=history))
+    return scene
+
+
+def jump(t: float) -> float:
+    return 1.0 if t >= 0.3 else 0.0
+
+
+def test_jump_at_a_named_event():
+    """Steps end there, and both sides are exact: rest, and a parabola."""
+    result = run(pushed(jump), fl.AdaptiveStep(1e-6, events=(0.3,)))
+    assert 0.3 in result.times
+    assert len(result.steps.rejected) == 0
+    exact = 1.5 * np.clip(result.times - 0.3, 0.0, None) ** 2
+    np.testing.assert_allclose(result.position("ball.centre")[:, 0], exact, atol=1e-8)
+
+
+def test_jump_found_by_rejection():
+    result = run(pushed(jump), fl.AdaptiveStep(1e-4))
+    assert len(result.steps.rejected) >= 3
+    near = np.abs(result.steps.times - 0.3).argmin()
+    assert result.steps.sizes[near] < 1e-2 * result.steps.sizes.max()
+    exact = 1.5 * np.clip(result.times - 0.3, 0.0, None) ** 2
+    np.testing.assert_allclose(result.position("ball.centre")[:, 0], exact, atol=1e-4)
+
+
+def test_kink_of_a_drive():
+    """A drive that stops at once: the velocity of what it drives jumps with it."""
+    scene = fl.Scene()
+    arm = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0.5, 0, 0), name="arm"))
+    arm.turn((0, 0, 2.0), about=(0.5, 0, 0))
+    frame = arm.centre.frame.copy()
+
+    def drive(t: float) -> np.ndarray:
+        turned = frame.copy()
+        turned[1:] = frame[1:] @ lie.so3_exp(np.array([0, 0, 2.0 * min(t, 0.4)])).T
+        return turned
+
+    scene.add(fl.PrescribedMotion(arm.centre, drive))
+    result = run(scene, fl.AdaptiveStep(1e-4, events=(0.4,), largest=0.05))
+    before, after = result.times < 0.4 - 1e-9, result.times > 0.4 + 1e-9
+    spin = result.velocity("arm.centre")[:, 5]
+    np.testing.assert_allclose(spin[before], 2.0, atol=1e-6)
+    np.testing.assert_allclose(spin[after], 0.0, atol=1e-6)
+    # and no reaction, on either side
+    np.testing.assert_allclose(result.joint_forces[before | after], 0.0, atol=1e-3)
+
+
+# --- what goes wrong ---
+
+
+def test_tolerance_out_of_reach_names_time_error_and_body():
+    # no step is small enough for a force that grows beyond all bounds
+    scene = pushed(lambda t: (0.5 - t) ** -2 if t < 0.5 else 1e6)
+    wanted = r"at time 0\.4\d+ a step of .* error of .* length per time, wanted at most 1\.00e-03"
+    with pytest.raises(fl.ConvergenceError, match=wanted + ".*; ball limits it") as caught:
+        run(scene, fl.AdaptiveStep(1e-3, smallest=1e-6))
+    assert 0.4 < caught.value.result.times[-1] < 0.5
+    assert len(caught.value.result.steps.times) == len(caught.value.result.times) - 1
+
+
+def test_step_that_does_not_converge_is_tried_smaller():
+    scene, options = with_joints(fl.Group.SE3), {"max_iterations": 3}
+    with pytest.raises(fl.ConvergenceError, match="did not converge in 3"):
+        run(scene, 0.04, 0.2, **options)
+    result = run(scene, fl.AdaptiveStep(1.0, first=0.04, largest=0.04), 0.2, **options)
+    assert len(result.steps.rejected) > 0
+    assert result.times[-1] == 0.2
+    with pytest.raises(fl.ConvergenceError, match=r"did not converge, and smaller ones than 0\.04"):
+        run(scene, fl.ConstantStep(0.04), 0.2, **options)
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        (fl.AdaptiveStep(0.0), "tolerance must be positive, got 0.0"),
+        (fl.AdaptiveStep(1e-3, rotation_tolerance=-1.0), "rotation_tolerance must be positive"),
+        (fl.AdaptiveStep(1e-3, first=2.0, largest=0.5), "smallest ≤ first ≤ largest"),
+        (fl.AdaptiveStep(1e-3, events=(1.5,)), r"events must be in \(0, 1\), got \[1.5\]"),
+        (fl.AdaptiveStep(1e-3, refinement=0), "refinement must be at least 1, got 0"),
+        (fl.ConstantStep(-1.0), "the step must be positive, got -1.0"),
+        (fl.ConstantStep(0.3), "duration 1.0 is not a multiple of the step 0.3"),
+    ],
+)
+def test_bad_choices(choice, message):
+    with pytest.raises(ValueError, match=message):
+        run(tumbling(), choice)
+
+
+# --- between the steps ---
+
+
+def test_resampled_is_of_fourth_order():
+    errors = []
+    for every in (4, 2):
+        fine = run(tumbling(), 1e-3, 0.4, tolerance=1e-11)
+        coarse = thinned(fine, 20 * every)
+        between = coarse.resampled(fine.times)
+        gaps = lie.se3_relative(between.frames, fine.frames)
+        errors.append((np.abs(gaps).max(), np.abs(between.velocities - fine.velocities).max()))
+    orders = np.log2(np.array(errors[0]) / np.array(errors[1]))
+    assert orders[0] > 3.6
+    assert orders[1] > 2.6
+
+
+def thinned(result: fl.Result, every: int) -> fl.Result:
+    arrays = {
+        name: getattr(result, name)[::every]
+        for name in (
+            *("times", "frames", "velocities", "joint_forces", "kinetic", "elastic"),
+            *("potential", "momentum", "angular_momentum", "iterations"),
+        )
+    }
+    return replace(result, **arrays)
+
+
+def test_resampled_meets_what_was_kept_and_screws_exactly():
+    result = run(tumbling(), 0.01, 0.2)
+    same = result.resampled(result.times)
+    np.testing.assert_allclose(same.frames, result.frames, atol=1e-14)
+    np.testing.assert_allclose(same.velocities, result.velocities, atol=1e-12)
+    np.testing.assert_array_equal(same.kinetic, result.kinetic)
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="ball"))
+    body.turn((0, 0, 2.0), about=body.centre)
+    body.move((0, 0, 1.0))
+    times = np.array([0.123, 0.77])
+    found = run(scene, 0.25).resampled(times)
+    np.testing.assert_allclose(found.position(0)[:, 2], times, atol=1e-12)
+    np.testing.assert_allclose(found.rotation(0)[:, 1, 0], np.sin(2 * times), atol=1e-12)
+    with pytest.raises(ValueError, match=r"times must be within \[0, 0.2\], got 0.1 … 0.3"):
+        result.resampled([0.1, 0.3])
+
+
+def test_steps_are_saved(tmp_path):
+    result = run(tumbling(), fl.AdaptiveStep(1e-3), 0.1)
+    result.save(tmp_path / "run.h5")
+    loaded = fl.Result.load(tmp_path / "run.h5")
+    np.testing.assert_array_equal(loaded.steps.translation, result.steps.translation)
+    np.testing.assert_array_equal(loaded.steps.rejected, result.steps.rejected)
+    with pytest.raises(ValueError, match="sizes has the shape"):
+        replace(result.steps, sizes=np.zeros(1))
+
+
+def test_save_every_keeps_the_last_step():
+    every = fl.GeneralisedAlpha().run(
+        tumbling(), duration=0.3, step=fl.AdaptiveStep(1e-3), save_every=4, progress=True
+    )
+    assert every.times[-1] == 0.3
+    assert len(every.times) == math.ceil(len(every.steps.times) / 4) + 1
+    np.testing.assert_array_equal(
+        every.times[1:-1], every.steps.times[3:-1:4][: len(every.times) - 2]
+    )
