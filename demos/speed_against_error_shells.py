@@ -119,9 +119,8 @@ def draw(rows: list[Row], path: Path) -> None:
             of = [row for row in rows if (row.element, row.method) == (element, method)]
             errors = [row.error for row in of]
             options: dict[str, Any] = {"color": COLOURS[k], "markersize": 4}
-            axes[1].loglog(
-                [row.seconds for row in of], errors, style, label=f"{element}, {method}", **options
-            )
+            label = method if element == "HR" else None
+            axes[1].loglog([row.seconds for row in of], errors, style, label=label, **options)
             if method == "carried stress":  # the same states
                 unknowns = [row.unknowns for row in of]
                 axes[0].loglog(unknowns, errors, style, label=element, **options)
@@ -129,7 +128,7 @@ def draw(rows: list[Row], path: Path) -> None:
     axes[1].set(xlabel="CPU seconds")
     for each in axes:
         each.grid(color="#DDDDDD", linewidth=0.6)
-        each.legend(frameon=False, fontsize=8)
+        each.legend(frameon=False, fontsize=8, loc="lower left")
     figure.suptitle("Pinched hemisphere, thickness 0.04")
     figure.savefig(path)
     print(f"picture: {path}")
