@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem_lie._jit import Array
 from fem_lie.buckling_modes import chosen
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
@@ -33,6 +34,9 @@ def branch(
 
     The bifurcation is left along a critical mode, and the amplitude of that mode is held while
     equilibrium and load factor are found: ``fl.follow_path(scene, start=fl.branch(scene, point))``.
+
+    Where the path itself is one that branches off there, and its load turns without a pivot, the
+    other path goes on with the load: it is entered along the response of what the mode leaves.
 
     Args:
         scene: That of the path.
@@ -65,6 +69,8 @@ def branch(
     model.restore(station.state)
     h = np.zeros(model.system.size)
     h[: 6 * len(leaders)] = shape[leaders].ravel()
+    if critical.crossed:
+        h = _beside(model, station, h)
     u = model.translations(h)
     square = float(np.sum(u * u))
     if not square > 1e-12 * len(leaders):
@@ -84,3 +90,12 @@ def branch(
         f"no equilibrium beside the {critical.kind.value} at load factor {critical.factor:g} with "
         f"an amplitude of mode {mode} down to {abs(2 * size):.1e}"
     )
+
+
+def _beside(model: StableEquilibrium, station: Station, h: Array) -> Array:
+    """Response to the load without its part along a mode, its largest displacement 1."""
+    weight = np.zeros(len(h))
+    weight[: len(model.weight)] = 1.0 / model.weight**2
+    rest = station.response - h * float((h * weight) @ station.response) / float((h * weight) @ h)
+    largest = np.linalg.norm(model.translations(rest), axis=1).max()
+    return np.asarray(rest / largest)
