@@ -17,7 +17,8 @@ from fem_lie.solve.path_result import CriticalPoint
 from fem_lie.solve.stability import StableEquilibrium
 from fem_lie.solve.walk import LostError, Station, Walker
 
-_AMPLITUDE = 0.02  # of the diameter
+_AMPLITUDE = 0.005  # of the diameter
+_CHANGE = 0.05  # of the load factor, where the other path goes on with the load
 _HALVINGS = 12
 
 
@@ -44,8 +45,8 @@ def branch(
         mode: Which critical mode, counted from 1; more than the first matter where several
             coincide.
         side: 1 along the mode, −1 against it.
-        amplitude: Largest displacement of the mode; default: a fiftieth of the model, less if there
-            is no such state.
+        amplitude: Largest displacement of the mode; default: 0.005 of the model, less if there is
+            no such state.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
@@ -69,15 +70,16 @@ def branch(
     model.restore(station.state)
     h = np.zeros(model.system.size)
     h[: 6 * len(leaders)] = shape[leaders].ravel()
+    size = _AMPLITUDE * model.diameter
     if critical.crossed:
-        h = _beside(model, station, h)
+        h, size = _beside(model, station, h)
     u = model.translations(h)
     square = float(np.sum(u * u))
     if not square > 1e-12 * len(leaders):
         raise ValueError(f"mode {mode} has no displacements; it turns only")
     walker = Walker(model, ArcLength(), max(abs(station.factor), 1e-3))
     arc, control = Arc(0.1 * model.diameter, walker.load), Along(np.asarray(u / square), 1.0)
-    size = side * (_AMPLITUDE * model.diameter if amplitude is None else amplitude)
+    size = side * (size if amplitude is None else amplitude)
     for _ in range(1 if amplitude is not None else _HALVINGS):
         model.restore(station.state)
         model.move(size * h)
@@ -92,10 +94,13 @@ def branch(
     )
 
 
-def _beside(model: StableEquilibrium, station: Station, h: Array) -> Array:
-    """Response to the load without its part along a mode, its largest displacement 1."""
+def _beside(model: StableEquilibrium, station: Station, h: Array) -> tuple[Array, float]:
+    """Response to the load without its part along a mode, and the first step along it.
+
+    Its largest displacement is 1.
+    """
     weight = np.zeros(len(h))
     weight[: len(model.weight)] = 1.0 / model.weight**2
     rest = station.response - h * float((h * weight) @ station.response) / float((h * weight) @ h)
-    largest = np.linalg.norm(model.translations(rest), axis=1).max()
-    return np.asarray(rest / largest)
+    largest = float(np.linalg.norm(model.translations(rest), axis=1).max())
+    return np.asarray(rest / largest), _CHANGE * largest
