@@ -1,6 +1,6 @@
 """PETSc's arc length (SNES type newtonal) on the paths of the demos, against `fl.follow_path`.
 
-    python benchmarks/newtonal.py [arch|roof|cylinder ...]
+    python -m benchmarks.newtonal [arch|roof|cylinder ...]
 
 PETSc's solver adds increments to a vector. Here the vector holds the accumulated local increments
 of the nodes: each evaluation moves the nodes by what was added, so that the iteration is that of
@@ -13,19 +13,14 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 from petsc4py import PETSc
 
 import numpy as np
 
 import fem_lie as fl
+from demos import deep_arch, hinged_roof, pulled_cylinder
 from fem_lie.solve.stability import StableEquilibrium
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
-import deep_arch
-import hinged_roof
-import pulled_cylinder
 
 PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
     "arch": lambda: deep_arch.arch(40, "stretchable")[0],
@@ -112,7 +107,7 @@ def run(
 
 def main(names: list[str]) -> None:
     print(
-        "problem   correction  stress   step  ended        load factor  linear solutions  s    same state"
+        "problem   correction  stress   step  ended        load factor  linear solutions  s    same"
     )
     for name in names or list(PROBLEMS):
         make = PROBLEMS[name]
