@@ -117,25 +117,25 @@ def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
 
 
 def _merged(found: list[Bracket]) -> list[Bracket]:
-    """Where round-off lets the load turn a hair before or after the pivot, it is one point."""
+    """Brackets that touch are one point.
+
+    Round-off lets the load turn a hair before or after the pivot; and where an eigenvalue touches
+    zero without changing its sign, the pivot may be seen to change twice.
+    """
     kept: list[Bracket] = []
     for bracket in found:
-        if kept and _halves(kept[-1], bracket):
+        if kept and _touch(kept[-1], bracket):
             before = kept.pop()
             bracket = replace(
                 bracket, at=(before.at[0], bracket.at[1]), ends=(before.ends[0], bracket.ends[1])
             )
         kept.append(bracket)
-    return kept
+    return [bracket for bracket in kept if _mark(bracket.ends[0]) != _mark(bracket.ends[1])]
 
 
-def _halves(a: Bracket, b: Bracket) -> bool:
+def _touch(a: Bracket, b: Bracket) -> bool:
     width = max(abs(x.at[1] - x.at[0]) for x in (a, b))
-    (a0, a1), (b0, b1) = a.ends, b.ends
-    turns = a0.sign != a1.sign, b0.sign != b1.sign
-    counts = a0.negative != a1.negative, b0.negative != b1.negative
-    one = turns in ((True, False), (False, True)) and counts == (turns[1], turns[0])
-    return one and abs(b.at[0] - a.at[1]) <= 2.0 * width
+    return abs(b.at[0] - a.at[1]) <= 2.0 * width
 
 
 def _mark(station: Station) -> tuple[int, float]:

@@ -36,6 +36,7 @@ _BEGIN = 0.25  # of the resolution: the first step
 _TURN = 0.35  # rad: wanted angle between successive tangents
 _SHARP = 1.0  # rad: larger angles are not accepted …
 _CORNER = 1 / 64  # … unless steps are as short as this, over the resolution
+_AHEAD = 0.2  # cosine between the tangent and the way of a step: never less
 _SMALLEST = 1e-4  # of the resolution: shorter steps are given up
 _MODES = 2
 
@@ -255,12 +256,18 @@ class _Follower:
             self._found.failed_steps += 1
             self._found.failed_iterations += error.iterations + 1
             return None
-        short = length <= _CORNER * self._resolution
-        if self._fixed is None and not short and self._angle(here, new, arc) > _SHARP:
+        if self._fixed is None and self._bends(here, new, arc, length):
             self._found.failed_steps += 1
             self._found.failed_iterations += new.iterations
             return None
         return new
+
+    def _bends(self, here: Station, new: Station, arc: Arc, length: float) -> bool:
+        """Whether a step bends too much; backwards is too much however short it is."""
+        way = new.places - here.places, new.factor - here.factor
+        ahead = arc.inner(*way, *here.direction(arc)) / arc.norm(*way)
+        short = length <= _CORNER * self._resolution
+        return ahead < _AHEAD or not (short or self._angle(here, new, arc) <= _SHARP)
 
     def _angle(self, here: Station, new: Station, arc: Arc) -> float:
         """Between two tangents, or a tangent and the way between the states."""
@@ -283,12 +290,12 @@ class _Follower:
         stations = found.stations
         whole = self._ended(whole)
         if self._locate is not None:
-            self._look_between(whole)
+            self._look_between(whole, self._locate)
         found.locating += self._walker.iterations - before
         stations.append(whole.ends[1])
         return stations[-1]
 
-    def _look_between(self, whole: Bracket) -> None:
+    def _look_between(self, whole: Bracket, tolerance: float) -> None:
         """Keep the critical points of a step, and the states that were made to find them."""
         found, (here, new) = self._found, whole.ends
         between = hidden(self._walker, whole)
@@ -296,7 +303,7 @@ class _Follower:
         states = [here, *(station for _, station in between), new]
         for k, state in enumerate(states[1:]):
             part = replace(whole, at=(places[k], places[k + 1]), ends=(states[k], state))
-            for bracket in critical(self._walker, part, self._locate):
+            for bracket in critical(self._walker, part, tolerance):
                 if bracket.ends[0] is not states[k]:
                     found.stations.append(replace(bracket.ends[0], iterations=0))
                 found.critical.append((bracket, len(found.stations) - 1))
@@ -393,12 +400,13 @@ class _Follower:
         model, (first, last) = self._model, bracket.ends
         model.restore(first.state)
         values, shapes = model.critical_modes(first.factor, _MODES, "fem_lie_path_modes_")
-        limit = first.sign != last.sign
+        # where a path crosses another one symmetrically its load turns, too, but no pivot does
+        limit = first.sign != last.sign and first.negative != last.negative
         extremum = max if first.sign > 0 else min
         factors = first.factor, last.factor
         return CriticalPoint(
             kind=Critical.LIMIT if limit else Critical.BIFURCATION,
-            factor=extremum(factors) if limit else sum(factors) / 2,
+            factor=extremum(factors) if first.sign != last.sign else sum(factors) / 2,
             bracket=factors,
             negative_pivots=(first.negative, last.negative),
             eigenvalues=values,

@@ -96,6 +96,15 @@ class CriticalPoint:
     frames: Array
     info: SceneInfo
 
+    @property
+    def crossed(self) -> bool:
+        """Whether it is a bifurcation that the path has passed from one side branch to the other.
+
+        Then the load turns there, but the number of negative pivots is the same on both sides.
+        """
+        before, after = self.negative_pivots
+        return self.kind is Critical.BIFURCATION and before == after
+
     def moved(self, mode: int, amplitude: float) -> Array:
         """Frames beside the critical state, along a mode.
 

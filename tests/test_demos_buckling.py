@@ -1,0 +1,108 @@
+"""The demos of buckling give the numbers that they print; coarser and shorter than they run."""
+
+import importlib
+from types import ModuleType
+
+import pytest
+
+
+def demo(name: str) -> ModuleType:
+    return importlib.import_module(f"demos.{name}")
+
+
+def test_deep_arch_has_the_limit_loads_of_the_shooting_method():
+    record = demo("deep_arch").main(pictures=False)
+    assert abs(record["limit_error"]) <= 3e-3
+    assert abs(record["lower_limit_error"]) <= 3e-3
+    assert record["negative_pivots"] == [0, 1, 1, 0]
+    assert record["bifurcation_loads"] == []
+
+
+def test_round_arch_leaves_its_plane_first():
+    record = demo("deep_arch").main(elements=20, round=True, pictures=False)
+    assert record["bifurcation_loads"][0] == pytest.approx(244.0, rel=0.01)
+    assert record["negative_pivots"] == [1, 2, 2, 1]
+
+
+@pytest.mark.parametrize("thickness", [6.35, 12.7])
+def test_hinged_roof_snaps(thickness):
+    record = demo("hinged_roof").main(thickness=thickness, mesh=8, pictures=False)
+    # 16 cells: within 0.5 %
+    assert abs(record["limit_error"]) <= 0.025
+    assert abs(record["lower_limit_error"]) <= 0.03
+    assert record["negative_pivots"] == [0, 1, 1, 0]
+    assert record["snap_back"] is (thickness == 6.35)
+
+
+def test_euler_columns_buckle_at_eulers_loads_both_ways():
+    record = demo("euler_column").main(pictures=False)
+    assert record["max_error"] <= 1e-3
+    for ends in ("fixed-free", "pinned-pinned", "fixed-pinned", "fixed-fixed"):
+        found = record[ends]
+        assert found["critical_load"] == pytest.approx(found["linear_buckling"], rel=1e-3)
+        assert found["negative_pivots"] == (0, 1)
+        low, high = found["bracket"]
+        assert abs(high - low) <= 1e-6 * low
+        if ends != "fixed-pinned":
+            assert abs(found["deflection_error"]) <= 1e-3
+    assert record["fixed-pinned"]["branch_limit"] == pytest.approx(1.14, abs=0.01)
+
+
+def test_pulled_cylinder_arrives_in_a_few_steps():
+    record = demo("pulled_cylinder").main(mesh="16x12", pictures=False)
+    assert record["max_error"] <= 0.012  # 24x16: 0.8 %
+    assert record["iterations"] <= 40
+
+
+def test_strips_and_profiles_tip_over():
+    record = demo("lateral_torsional").main(mesh=16, pictures=False)
+    assert record["max_error"] <= 1e-3
+    for name in ("strip", "I-beam", "plate"):
+        assert record[name]["negative_pivots"] == (0, 1)
+        assert record[name]["kind"] == "bifurcation"
+    assert abs(record["strip"]["difference"]) <= 1e-3
+    assert record["I-beam"]["path"] == pytest.approx(record["expected_raise"], rel=5e-3)
+
+
+def test_compressed_cylinder_bears_the_classical_load_if_perfect():
+    module = demo("compressed_cylinder")
+    for ratio in (100.0, 1000.0):
+        modes = module.fl.buckling(module.cell(1 / ratio, 8), 2)
+        assert abs(modes.factors[0] - 1.0) <= 0.03
+    t = 0.01
+    out_of_shape = module.fl.imperfect(module.cell(t, 6), module.rings(t, 0.1 * t))
+    path = module.fl.follow_path(out_of_shape, critical_points=1)
+    assert path.critical[0].factor == pytest.approx(module.koiter(0.1), rel=0.1)
+
+
+def test_spherical_cap_snaps_where_reissners_equations_do():
+    record = demo("spherical_cap").main(mesh=8, pictures=False)
+    assert abs(record["error"]) <= 5e-3
+    assert record["negative_pivots"] == [(0, 1), (1, 0)]
+
+
+def test_bistable_strip_rests_in_two_shapes():
+    record = demo("bistable_strip").main(elements=24, pictures=False)
+    assert record["stable_at_rest"]
+    assert abs(record["rest_deviation"]) <= 0.01
+    # the theory superposes modes of a straight strip
+    for name in ("top", "bottom", "turning"):
+        assert abs(record[f"{name}_deviation"]) <= 0.06
+    assert -20.0 <= record["turning_bottom"] <= 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("deep_arch", {"variant": "soft"}),
+        ("deep_arch", {"elements": 5}),
+        ("hinged_roof", {"thickness": 1.0}),
+        ("euler_column", {"elements": 3}),
+        ("pulled_cylinder", {"mesh": "24"}),
+        ("spherical_cap", {"number": 9.0}),
+        ("bistable_strip", {"q": 2.0}),
+    ],
+)
+def test_bad_options_are_refused(name, options):
+    with pytest.raises(ValueError):
+        demo(name).main(pictures=False, **options)
