@@ -28,8 +28,8 @@ tolerance: the estimated error of each step over its size.
 --case flexible. The same of aluminium bars that bend: their waves are not resolved by steps of a
 millisecond.
 
---case tolerance. The rigid pendulum with tolerances of 1e-2, 1e-3, ... --tolerance m/s, those of
-rotations over its length of 0.8 m in rad/s: the error of the tip follows them.
+--case tolerance. The rigid pendulum with tolerances of 1e-2, 1e-3, ... --tolerance m/s: the error
+of the tip follows them.
 """
 
 from __future__ import annotations

@@ -168,9 +168,9 @@ def draw(result: fl.Result, adaptive: np.ndarray, constant: np.ndarray) -> None:
     work.set(xlabel="steps", ylabel="largest error of C [m]", title="Work and precision")
     work.legend(frameon=False)
     sizes.semilogy(result.steps.times, result.steps.sizes, color=COLOURS[0])
-    sizes.axvline(np.pi / 2 / SPEED, color="#888888", lw=0.8, ls="--")
-    peak = (np.pi / 2 / SPEED, result.steps.sizes.max())
-    sizes.annotate("bars in line", peak, (4, -4), textcoords="offset points")
+    in_line = np.pi / 2 / SPEED
+    sizes.axvline(in_line, color="#888888", lw=0.8, ls="--")
+    sizes.annotate("bars in line", (in_line, 3e-3), (-4, 0), textcoords="offset points", ha="right")
     sizes.set(xlabel="t [s]", ylabel="h [s]", title="Step size")
     for axes in (work, sizes):
         axes.grid(color="#DDDDDD", linewidth=0.6)

@@ -332,8 +332,8 @@ class _VariableRun(_Run):
             else (error.rotation, control.rotation_tolerance, "rad", error.rotation_node)
         )
         return (
-            f"{text}has an estimated error of {size / h:.2e} {unit} per time, wanted at most "
-            f"{tolerance:.2e}, and steps below {control.smallest:.3g} are not allowed; "
+            f"{text}has an estimated error of {size / h:.3e} {unit} per time, wanted at most "
+            f"{tolerance:.3e}, and steps below {control.smallest:.3g} are not allowed; "
             f"{self._log.body(node)} limits it. Name the times of jumps as events, or give a "
             "larger tolerance or a smaller `smallest`"
         )
