@@ -97,7 +97,7 @@ class CarriedDrilling:
         self._moves_here = [self._only(cells) for cells, _ in self._parts]
 
     def _only(self, cells: Indices) -> Flags:
-        here = np.zeros_like(self._moves)
+        here = np.zeros(len(self._moves), dtype=bool)
         here[cells] = True
         return np.asarray(here & self._moves)
 

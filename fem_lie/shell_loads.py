@@ -21,7 +21,7 @@ class EdgeLoad(NodalLoad):
         shell: What carries it.
         curve: Name of the curve.
         force: Three components per length, global.
-        moment: Likewise; a shell does not feel what is along its director.
+        moment: Likewise; five parameters do not feel what is along the director.
         history: Factor as a function of time.
     """
 
