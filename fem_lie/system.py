@@ -308,8 +308,8 @@ class System:
         parts = [
             f"{total} nodes, {total - n} of them follow others, {self.m} constraints",
             f"{n - flat} nodes on SE(3), {flat} on R³×SO(3), all with three rotations",
-            f"shells with six parameters at each node: {[b.label for b in shells if b.drills]}, with "
-            f"five: {[b.label for b in shells if not b.drills]}",
+            f"shells with five parameters: {[b.label for b in shells if not b.drills]}, with six: "
+            f"{[b.label for b in shells if b.drills]}",
             f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
             f"geometric stiffness: {_yes(self.choices.geometric)}",
             f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",
