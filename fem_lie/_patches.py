@@ -24,18 +24,13 @@ class Patches:
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
-        places: The point of each node, shape (N,); the first n nodes are the points themselves.
+        places: The point of each node, shape (N,), which is also its first node.
         directors: Mean of the cells' normals at each node, shape (N, 3).
     """
 
     cells: Indices
     places: Indices
     directors: Array
-
-    @property
-    def leaders(self) -> Indices:
-        """The first node of each node's place, shape (N,)."""
-        return self.places
 
     @property
     def split(self) -> Indices:

@@ -92,14 +92,15 @@ class CarriedDrilling:
         self._parts = [
             (leader[numbering.nodes[body][body.connectivity]], _slopes(body)) for body in chosen
         ]
-        self._lag, self._moves = np.zeros(numbering.count), ~held[:, 3:5].any(axis=1)
+        self._lag = np.zeros(numbering.count)
+        self._moves: Flags = np.logical_not(held[:, 3:5].any(axis=1)).reshape(-1)
         self._moves[joined[joined < numbering.count]] = False
         self._moves_here = [self._only(cells) for cells, _ in self._parts]
 
     def _only(self, cells: Indices) -> Flags:
-        here = np.zeros_like(self._moves)
+        here = np.zeros(len(self._moves), dtype=bool)
         here[cells] = True
-        return np.asarray(here & self._moves)
+        return np.logical_and(here, self._moves)
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""

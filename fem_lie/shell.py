@@ -101,7 +101,7 @@ class Shell(SupportedSurface):
             outline=None,
             size=float(np.linalg.norm(np.ptp(mesh.points, axis=0))),
             points={key: int(p[0]) for key, p in mesh.named_points.items() if len(p) == 1},
-            leaders=patches.leaders,
+            leaders=patches.places,
             group=group,
             name=name,
         )

@@ -60,7 +60,7 @@ class ShellAssembly(Assembly):
         self._drilling: Assembly | None = None
         if first.drills:
             gamma = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
-            whole = ShellCells(nodal, measures, drilling_stiffness=gamma, directions=axes)
+            whole = ShellCells(nodal, measures.plain, drilling_stiffness=gamma, directions=axes)
             self._drilling = Assembly(nodal, drilling_alone(whole), order, cell_order, None)
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)

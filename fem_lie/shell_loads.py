@@ -28,7 +28,7 @@ class EdgeLoad(NodalLoad):
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
             along the director, all in the unloaded configuration.
-        moment: Likewise; a shell does not feel what is along its director.
+        moment: Likewise; five parameters do not feel what is along the director.
         history: Factor as a function of time.
         following: Whether the load turns with the nodes' frames. Those of five parameters turn with
             the directors and not about them.

@@ -322,9 +322,12 @@ class System:
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""
         total, n, flat = self.numbering.total, self.count, int((self.kinds & 1).sum())
+        shells = [body for body in self.scene.bodies if body.uncoupled]
         parts = [
             f"{total} nodes, {total - n} of them follow others, {self.m} constraints",
             f"{n - flat} nodes on SE(3), {flat} on R³×SO(3), all with three rotations",
+            f"shells with five parameters: {[b.label for b in shells if not b.drills]}, with six: "
+            f"{[b.label for b in shells if b.drills]}",
             f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
             f"geometric stiffness: {_yes(self.choices.geometric)}",
             f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",

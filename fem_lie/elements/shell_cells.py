@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import basix
@@ -54,6 +53,7 @@ class ShellCells:
     Attributes:
         increment: Local-frame unknowns, five or six per node.
         y: Flat coordinates: positions and directors, or whole frames, of the nodes of each cell.
+        strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the point of integration.
         drilling: The drilling ``c`` of six parameters at that point, or ``None``.
         drilling_stiffness: Its γ, or ``None``.
         dx: Measure of the mid-surface.
@@ -122,20 +122,13 @@ class ShellCells:
         self._inverse = self.at_points(ufl.inv(here))
         now, then = (self._surface(y, self._jacobian, here) for y in (self.y, unloaded))
         self._measures, self._now, self._then = measures, now, then
+        self._strain_0 = self.at_points(self._cartesian(then))
+        self.strain = self._cartesian(now) - self._strain_0
         self.drilling = None
         if drilling_stiffness is not None:
             self.drilling = self._drilling(nodal, now)
             each = np.broadcast_to(np.asarray(drilling_stiffness, dtype=np.float64), len(nodal))
             self.drilling_stiffness = self.cellwise(each)
-
-    @cached_property
-    def strain(self) -> Expr:
-        """``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the point of integration."""
-        return self._cartesian(self._now) - self._strain_0
-
-    @cached_property
-    def _strain_0(self) -> fem.Function:
-        return self.at_points(self._cartesian(self._then))
 
     @property
     def jacobian(self) -> fem.Function:
