@@ -321,7 +321,7 @@ def test_pressures_have_histories_of_their_own():
     system.set_time(0.5, 0.1)
     total = pushes(system, system.frames).sum(axis=0)
     np.testing.assert_allclose(total, [0, 0, 2.0 * (0.3 + 1.25)], atol=1e-13)
-    with pytest.raises(ValueError, match="SurfacePressure on .* with a history"):
+    with pytest.raises(ValueError, match=r"SurfacePressure on .* with a history"):
         fl.follow_loads(scene)
 
 
