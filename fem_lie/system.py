@@ -224,10 +224,11 @@ class System:
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 
-    def drop_turning(self) -> None:
+    def drop_turning(self, H: Array) -> None:
         """Leave out of the matrix what elements that move by ``x + R u`` leave out of theirs."""
         if self._any_uncoupled:
-            self.tangent.drop_turning(self._applied, self.uncoupled)
+            forces = self._applied - self.elastic.pressure_forces(H)
+            self.tangent.drop_turning(forces, self.uncoupled)
 
     def fill_matrix(
         self,
@@ -265,7 +266,7 @@ class System:
             tangent.add_mass_damping(H, v, damping)
         if self.choices.geometric:
             tangent.add_geometric(H, weights)
-        self.drop_turning()
+        self.drop_turning(H)
         ahead = H if joint_frames is None else joint_frames
         tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
 

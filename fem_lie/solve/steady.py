@@ -42,7 +42,7 @@ def linearised(system: System, H: Array, v: Array, weights: Array) -> tuple[Arra
     tangent.add_mass_damping(H, v, 1.0)
     tangent.add_elastic(H)
     tangent.add_geometric(H, weights)
-    system.drop_turning()
+    system.drop_turning(H)
     ad = lie.se3_ad(v)[tangent.kkt.indices]
     K = tangent.K + tangent.A @ ad
     tangent.add_viscosity(H, 1.0)
