@@ -112,7 +112,7 @@ class SurfaceLoad(NodalLoad):
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
         values = np.zeros((len(self.shell.frames), 6))
         chosen = self.shell.cells_of(self.cells)
-        np.add.at(values[:, :3], self.shell.mesh.cells[chosen], self._scaled(self._factors()))
+        np.add.at(values[:, :3], _nodes(self.shell)[chosen], self._scaled(self._factors()))
         return values
 
     def _factors(self) -> Array:
@@ -126,7 +126,7 @@ class SurfaceLoad(NodalLoad):
     def _shares(self) -> Array:
         """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
         shell, rule = self.shell, FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
-        cells = shell.mesh.cells[shell.cells_of(self.cells)]
+        cells = _nodes(shell)[shell.cells_of(self.cells)]
         x, what = shell.frames[:, 0], f"{type(self).__name__} on {self.shell.label}"
         if callable(self.force):
             density = _evaluated(self.force, rule.places(x, cells), what)
@@ -191,7 +191,7 @@ class MassLoad(SurfaceLoad):
         values = np.zeros((len(self.shell.frames), 3, 3))
         chosen = self.shell.cells_of(self.cells)
         levers = self._scaled(self.shell.density[:, 0, 1])
-        np.add.at(values[:, 2], self.shell.mesh.cells[chosen], levers)
+        np.add.at(values[:, 2], _nodes(self.shell)[chosen], levers)
         return values
 
 
@@ -231,7 +231,7 @@ class SurfacePressure(Load):
 
     def faces(self) -> Indices:
         """Nodes of the loaded cells, shape (c, k)."""
-        return self.shell.mesh.cells[self.shell.cells_of(self.cells)]
+        return _nodes(self.shell)[self.shell.cells_of(self.cells)]
 
     def rule(self) -> FaceRule:
         """Points of integration."""
@@ -255,9 +255,14 @@ def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str
     return np.array(values).reshape(places.shape)
 
 
+def _nodes(shell: Shell) -> Indices:
+    """Nodes of each cell, shape (m, k)."""
+    return shell.mesh.cells
+
+
 def _sides(shell: Shell) -> Array:
     """1 for cells whose x,₁ × x,₂ is on the directors' side, else -1, shape (m,)."""
-    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), shell.mesh.cells
+    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), _nodes(shell)
     normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
     directors = shell.frames[cells, 3].sum(axis=1)
     return np.sign(np.einsum("mj,mj->m", normals, directors))

@@ -66,7 +66,7 @@ def _tangent(
     amplitude: float,
     blocks: Array,
 ) -> None:
-    """``blocks[c, i, j]`` (6, 6): derivative of the forces on node i in translations of node j."""
+    """``blocks[c, i, j]`` (6, 6): derivative of the forces on node i in twists of node j."""
     blocks[:] = 0.0
     for c in range(cells.shape[0]):
         nodes, gradient = cells[c], load(p[c], 1)
@@ -74,6 +74,17 @@ def _tangent(
             g1, g2 = _sum(H, nodes, dN[0, q]), _sum(H, nodes, dN[1, q])
             normal, factor = cross(g1, g2), -amplitude * w[q]
             pressure = p[c, 0] + _dot(gradient, _sum(H, nodes, N[q]))
+            for i in range(nodes.shape[0]):
+                # the components turn with the frame: δ(Rᵀ f) = (Rᵀ f) × η
+                share = factor * pressure * N[q, i]
+                n0, n1, n2 = scaled(share, local_components(H[nodes[i]], normal))
+                block = blocks[c, i, i]
+                block[0, 4] -= n2
+                block[0, 5] += n1
+                block[1, 3] += n2
+                block[1, 5] -= n0
+                block[2, 3] -= n1
+                block[2, 4] += n0
             for j in range(nodes.shape[0]):
                 # δ(x,₁ × x,₂) = δx × (N,₁ x,₂ − N,₂ x,₁)
                 b = minus(scaled(dN[0, q, j], g2), scaled(dN[1, q, j], g1))
@@ -90,9 +101,6 @@ def _tangent(
 
 class SurfacePushes:
     """The forces of one pressure on shells.
-
-    The tangent leaves out the turning ``(Rᵀf)^`` of the forces, as shell elements do with theirs
-    (:mod:`fem_lie.elements.shell_maps`).
 
     Attributes:
         rows: Nodes of the blocks of the tangent, with ``columns``.

@@ -152,11 +152,15 @@ class Tangent:
             add_blocks(self.K, place, blocks)
 
     def symmetric_pressures(self, H: Array) -> bool:
-        """Whether each pressure has a symmetric tangent in the free unknowns at frames ``H``."""
+        """Whether each pressure has a symmetric tangent in the free unknowns at frames ``H``.
+
+        For nodes that move by ``x + R u``: the turning of forces is none of theirs.
+        """
         free = np.flatnonzero(~self._held.ravel())
         for k, blocks in self._elastic.pressure_tangents(H):
             self.clear()
             add_blocks(self.K, self._place_elastic[k], blocks)
+            self.K[:, :, 3:] = 0.0
             self.supports.turn_blocks(H, self.K)
             A = sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()[free][:, free]
             if abs(A - A.T).max() > _SYMMETRIC * abs(A).max():

@@ -110,13 +110,11 @@ def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
     for sign in (1, -1):
         moved = H.copy()
         retract(moved[: system.count], sign * step * h)
-        # components in the frames before: the turning of the axes is left out
-        values.append(np.einsum("nij,nj->ni", H[: system.count, 1:], pushes(system, moved)))
+        values.append(system.elastic.pressure_forces(moved))
     expected = -(values[0] - values[1]) / (2 * step)
     found = np.einsum("iajb,jb->ia", K, h)
     # the third derivative is that of a cubic, or quartic, and small: 1e-10
-    np.testing.assert_allclose(found[:, :3], expected, atol=1e-8 * np.abs(expected).max())
-    assert not found[:, 3:].any()
+    np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(("cell", "degree"), CELLS)
@@ -307,6 +305,33 @@ def test_a_balloon_pulsates_with_its_energy():
     work = 8.0 * (volumes - volumes[0])
     assert np.ptp(volumes) > 1.0
     np.testing.assert_allclose(energy - energy[0], work, atol=3e-3 * np.ptp(work))
+
+
+def test_pressures_have_histories_of_their_own():
+    """One grows with the load factor, the other as its history says."""
+    shell = plate()
+    scene = scene_with(
+        shell,
+        fl.SurfacePressure(shell, 3.0),
+        fl.SurfacePressure(shell, 5.0, history=lambda t: t**2),
+    )
+    system = System(scene, dynamics=False)
+    system.set_time(0.5, 0.1)
+    total = pushes(system, system.frames).sum(axis=0)
+    np.testing.assert_allclose(total, [0, 0, 2.0 * (0.3 + 1.25)], atol=1e-13)
+    with pytest.raises(ValueError, match=r"SurfacePressure on .* with a history"):
+        fl.follow_loads(scene)
+
+
+def test_a_beam_under_pressure_by_the_arc_length():
+    """As by load steps; the load stiffness grows with the load."""
+    section = fl.Section.from_stiffness([1e4, 5e3, 5e3, 1.0, 1.0, 1.0], [1.0, 0, 0, 0])
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, up=(0, 0, 1))
+    scene = scene_with(beam, fl.Clamp(beam.start), fl.PressureLoad(beam, 8.0, (0, 1, 1)))
+    stepped, followed = fl.statics(scene, load_steps=4), fl.follow_loads(scene, [0.5, 1.0])
+    found, expected = followed.position(beam.end), stepped.position(beam.end)
+    np.testing.assert_allclose(found, expected[[1, 3]], atol=1e-7)
+    assert np.abs(found[-1] - found[0]).max() > 0.1
 
 
 # --- forces over the surface ---

@@ -178,8 +178,8 @@ class _Linear:
         h = np.zeros((system.count, 6), dtype=np.complex128)
         h[~system.held] = vector
         h *= self.weight.reshape(-1, 6)
-        for part in (h.real, h.imag):
-            system.supports.turn_back(self.H, part)
+        system.supports.turn_back(self.H, h.real)
+        system.supports.turn_back(self.H, h.imag)
         twists = system.numbering.attachment.twists
         shape = twists(np.ascontiguousarray(h.real)) + 1j * twists(np.ascontiguousarray(h.imag))
         shift = np.linalg.norm(shape[:, :3], axis=1) / system.length
