@@ -25,6 +25,7 @@ from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.groups import Group, Parametrisation
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import (
+    Collar,
     Coordinate,
     Cylindrical,
     Distance,
@@ -40,6 +41,8 @@ from fem_lie.joints import (
     RigidLink,
     RollingDisc,
     Screw,
+    Sleeve,
+    Sliding,
     Spherical,
     Spring,
     Universal,
@@ -92,6 +95,7 @@ __all__ = [
     "Body",
     "Choices",
     "Clamp",
+    "Collar",
     "Components",
     "ConvergenceError",
     "Coordinate",
@@ -151,6 +155,8 @@ __all__ = [
     "Shell",
     "ShellFormulation",
     "ShellSection",
+    "Sleeve",
+    "Sliding",
     "Spherical",
     "Spring",
     "StaticResult",

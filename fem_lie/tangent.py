@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from fem_lie import constraints, inertia
+from fem_lie import constraints, inertia, sliding
 from fem_lie._jit import Array, Indices
 from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
@@ -64,13 +64,14 @@ class Tangent:
         pair = (np.repeat(diagonal, np.diff(mass.indptr)), mass.indices)
         a, b = self._table.nodes.T
         both = (np.concatenate([a, b]), np.concatenate([b, a]))
-        moving = (both[0] < self._count) & (both[1] < self._count)
-        joined = (both[0][moving], both[1][moving])
-        self.kkt = KKT([pair, *elastic.pairs, joined], self._border, held, redundant=redundant)
+        slides = connections.sliding_pairs()
+        pairs = [pair, *elastic.pairs, both, (slides[0].ravel(), slides[1].ravel())]
+        self.kkt = KKT(pairs, self._border, held, redundant=redundant)
         place = self.kkt.place
         self._place_mass = place(*pair)
         self._place_elastic = [place(*pair) for pair in elastic.pairs]
         self._diagonal = place(diagonal, diagonal)
+        self._place_sliding = place(*slides)
         self._place_joints = np.stack(
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
@@ -152,6 +153,8 @@ class Tangent:
     def add_geometric(self, H: Array, weights: Array) -> None:
         """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
         constraints.geometric(H, self._table, weights, self._place_joints, self.K)
+        if len(self._place_sliding):
+            sliding.geometric(H, self._connections.sliding, weights, self._place_sliding, self.K)
 
     def add_springs(self, H: Array) -> None:
         """Stiffness of springs in joints, to ``K``."""
