@@ -13,7 +13,7 @@ from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 
 _FORMAT, _VERSION = "fem_lie results", 4
-_NUMBERS = ("factorisations", "seconds")
+_NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info"))
 
 
@@ -69,6 +69,8 @@ def _read(file: Any) -> Result:
     return Result(
         **{name: file[name][()] for name in _ARRAYS},
         factorisations=int(file.attrs["factorisations"]),
+        k_updates=int(file.attrs["k_updates"]),
+        phi_updates=int(file.attrs["phi_updates"]),
         seconds=float(file.attrs["seconds"]),
         info=SceneInfo(
             tuple(_read_body(group) for group in _groups(file, "bodies")),

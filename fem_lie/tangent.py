@@ -14,6 +14,7 @@ from fem_lie.nodal import (
     Inertia,
     add_blocks,
     combine,
+    combine_rows,
     drop_turning,
     rigid_tangent,
     to_inertial,
@@ -195,6 +196,13 @@ class Tangent:
         self._connections.jacobian(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
+    def refill_border(self, H: Array, kinds: Indices, d: Array, scale: Array) -> None:
+        """What :meth:`fill_increments` filled, with the constraints anew at ``H``."""
+        self._connections.jacobian(H, self._rows)
+        columns = self._rows.copy()
+        combine_rows(self._rows, kinds, d, self._border.nodes)
+        self.kkt.fill(self.A, columns, self._rows, scale)
+
     def fill_increments(
         self, H: Array, kinds: Indices, d: Array, scale: Array, *, inertial: bool
     ) -> None:
@@ -205,7 +213,8 @@ class Tangent:
         self._connections.jacobian(H, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
         if d.any():
-            combine(self.A, self.K, self._rows, kinds, d, nodes, bind)
+            combine(self.A, self.K, kinds, d, bind)
+            combine_rows(self._rows, kinds, d, nodes)
         else:
             self.A += self.K
         if self.supports:
