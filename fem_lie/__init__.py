@@ -34,6 +34,7 @@ from fem_lie.imperfections import (
 )
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import (
+    Collar,
     Coordinate,
     Cylindrical,
     Distance,
@@ -49,6 +50,8 @@ from fem_lie.joints import (
     RigidLink,
     RollingDisc,
     Screw,
+    Sleeve,
+    Sliding,
     Spherical,
     Spring,
     Universal,
@@ -112,6 +115,7 @@ __all__ = [
     "BucklingModes",
     "Choices",
     "Clamp",
+    "Collar",
     "Components",
     "ConstantStep",
     "ConvergenceError",
@@ -185,6 +189,8 @@ __all__ = [
     "Shell",
     "ShellFormulation",
     "ShellSection",
+    "Sleeve",
+    "Sliding",
     "Spherical",
     "Spring",
     "StaticResult",

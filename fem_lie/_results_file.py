@@ -14,7 +14,7 @@ from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
 _FORMAT, _VERSION = "fem_lie results", 4
-_NUMBERS = ("factorisations", "seconds")
+_NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info", "steps"))
 
 
@@ -77,6 +77,8 @@ def _read(file: Any) -> Result:
         **{name: file[name][()] for name in _ARRAYS},
         steps=steps,
         factorisations=int(file.attrs["factorisations"]),
+        k_updates=int(file.attrs["k_updates"]),
+        phi_updates=int(file.attrs["phi_updates"]),
         seconds=float(file.attrs["seconds"]),
         info=SceneInfo(
             tuple(_read_body(group) for group in _groups(file, "bodies")),

@@ -1,6 +1,6 @@
 """All joints, springs, drives, gears and prescribed motions of a scene: one object for the system.
 
-Constraints of positions come first, then those of velocities.
+Constraints of joints come first, then those of what slides along beams, then those of velocities.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import constraints, rolling
+from fem_lie import constraints, lie, rolling, sliding
 from fem_lie._jit import Array, Indices
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
@@ -33,8 +33,9 @@ class Connections:
 
     Attributes:
         items: Joints, what acts along them, and prescribed motions as fixed joints.
-        table: Of constraints of positions, and springs.
-        rolling: Of constraints of velocities.
+        table: Of constraints of joints, and springs.
+        sliding: Of what slides along beams.
+        rolling: Of constraints of velocities, ``of_velocities`` at the end.
         border: Which nodes the constraints touch.
         owner: The item of each constraint, shape (m,).
         m: Number of all constraints.
@@ -70,43 +71,54 @@ class Connections:
             groups[j] = [pair._replace(nodes=(pair.nodes[0], numbering.count + 1 + k))]
         self._number(tables, groups, sizes)
         self._drives = [
-            (int(first[k]), item.history)
+            (int(np.flatnonzero(self.owner == k)[-1]), item.history)
             for k, item in enumerate(self.items)
             if item.history is not None
         ]
-        self.table.targets[:] = self._initial()
+        self._base = np.zeros(self.m)
+        self._base[: len(self.table.targets)] = self._initial()
+        self.set_time(0.0)
         counts = np.array([len(group) for group in groups], dtype=np.int64)
-        self._reported = np.cumsum(counts) - counts
-        self._exchanged = np.array([group[0].exchanged for group in groups], dtype=np.int64)
+        self._tied = np.flatnonzero(counts)
+        self._reported = (np.cumsum(counts) - counts)[self._tied]
+        exchanged = [groups[k][0].exchanged for k in self._tied]
+        self._exchanged = np.array(exchanged, dtype=np.int64)
         coordinates = [c.tie for item in self.items for c in item.coordinates()]
+        names = [len(item.coordinate_names) for item in self.items]
+        slides = np.repeat(np.isin(np.arange(len(names)), self._slides), names)
+        self._place_probes, self._place_slides = np.flatnonzero(~slides), np.flatnonzero(slides)
         probes = [tables.pair(tie, row) for row, tie in enumerate(coordinates)]
         self.probes = tables.joints(probes, len(probes), [])
         self._turns = bool(self.table.functions.any() or self.probes.functions.any())
 
     def _number(self, tables: Tables, groups: list[list[Pair]], sizes: Indices) -> None:
-        """Constraints of positions, then those of velocities."""
+        """Constraints of joints, of what slides along beams, and of velocities."""
         pairs = [pair for group in groups for pair in group]
-        ties = [(k, tie) for k, item in enumerate(self.items) for tie in item.velocity_ties()]
-        counts = [len(tie.selection) for _, tie in ties]
-        positions = np.repeat(np.arange(len(sizes)), sizes)
-        velocities = np.repeat(np.array([k for k, _ in ties], dtype=np.int64), counts)
-        self.owner: Indices = np.concatenate([positions, velocities]).astype(np.int64)
-        self.m = len(self.owner)
-        touched: list[set[int]] = [set() for _ in range(self.m)]
+        slides = [(k, t) for k, item in enumerate(self.items) if (t := item.sliding_tie())]
+        rolls = [(k, tie) for k, item in enumerate(self.items) for tie in item.velocity_ties()]
+        touched: list[set[int]] = [set() for _ in range(int(sizes.sum()))]
         for pair in pairs:
             for row in pair.rows:
                 if row >= 0:
                     touched[row].update(pair.nodes)
-        row = len(positions)
-        for _, tie in ties:
-            for _ in range(len(tie.selection)):
-                touched[row].update(tables.nodes(tie.a, tie.b))
-                row += 1
+        owner = list(np.repeat(np.arange(len(sizes)), sizes))
+        joints = len(owner)
+        for k, slide in slides:
+            owner += [k] * len(slide.selection)
+            touched += [tables.sliding_nodes(slide)] * len(slide.selection)
+        positions = len(owner)
+        for k, roll in rolls:
+            owner += [k] * len(roll.selection)
+            touched += [set(tables.nodes(roll.a, roll.b))] * len(roll.selection)
+        self.owner: Indices = np.array(owner, dtype=np.int64)
+        self.m, self.of_velocities = len(owner), len(owner) - positions
         self.border = tables.border(touched)
         springs = [item.spring for item in self.items if item.spring is not None]
-        self.table = tables.joints(pairs, len(positions), springs, self.border)
-        self.rolling = tables.rolling([tie for _, tie in ties], len(positions), self.border)
-        self._rolls = np.array([k for k, _ in ties], dtype=np.int64)
+        self.table = tables.joints(pairs, joints, springs, self.border)
+        self.sliding = tables.sliding([tie for _, tie in slides], joints, self.border)
+        self.rolling = tables.rolling([tie for _, tie in rolls], positions, self.border)
+        self._slides = np.array([k for k, _ in slides], dtype=np.int64)
+        self._rolls = np.array([k for k, _ in rolls], dtype=np.int64)
 
     def _initial(self) -> Array:
         """Targets of what keeps its initial value: those of drives without history and of gears."""
@@ -121,28 +133,45 @@ class Connections:
         table, angular = self.table, np.ones(self.m, dtype=bool)
         lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
         angular[table.rows[lengths & (table.rows < len(table.targets))]] = False
+        slides, positions = self.sliding.selection, self.m - self.of_velocities
+        places = slides[:, :3].any(axis=1) | (self.sliding.advance != 0.0)
+        angular[len(table.targets) : positions] = ~places
         # an edge binds a velocity of a place, a disc both
-        angular[len(table.targets) :] = False
+        angular[positions:] = False
         return angular
 
     # --- equations ---
 
     @property
-    def of_velocities(self) -> int:
-        """Number of constraints of velocities, the last ones."""
-        return self.m - len(self.table.targets)
+    def of_joints_only(self) -> bool:
+        """Whether there is nothing but what ``table`` has."""
+        return self.m == len(self.table.targets)
 
-    def add_velocity_constraints(
+    def add_others(
         self, H: Array, v: Array, weights: Array, scale: Array, factor: float, r: Array
     ) -> None:
-        """Their forces and, times ``scale · factor``, their violations to the residual ``r``."""
-        rolling.evaluate(H, v, self.rolling, weights, scale, factor, self._numbering.count, r)
+        """Forces and violations of what ``table`` has not, to the residual ``r``.
+
+        Violations are times ``scale``, those of velocities times ``factor``, too.
+        """
+        count = self._numbering.count
+        sliding.evaluate(H, self.sliding, weights, scale, count, r)
+        rolling.evaluate(H, v, self.rolling, weights, scale, factor, count, r)
+
+    def sliding_pairs(self) -> tuple[Indices, Indices]:
+        """Rows and columns of node pairs: the frame and both ends, for each element, (e, 3, 3)."""
+        table = self.sliding
+        of = np.repeat(table.nodes, np.diff(table.elements))
+        three = np.column_stack([of, table.ends])
+        rows = np.repeat(three[:, :, np.newaxis], 3, axis=2)
+        return rows, rows.transpose(0, 2, 1)
 
     def jacobian(self, H: Array, rows: Array) -> None:
         """Derivative of all constraints, or of their rates, at the border's legs, (legs, 6)."""
         rows[:] = 0.0
         constraints.jacobian(H, self.table, rows)
-        if self.of_velocities:
+        if not self.of_joints_only:
+            sliding.jacobian(H, self.sliding, rows)
             rolling.jacobian(H, self.rolling, rows)
 
     def rates(self, H: Array, v: Array) -> tuple[Array, Array]:
@@ -153,7 +182,28 @@ class Connections:
         first, second = np.zeros(self.m), np.zeros(self.m)
         constraints.rates(H, v, self.table, first, second)
         rolling.rates(H, v, self.rolling, first, second)
+        if len(self._slides):
+            self._sliding_rates(H, v, first, second)
         return first, second
+
+    def _sliding_rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
+        """Of what slides: the second by differences of the first along the motion."""
+        border, rows = self.border, np.zeros((len(self.border.nodes), 6))
+        time = 1e-5 / max(float(np.abs(v).max(initial=0.0)), 1e-300)
+        where = np.isin(
+            border.rows, np.arange(len(self.table.targets), self.m - self.of_velocities)
+        )
+        for ahead in (0.0, time, -time):
+            moved = H.copy()
+            moved[: len(v)] = lie.se3_retract(H[: len(v)], ahead * v)
+            rows[:] = 0.0
+            sliding.jacobian(moved, self.sliding, rows)
+            work = np.einsum("lk,lk->l", rows, v[border.nodes])[where]
+            rate = np.bincount(border.rows[where], work, minlength=self.m)
+            if ahead == 0.0:
+                first += rate
+            else:
+                second += rate / (2.0 * ahead)
 
     # --- time ---
 
@@ -168,7 +218,7 @@ class Connections:
         Raises:
             ValueError: A drive is not finite then.
         """
-        values = self.table.targets.copy()
+        values = self._base.copy()
         for row, history in self._drives:
             values[row] = history(time)
             if not np.isfinite(values[row]):
@@ -176,60 +226,99 @@ class Connections:
                 raise ValueError(f"{label} is {values[row]} at time {time:g}")
         return values
 
+    def set_time(self, time: float) -> None:
+        """Set the targets of ``time``; errors as for :meth:`targets`."""
+        values, k = self.targets(time), len(self.table.targets)
+        self.table.targets[:] = values[:k]
+        self.sliding.targets[:] = values[k : self.m - self.of_velocities]
+
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
         """First and second rates of the targets, (m,), at ``time``, by five later times."""
         values = [self.targets(time + k * step) for k in range(6)]
-        rates = np.zeros((2, self.m))
-        rates[:, : len(self.table.targets)] = np.tensordot(_FORWARD, values, axes=1)
-        return rates[0] / step, rates[1] / step**2
+        first, second = np.tensordot(_FORWARD, values, axes=1)
+        return first / step, second / step**2
 
     def accept(self, H: Array) -> None:
-        """Remember the angles of an accepted state."""
+        """Remember angles and places on beams of an accepted state.
+
+        Raises:
+            ValueError: Something slid off its beam.
+        """
+        if len(self._slides):
+            sliding.state(H, self.sliding, self.sliding.arclength, np.zeros(self.m))
+            self._check_on_beams()
         if self._turns:
             constraints.unwrap(H, self.table)
             constraints.unwrap(H, self.probes)
+
+    def _check_on_beams(self) -> None:
+        table, last = self.sliding, self.sliding.elements[1:] - 1
+        ends = table.starts[last] + table.lengths[last]
+        off = (table.arclength < 0.0) | (table.arclength > ends)
+        if off.any():
+            k = int(np.flatnonzero(off)[0])
+            label = self.items[self._slides[k]].label
+            raise ValueError(
+                f"{label} slid off its beam: arclength {table.arclength[k]:g} of {ends[k]:g}"
+            )
 
     # --- results ---
 
     def forces(self, H: Array, v: Array, weights: Array) -> Array:
         """Force and moment of each item on its point ``a``, in its axes there, shape (j, 6)."""
-        forces = np.empty((len(self.items), 6))
-        constraints.wrenches(H, v, self.table, weights, self._reported, self._exchanged, forces)
+        forces = np.zeros((len(self.items), 6))
+        tied = np.empty((len(self._tied), 6))
+        constraints.wrenches(H, v, self.table, weights, self._reported, self._exchanged, tied)
+        forces[self._tied] = tied
+        sliding.wrenches(H, self.sliding, weights, self._slides, forces)
         rolling.wrenches(H, self.rolling, weights, self._rolls, forces)
         return forces
 
     def coordinates(self, H: Array) -> Array:
         """Relative coordinates of all items, one after the other, shape (c,)."""
-        values = np.empty(len(self.probes.targets))
-        constraints.violations(H, self.probes, values)
+        values = np.empty(len(self.probes.targets) + len(self._slides))
+        probed, places = np.empty(len(self.probes.targets)), np.empty(len(self._slides))
+        constraints.violations(H, self.probes, probed)
+        sliding.state(H, self.sliding, places, np.zeros(self.m))
+        values[self._place_probes], values[self._place_slides] = probed, places
         return values
 
     def violations(self, H: Array, v: Array) -> Array:
         """Largest violation of a constraint of each item, of position or velocity, shape (j,)."""
         values, largest = np.zeros(self.m), np.zeros(len(self.items))
-        if self.of_velocities:
+        if not self.of_joints_only:
             rolling.rates(H, v, self.rolling, values, np.zeros(self.m))
+            sliding.state(H, self.sliding, np.empty(len(self._slides)), values)
         constraints.violations(H, self.table, values)
         np.maximum.at(largest, self.owner, np.abs(values))
         return largest
 
     def info(self) -> tuple[JointInfo, ...]:
         """For results, in the numbering of all nodes."""
-        leaders, table = self._numbering.attachment.leaders, self.table
-        first = np.cumsum([0] + [len(item.coordinates()) for item in self.items])
+        first = np.cumsum([0] + [len(item.coordinate_names) for item in self.items])
         joints = []
         for k, item in enumerate(self.items):
-            pair = self._reported[k]
-            # drawn on its side A, or on B if A is ground
-            side = int(table.nodes[pair, 0] >= self._numbering.count)
+            node, offset = self._drawn(k)
             joints.append(
                 JointInfo(
                     name=item.label,
                     kind=type(item).__name__,
-                    node=int(leaders[table.nodes[pair, side]]),
-                    offset=table.frames[pair, side, 0],
-                    coordinates=tuple(c.name for c in item.coordinates()),
+                    node=node,
+                    offset=offset,
+                    coordinates=item.coordinate_names,
                     first=int(first[k]),
                 )
             )
         return tuple(joints)
+
+    def _drawn(self, k: int) -> tuple[int, Array]:
+        """Node that item k is drawn at, and where in its frame."""
+        leaders, table = self._numbering.attachment.leaders, self.table
+        if k in self._slides:
+            j = int(np.flatnonzero(self._slides == k)[0])
+            node, offset = int(self.sliding.nodes[j]), self.sliding.frames[j, 0]
+            return (int(leaders[node]), offset) if node < len(leaders) else (-1, np.zeros(3))
+        pair = self._reported[np.flatnonzero(self._tied == k)[0]]
+        # on its side A, or on B if A is ground
+        side = int(table.nodes[pair, 0] >= self._numbering.count)
+        return int(leaders[table.nodes[pair, side]]), table.frames[pair, side, 0]

@@ -98,7 +98,8 @@ class KKT:
         """Build the pattern.
 
         Args:
-            pairs: Rows and columns of coupled node pairs; the diagonal is added.
+            pairs: Rows and columns of coupled node pairs, of which those that do not move are left
+                out; the diagonal is added.
             border: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
             redundant: Whether constraints may follow from others; they yield a little then, see
@@ -110,6 +111,8 @@ class KKT:
         diagonal = np.arange(count)
         r = np.concatenate([diagonal, *(p[0] for p in pairs)])
         c = np.concatenate([diagonal, *(p[1] for p in pairs)])
+        moves = (r < count) & (c < count)
+        r, c = r[moves], c[moves]
         pattern = sp.csr_matrix((np.ones(len(r)), (r, c)), shape=(count, count))
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices

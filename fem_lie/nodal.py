@@ -180,13 +180,8 @@ def add_blocks(target: Array, place: Indices, blocks: Array) -> None:
 
 
 @compiled
-def combine(
-    A: Array, K: Array, rows: Array, kinds: Indices, d: Array, nodes: Indices, bind: Indices
-) -> None:
-    """``A ← A + K T(d)``, ``rows ← rows T(d)``: derivatives in d, not in ``h = T(d) δd``.
-
-    ``rows`` are those of constraints at ``nodes``, shape (legs, 6).
-    """
+def combine(A: Array, K: Array, kinds: Indices, d: Array, bind: Indices) -> None:
+    """``A ← A + K T(d)``: derivatives in d, not in ``h = T(d) δd``."""
     count = d.shape[0]
     T, product = np.empty((count, 6, 6)), np.empty((6, 6))
     for i in range(count):
@@ -196,12 +191,18 @@ def combine(
         for k in range(6):
             for n in range(6):
                 A[b, k, n] += product[k, n]
-    row = np.empty(6)
+
+
+@compiled
+def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
+    """``rows ← rows T(d)`` for those of constraints at ``nodes``, shape (legs, 6)."""
+    T, row = np.empty((6, 6)), np.empty(6)
     for leg in range(rows.shape[0]):
+        tangent(kinds[nodes[leg]], d[nodes[leg]], T)
         for n in range(6):
             row[n] = 0.0
             for k in range(6):
-                row[n] += rows[leg, k] * T[nodes[leg], k, n]
+                row[n] += rows[leg, k] * T[k, n]
         rows[leg] = row
 
 

@@ -42,7 +42,8 @@ class Result:
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
         iterations: Newton iterations so far, shape (T,).
-        factorisations: Matrices that were factored in the whole run.
+        factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
+            and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
@@ -61,6 +62,8 @@ class Result:
     angular_momentum: Array
     iterations: npt.NDArray[np.int64]
     factorisations: int
+    k_updates: int
+    phi_updates: int
     seconds: float
     info: SceneInfo
     steps: StepHistory | None = None

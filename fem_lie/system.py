@@ -108,8 +108,8 @@ class System:
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table = self.connections.table
         self.m = self.connections.m
-        self._binds_velocities = self.connections.of_velocities > 0
-        if self._binds_velocities and not dynamics:
+        self._others = not self.connections.of_joints_only
+        if self.connections.of_velocities and not dynamics:
             raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
         box = np.ptp(self.frames[: self.count, 0], axis=0)
@@ -171,7 +171,7 @@ class System:
         self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
         if self.connections.driven:
-            self.table.targets[:] = self.connections.targets(time)
+            self.connections.set_time(time)
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
@@ -222,9 +222,8 @@ class System:
             self._work,
             r,
         )
-        if self._binds_velocities:
-            factor = self.velocity_factor
-            self.connections.add_velocity_constraints(H, v, weights, scale, factor, r)
+        if self._others:
+            self.connections.add_others(H, v, weights, scale, self.velocity_factor, r)
         if self._any_uncoupled:
             self._applied[:] = r[: 6 * self.count].reshape(-1, 6)
 

@@ -12,9 +12,10 @@ from fem_lie import lie
 from fem_lie._jit import Array, Indices
 from fem_lie.bodies import Point
 from fem_lie.constraints import JointTable
-from fem_lie.joints import Tie, VelocityTie
+from fem_lie.joints import SlidingTie, Tie, VelocityTie
 from fem_lie.numbering import Numbering
 from fem_lie.rolling import RollingTable
+from fem_lie.sliding import SlidingTable
 
 Flags = npt.NDArray[np.bool_]
 
@@ -140,6 +141,55 @@ class Tables:
             legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
             start=np.array([start], dtype=np.int64),
         )
+
+    def sliding(self, ties: Sequence[SlidingTie], start: int, border: Border) -> SlidingTable:
+        """Of the constraints of sliding frames, which begin at ``start``."""
+        attachment, first = self._numbering.attachment, [0]
+        nodes, frames, legs, slider_legs = [], [], [], []
+        ends, offsets, element_legs = [], [], []
+        for tie in ties:
+            row = start + first[-1]
+            node = self._numbering.node(tie.b)
+            nodes.append(node)
+            frames.append(lie.se3_compose(lie.se3_inverse(self._frames[node]), tie.frame))
+            legs += [int(border.ptr[row + k]) for k in range(len(tie.selection))]
+            leg = border.leg(row, node)
+            slider_legs.append(leg - legs[-len(tie.selection)] if leg >= 0 else -1)
+            both = self._numbering.nodes[tie.beam][tie.beam.elements[:, :2]]
+            ends.append(attachment.leader[both])
+            offsets.append(attachment.offset[both])
+            element_legs.append(
+                [[border.leg(row, n) - border.ptr[row] for n in e] for e in ends[-1]]
+            )
+            first.append(first[-1] + len(tie.selection))
+        counts = [len(tie.starts) for tie in ties]
+        k = first[-1]
+        return SlidingTable(
+            nodes=np.array(nodes, dtype=np.int64),
+            frames=np.array(frames).reshape(-1, 4, 3),
+            elements=np.cumsum([0, *counts], dtype=np.int64),
+            ends=np.concatenate([np.empty((0, 2), dtype=np.int64), *ends]),
+            offsets=np.concatenate([np.empty((0, 2, 4, 3)), *offsets]),
+            starts=np.concatenate([np.empty(0), *(tie.starts for tie in ties)]),
+            lengths=np.concatenate([np.empty(0), *(tie.beam.lengths for tie in ties)]),
+            first=np.array(first, dtype=np.int64),
+            selection=_stacked([tie.selection for tie in ties], (0, 12)),
+            advance=np.concatenate([np.empty(0), *(tie.advance for tie in ties)]),
+            targets=np.zeros(k),
+            legs=np.array(legs, dtype=np.int64),
+            slider_leg=np.array(slider_legs, dtype=np.int64),
+            element_legs=np.array(
+                [e for group in element_legs for e in group], dtype=np.int64
+            ).reshape(-1, 2),
+            arclength=np.array([tie.arclength for tie in ties], dtype=np.float64),
+            start=np.array([start], dtype=np.int64),
+        )
+
+    def sliding_nodes(self, tie: SlidingTie) -> set[int]:
+        """Of the frame and all ends of elements."""
+        leader = self._numbering.attachment.leader
+        beam = leader[self._numbering.nodes[tie.beam][tie.beam.elements[:, :2]]]
+        return {self._numbering.node(tie.b), *(int(n) for n in beam.ravel())}
 
     def _in_nodes(self, pairs: Sequence[tuple[tuple[int, int], tuple[Array, Array]]]) -> Array:
         """Frames of pairs in those of their nodes, shape (j, 2, 4, 3)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from fem_lie import constraints, inertia
+from fem_lie import constraints, inertia, sliding
 from fem_lie._jit import Array, Indices
 from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
@@ -15,6 +15,7 @@ from fem_lie.nodal import (
     Inertia,
     add_blocks,
     combine,
+    combine_rows,
     rigid_tangent,
     to_inertial,
 )
@@ -66,13 +67,14 @@ class Tangent:
         pair = (np.repeat(diagonal, np.diff(mass.indptr)), mass.indices)
         a, b = self._table.nodes.T
         both = (np.concatenate([a, b]), np.concatenate([b, a]))
-        moving = (both[0] < self._count) & (both[1] < self._count)
-        joined = (both[0][moving], both[1][moving])
-        self.kkt = KKT([pair, *elastic.pairs, joined], self._border, held, redundant=redundant)
+        slides = connections.sliding_pairs()
+        pairs = [pair, *elastic.pairs, both, (slides[0].ravel(), slides[1].ravel())]
+        self.kkt = KKT(pairs, self._border, held, redundant=redundant)
         place = self.kkt.place
         self._place_mass = place(*pair)
         self._place_elastic = [place(*pair) for pair in elastic.pairs]
         self._diagonal = place(diagonal, diagonal)
+        self._place_sliding = place(*slides)
         self._place_joints = np.stack(
             [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
         )
@@ -170,6 +172,8 @@ class Tangent:
     def add_geometric(self, H: Array, weights: Array) -> None:
         """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
         constraints.geometric(H, self._table, weights, self._place_joints, self.K)
+        if len(self._place_sliding):
+            sliding.geometric(H, self._connections.sliding, weights, self._place_sliding, self.K)
 
     def add_springs(self, H: Array) -> None:
         """Stiffness of springs in joints, to ``K``."""
@@ -214,6 +218,16 @@ class Tangent:
             self.supports.turn_border(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
+    def refill_border(self, H: Array, kinds: Indices, d: Array, scale: Array) -> None:
+        """What :meth:`fill_increments` filled, with the constraints anew at ``H``."""
+        self._connections.jacobian(H, self._rows)
+        columns = self._rows.copy()
+        combine_rows(self._rows, kinds, d, self._border.nodes)
+        if self.supports:
+            self.supports.turn_border(H, columns)
+            self.supports.turn_border(H, self._rows)
+        self.kkt.fill(self.A, columns, self._rows, scale)
+
     def fill_increments(
         self, H: Array, kinds: Indices, d: Array, scale: Array, *, inertial: bool
     ) -> None:
@@ -224,7 +238,8 @@ class Tangent:
         self._connections.jacobian(H, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
         if d.any():
-            combine(self.A, self.K, self._rows, kinds, d, nodes, bind)
+            combine(self.A, self.K, kinds, d, bind)
+            combine_rows(self._rows, kinds, d, nodes)
         else:
             self.A += self.K
         if self.supports:

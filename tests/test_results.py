@@ -66,6 +66,8 @@ def _rod():
         angular_momentum=np.array([3.0, 0, 4.0]) + np.outer(times, [0, 5e-9, 0]),
         iterations=3 * np.arange(count),
         factorisations=7,
+        k_updates=3,
+        phi_updates=7,
         seconds=0.25,
         info=SceneInfo((rod, tip), joints),
     )

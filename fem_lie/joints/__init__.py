@@ -17,8 +17,10 @@ from fem_lie.joints.kinds import (
     Universal,
 )
 from fem_lie.joints.link import RigidLink
+from fem_lie.joints.sliding import Collar, Sleeve, Sliding, SlidingTie
 
 __all__ = [
+    "Collar",
     "Connection",
     "Coordinate",
     "Cylindrical",
@@ -35,6 +37,9 @@ __all__ = [
     "RigidLink",
     "RollingDisc",
     "Screw",
+    "Sleeve",
+    "Sliding",
+    "SlidingTie",
     "Spherical",
     "Spring",
     "Tie",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from fem_lie import joint_functions
 from fem_lie._jit import Array
 from fem_lie.bodies import Body, Point
 from fem_lie.relative_motion import relative_motion
+
+if TYPE_CHECKING:
+    from fem_lie.joints.sliding import SlidingTie
 
 History = Callable[[float], float]
 
@@ -130,8 +133,17 @@ class Connection(ABC):
         return None
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Relative coordinates that results report."""
+        """Relative coordinates between two frames that results report."""
         return ()
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """How results call the coordinates."""
+        return tuple(coordinate.name for coordinate in self.coordinates())
+
+    def sliding_tie(self) -> SlidingTie | None:
+        """What slides along a beam, if anything does."""
+        return None
 
     @abstractmethod
     def check(self) -> None:

@@ -31,7 +31,7 @@ from fem_lie.solve.linear import (
     SingularMatrixError,
     methods_in_time,
 )
-from fem_lie.solve.policies import Automatic, EveryIteration, Policy
+from fem_lie.solve.policies import Automatic, EveryIteration, Policy, Update
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.scheme import (
     DIVERGED,
@@ -153,6 +153,7 @@ class _Run:
         self.p = parameters(options.radius, step, system.length)
         system.velocity_factor = 1.0 / self.p.damping
         self.policy = options.policy.fresh()
+        self.policy.bound = system.m > 0
         self.s = State.start(system.frames, system.kinds)
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
@@ -201,7 +202,7 @@ class _Run:
         """All steps."""
         system, s, h = self.system, self.s, self.p.h
         self.start()
-        self.solver.factorisations = 0
+        self.solver.factorisations = self.solver.refreshes = 0
         recorder.record(0, s.H, s.twist1, self.weights, 0)
         begin = clock.perf_counter()
         with recorder:
@@ -213,11 +214,14 @@ class _Run:
                 iterations = self._step()
                 if iterations == 0:
                     seconds = clock.perf_counter() - begin
-                    result = recorder.result(self.solver.factorisations, seconds)
+                    result = self._result(recorder, seconds)
                     raise ConvergenceError(self._failure(recorder.steps), result)
                 system.connections.accept(s.H)
                 recorder.record(index, s.H, s.twist1, self.weights, iterations)
-        return recorder.result(self.solver.factorisations, clock.perf_counter() - begin)
+        return self._result(recorder, clock.perf_counter() - begin)
+
+    def _result(self, recorder: Recorder, seconds: float) -> Result:
+        return recorder.result(self.solver.factorisations, seconds, self.solver.refreshes)
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance
@@ -257,8 +261,11 @@ class _Run:
             if not carried:
                 system.elastic.settle(s.H1)
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
-            if policy.before_iteration(iteration) or self.solver.factorisations == 0:
+            update = policy.before_iteration(iteration)
+            if self.solver.factorisations == 0 or update == Update.ALL or update is True:
                 self._factorise(None if carried else s.H1)
+            elif update == Update.CONSTRAINTS:
+                self._refresh()
             self._solve()
             if carried:
                 h = np.empty_like(s.d)
@@ -298,6 +305,15 @@ class _Run:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
         self._fill(stressed, self._ahead(), turned=self._turned)
         self.solver.factorise()
+
+    def _refresh(self) -> None:
+        """The constraints anew in the kept matrix."""
+        if self._turned:
+            self._factorise(self.s.H1)
+            return
+        tangent, s = self.system.tangent, self.s
+        tangent.refill_border(self._ahead(), s.kinds, s.d, self.scale)
+        self.solver.refresh()
 
     def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
         if not self.system.choices.geometric:

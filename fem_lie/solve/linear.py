@@ -89,7 +89,7 @@ class DirectSolver:
     ``-<prefix>pc_factor_mat_solver_type``.
 
     Attributes:
-        factorisations: How many there were.
+        factorisations: How many there were, but for ``refreshes`` for a new border alone.
         right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
     """
 
@@ -106,7 +106,7 @@ class DirectSolver:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._solvers: dict[Method, PETSc.KSP] = {}
         self._ksp = self._solver(self._methods[0])
-        self.factorisations = 0
+        self.factorisations = self.refreshes = 0
         size = matrix.getSize()[0]
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
         self._b = PETSc.Vec().createWithArray(self.right_hand_side, comm=matrix.comm)
@@ -133,6 +133,12 @@ class DirectSolver:
             self._methods = self._methods[tried:]
             return
         raise SingularMatrixError("the matrix is singular or not finite") from failure
+
+    def refresh(self) -> None:
+        """Factorise because the border has changed; errors as :meth:`factorise`."""
+        self.factorise()
+        self.factorisations -= 1
+        self.refreshes += 1
 
     def _solver(self, method: Method) -> PETSc.KSP:
         """PETSc's solver for a method, made when it is first needed."""

@@ -7,6 +7,7 @@ never on measured time, so that a run repeats bit for bit.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from enum import IntEnum
 from math import inf
 from typing import ClassVar
 
@@ -14,22 +15,39 @@ NEVER = 2**31
 """More iterations than any step is given."""
 
 
+class Update(IntEnum):
+    """What of the iteration matrix is made anew.
+
+    ``CONSTRAINTS``: their Jacobian Φ_q, which turns with the bodies, while mass and stiffness,
+    which hardly change in local frames, stay with their factorisation. ``ALL``: both.
+    """
+
+    NONE = 0
+    CONSTRAINTS = 1
+    ALL = 2
+
+
 class Policy(ABC):
     """Decides on factorisations; one object per run is made by :meth:`fresh`.
 
     Attributes:
         rescue: Whether a step that fails may be done again with full iteration.
+        bound: Whether there are constraints to refresh; the run sets it.
     """
 
     rescue: ClassVar[bool] = True
+    bound: bool = False
 
     @abstractmethod
     def fresh(self) -> Policy:
         """The same policy without memory."""
 
     @abstractmethod
-    def before_iteration(self, iteration: int) -> bool:
-        """Whether to factorise before the given iteration (counted from 1) of a step."""
+    def before_iteration(self, iteration: int) -> Update | bool:
+        """What to make anew before the given iteration (counted from 1) of a step.
+
+        ``True`` stands for all, ``False`` for nothing.
+        """
 
     def rule(self) -> tuple[int, float] | None:
         """Patience and cost as of :class:`Automatic` that decide likewise, for compiled loops.
@@ -59,7 +77,10 @@ class EveryIteration(Policy):
 
 
 class Limit(Policy):
-    """When a step reaches ``iterations``: the paper's NNI ≥ k."""
+    """When a step reaches ``iterations``: the paper's NNI ≥ k.
+
+    The constraints are refreshed first, and the rest only if that does not help in this step.
+    """
 
     def __init__(self, iterations: int = 4) -> None:
         """Set the limit.
@@ -79,9 +100,27 @@ class Limit(Policy):
         """Only within a step."""
         return self.iterations, inf
 
-    def before_iteration(self, iteration: int) -> bool:
+    def before_iteration(self, iteration: int) -> Update:
         """When the limit is exceeded; again each time that as many more iterations were needed."""
-        return iteration > 1 and (iteration - 1) % self.iterations == 0
+        return _within_step(iteration, self.iterations, self.bound)
+
+
+class ConstraintsOnly(Limit):
+    """As :class:`Limit`, but mass and stiffness are factorised once for the whole run."""
+
+    rescue = False
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return ConstraintsOnly(self.iterations)
+
+    def rule(self) -> tuple[int, float]:
+        """At the start of the run only: loops that ask have no constraints."""
+        return NEVER, inf
+
+    def before_iteration(self, iteration: int) -> Update:
+        """Never more than the constraints."""
+        return min(super().before_iteration(iteration), Update.CONSTRAINTS)
 
 
 class Never(Policy):
@@ -105,50 +144,68 @@ class Never(Policy):
 class Automatic(Policy):
     """When keeping the matrix has cost as much as a new one.
 
-    The iterations that steps take beyond those of the first steps with a fresh matrix add up; when
-    they reach the cost of a factorisation, it is made at the start of the next step. Within a step
-    a factorisation is made when the iteration converges badly.
+    The iterations that steps take beyond those of the first steps with fresh constraints add up;
+    when they reach the cost of a refreshment, that is made at the start of the next step. What is
+    lost in spite of fresh constraints adds up likewise, until all is made anew. Within a step that
+    converges badly the constraints are refreshed, and if that does not help all is made anew.
     """
 
-    def __init__(self, cost: float = 40.0, patience: int = 8) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 20.0) -> None:
         """Set the costs.
 
         Args:
             cost: Time of building and factorising the matrix, in iterations.
             patience: Iterations of one step after which the matrix is renewed at once.
+            refresh: Time of building and factorising the border of constraints, in iterations.
 
         Raises:
             ValueError: One of them is not positive.
         """
-        if not cost > 0 or patience < 1:
+        if not min(cost, refresh) > 0 or patience < 1:
             raise ValueError(
-                f"cost must be positive and patience at least 1, got {cost}, {patience}"
+                "cost and refresh must be positive and patience at least 1, got "
+                f"{cost}, {refresh}, {patience}"
             )
-        self.cost, self.patience = cost, patience
-        self._best, self._excess = 0, 0.0
+        self.cost, self.patience, self.refresh = cost, patience, refresh
+        self._best = self._base = 0
+        self._excess = self._lost = 0.0
 
     def fresh(self) -> Policy:
         """The same policy without memory."""
-        return Automatic(self.cost, self.patience)
+        return Automatic(self.cost, self.patience, self.refresh)
 
     def rule(self) -> tuple[int, float]:
         """Its own."""
         return self.patience, self.cost
 
-    def before_iteration(self, iteration: int) -> bool:
+    def before_iteration(self, iteration: int) -> Update:
         """At the start of a step if it pays, or in the middle of a bad one."""
-        if iteration == 1:
-            due = self._excess >= self.cost
+        if iteration > 1:
+            due = _within_step(iteration, self.patience, self.bound)
+        elif not self.bound:
+            due = Update.ALL if self._excess >= self.cost else Update.NONE
+        elif self._lost >= self.cost:
+            due = Update.ALL
         else:
-            due = (iteration - 1) % self.patience == 0
+            due = Update.CONSTRAINTS if self._excess >= self.refresh else Update.NONE
         if due:
             self._best, self._excess = 0, 0.0
+        if due is Update.ALL:
+            self._base, self._lost = 0, 0.0
         return due
 
     def after_step(self, iterations: int) -> None:
         """Add up what the kept matrix costs."""
         # one iteration is luck of the prediction, and says nothing of the matrix
         counted = max(iterations, 2)
-        if self._best == 0 or counted < self._best:
-            self._best = counted
+        self._best = counted if self._best == 0 else min(self._best, counted)
+        self._base = self._best if self._base == 0 else min(self._base, self._best)
         self._excess += counted - self._best
+        self._lost += self._best - self._base
+
+
+def _within_step(iteration: int, patience: int, bound: bool) -> Update:
+    """Constraints first, if there are any, then all each time that patience is at an end."""
+    if iteration == 1 or (iteration - 1) % patience:
+        return Update.NONE
+    return Update.CONSTRAINTS if bound and iteration - 1 == patience else Update.ALL

@@ -81,8 +81,8 @@ class History:
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
-    def result(self, factorisations: int, seconds: float) -> Result:
-        """What was kept so far."""
+    def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
+        """What was kept so far, with the numbers of whole matrices and of borders alone."""
         keep = slice(self.row)
         return Result(
             times=self.times[keep],
@@ -97,7 +97,9 @@ class History:
             momentum=self.invariants[keep, 1:4],
             angular_momentum=self.invariants[keep, 4:],
             iterations=self.iterations[keep],
-            factorisations=factorisations,
+            factorisations=factorisations + refreshes,
+            k_updates=factorisations,
+            phi_updates=factorisations + refreshes,
             seconds=seconds,
             info=self._info,
         )

@@ -1,0 +1,159 @@
+"""What slides along flexible beams: see :mod:`fem_lie.sliding`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._jit import Array, Indices
+from fem_lie.beam import Beam
+from fem_lie.bodies import Body, Point, vector
+from fem_lie.elements.geodesic import Geodesic
+from fem_lie.joints.connection import Connection, History, Tie, rows
+
+_ON_LINE = ({1: 1.0}, {2: 1.0})
+
+
+class SlidingTie(NamedTuple):
+    """A frame that slides along the elements of a beam.
+
+    Attributes:
+        beam: Its elements follow each other; likewise ``starts`` of arclength at each.
+        starts: Arclength at the start of each element, shape (e,).
+        b: Point that carries the frame.
+        frame: In the initial configuration, that of the section it is at, shape (4, 3).
+        selection: Of the relative motion against that section, shape (k, 12).
+        advance: Factors of the arclength, shape (k,).
+        arclength: In the initial configuration.
+    """
+
+    beam: Beam
+    starts: Array
+    b: Point
+    frame: Array
+    selection: Array
+    advance: Array
+    arclength: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding(Connection):
+    """A point slides along the axis of a beam without friction, over all of its elements.
+
+    The place on the beam is where the point lies in the cross-section. It may leave the beam at
+    neither end. The force that results report is that on the beam, in the axes of its section.
+
+    Attributes:
+        beam: One smooth line of geodesic elements.
+        b: A point of another body, or ground.
+        at: Place of the joint in the initial configuration, on the axis; default: the point ``b``.
+        travel: Arclength from the beam's start as a function of time; default: free.
+        name: How errors and results call it; default: after what it joins.
+    """
+
+    beam: Beam
+    b: Point
+    at: npt.ArrayLike | None = None
+    travel: History | None = None
+    name: str = ""
+
+    selection: ClassVar[Array] = rows(*_ON_LINE)
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"{type(self).__name__}({self.beam.label}, {self.b.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the beam is none for it, or the place not on it."""
+        self.sliding_tie()
+
+    def ties(self) -> list[Tie]:
+        """None that is fixed to a node of the beam."""
+        return []
+
+    @property
+    def bodies(self) -> list[Body | None]:
+        """The beam and the body."""
+        return [self.beam, self.b.body]
+
+    @property
+    def turns(self) -> bool:
+        """Yes: it is fixed to a frame."""
+        return True
+
+    @property
+    def history(self) -> History | None:
+        """The travel."""
+        return self.travel
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Where it is on the beam."""
+        return ("arclength",)
+
+    def sliding_tie(self) -> SlidingTie:
+        """Where it starts, and what is bound.
+
+        Raises:
+            ValueError: The beam is no smooth line of geodesic elements, the place is not on its
+                axis, or the travel does not start there.
+        """
+        elements, lengths = self.beam.elements, self.beam.lengths
+        chained = (elements[1:, 0] == elements[:-1, 1]).all()
+        if not chained or not isinstance(self.beam.formulation, Geodesic):
+            raise ValueError(
+                f"{self.label}: the beam must be one smooth line of geodesic elements from its "
+                "start to its end"
+            )
+        place = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
+        starts = np.cumsum(lengths) - lengths
+        frame, s, gap = _nearest(self.beam, elements, starts, place)
+        if gap > 1e-6 * self.beam.size:
+            raise ValueError(f"{self.label}: the place {place} is {gap:g} off the beam's axis")
+        frame[0] = place
+        if self.travel is not None and abs(self.travel(0.0) - s) > 1e-6 * self.beam.size:
+            raise ValueError(
+                f"{self.label}: travel must start at arclength {s:g}, got {self.travel(0.0):g}"
+            )
+        driven = int(self.travel is not None)
+        selection = np.vstack([self.selection, np.zeros((driven, 12))])
+        advance = np.append(np.zeros(len(self.selection)), np.ones(driven))
+        return SlidingTie(self.beam, starts, self.b, frame, selection, advance, s)
+
+
+class Collar(Sliding):
+    """Slides along a beam and keeps its direction, free to spin about its axis."""
+
+    selection = rows(*_ON_LINE, {6: 1.0}, {9: 1.0})
+
+
+class Sleeve(Sliding):
+    """Slides along a beam and turns with its section: a prismatic joint on the axis."""
+
+    selection = rows(*_ON_LINE, {10: 0.5, 8: -0.5}, {5: 0.5, 9: -0.5}, {6: 0.5, 4: -0.5})
+
+
+def _nearest(
+    beam: Beam, elements: Indices, starts: Array, place: Array
+) -> tuple[Array, float, float]:
+    """Frame of the axis next to a place, its arclength, and the distance."""
+    a, b = beam.frames[elements[:, 0]], beam.frames[elements[:, 1]]
+    d = lie.se3_relative(a, b)
+    ξ = np.linspace(0.0, 1.0, 9)
+    points = lie.se3_retract(a[:, np.newaxis], ξ[:, np.newaxis] * d[:, np.newaxis])
+    distance = np.linalg.norm(points[:, :, 0] - place, axis=2)
+    e, k = np.unravel_index(distance.argmin(), distance.shape)
+    at = float(ξ[k])
+    for _ in range(30):
+        frame = lie.se3_retract(a[e], at * d[e])
+        gap = frame[1:] @ (place - frame[0])
+        slope = -d[e, 0] + np.cross(gap, d[e, 3:])[0]
+        at = float(np.clip(at - gap[0] / slope, 0.0, 1.0))
+    frame = lie.se3_retract(a[e], at * d[e])
+    off = float(np.linalg.norm(place - frame[0]))
+    return frame, float(starts[e] + at * beam.lengths[e]), off
