@@ -85,13 +85,14 @@ from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.branches import branch
 from fem_lie.solve.buckling import buckling
 from fem_lie.solve.controls import DisplacementControl, LoadControl
+from fem_lie.solve.equilibrium import statics
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.path import follow_path
 from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath, PathState
 from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
-from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.statics import StaticResult
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.vibrations import vibrations
 from fem_lie.step_history import StepHistory

@@ -12,10 +12,10 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fem_lie._lines import Array, Indices
-from fem_lie.patches import Patches
+from fem_lie.shared_values import SharedValues
 
 
-def nearby(patches: Patches) -> tuple[Indices, Indices]:
+def nearby(patches: SharedValues) -> tuple[Indices, Indices]:
     """Values at an edge, and the cells that share a value with their cells, as pairs."""
     m, k = patches.number.shape
     rows, columns = patches.number.ravel(), np.repeat(np.arange(m), k)

@@ -22,10 +22,10 @@ from typing import TypeVar
 import numpy as np
 
 from fem_lie._jit import Array
-from fem_lie.patches import axes_along, carried_axes, extrapolation, slopes_along, unit
 from fem_lie.plane_tensors import turned
 from fem_lie.quantities import QUANTITIES, Quantity, quantity
 from fem_lie.recovery import nearby, planes
+from fem_lie.shared_values import axes_along, carried_axes, extrapolation, slopes_along, unit
 from fem_lie.shell import Shell
 from fem_lie.shell_stress import ShellStress, StressPlaces, between, integration
 from fem_lie.surface import KINK_ANGLE
@@ -40,7 +40,7 @@ class ResultantValues:
     """Values of the resultants of a shell in one state.
 
     Components are ``(N11, N22, N12, M11, M22, M12, Q1, Q2)``. Cells and nodes are those of
-    ``shell.mesh``.
+    ``shell.own_mesh``.
 
     Attributes:
         shell: The shell.
@@ -63,7 +63,7 @@ class ResultantValues:
         """Evaluate in given frames of the shell's nodes."""
         raw = stress(frames)
         rule, _ = integration(shell)
-        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.mesh, rule), raw)
+        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.own_mesh, rule), raw)
         return cls(
             shell,
             frames,
@@ -77,7 +77,7 @@ class ResultantValues:
     @property
     def points(self) -> Array:
         """Places of the points of integration on the unloaded surface, shape (m, g, 3)."""
-        mesh = self.shell.mesh
+        mesh = self.shell.own_mesh
         return self.places.points.places(mesh.points[mesh.cells])
 
     @property
@@ -110,7 +110,7 @@ class ResultantValues:
         places, patches = self.places, self.places.patches
         turn = between(places.asked_at_nodes, places.shared[patches.number])
         values = patches.mean(turned(self.in_cells, *turn))
-        if self.shell.mesh.degree == 1:
+        if self.shell.own_mesh.degree == 1:
             values[patches.edge] = self._at_edges()
         return values
 
@@ -121,7 +121,7 @@ class ResultantValues:
         own = turned(self.at_points, *between(places.asked, places.section))
         normal, e1 = (unit(self._mean(places.section[:, :, i])) for i in (2, 0))
         section, axes = axes_along(normal, e1)[cells], places.shared[which]
-        away = self._mean(self.points)[cells] - self.shell.mesh.points[patches.node[which]]
+        away = self._mean(self.points)[cells] - self.shell.own_mesh.points[patches.node[which]]
         return planes(
             np.searchsorted(np.flatnonzero(patches.edge), which),
             np.einsum("rj,rij->ri", away, axes[:, :2]),
@@ -142,7 +142,10 @@ class ResultantValues:
         The deformation takes the unloaded axes along; made orthonormal again in the nearest way.
         Shape (m, g, 3, 3).
         """
-        unloaded, moved = self._tangents(self.shell.mesh.points), self._tangents(self.frames[:, 0])
+        unloaded, moved = (
+            self._tangents(self.shell.own_mesh.points),
+            self._tangents(self.frames[:, 0]),
+        )
         return carried_axes(self.places.asked, unloaded, moved)
 
     @cached_property
@@ -159,7 +162,7 @@ class ResultantValues:
         """
         N, M, Q = self._tensors()
         x, t = self._slopes(self.frames[:, 0]), self._slopes(self.frames[:, 3])
-        cell = self.shell.mesh.cells
+        cell = self.shell.own_mesh.cells
         director = self.places.points.places(self.frames[cell, 3])[:, :, np.newaxis]
         return np.asarray(N @ x + M @ t + Q[..., np.newaxis] * director)
 
@@ -167,7 +170,7 @@ class ResultantValues:
     def cut_moments(self) -> Array:
         """Moments on these cuts, ``m_i = t × M_ij x,j``; shape (m, g, 2, 3)."""
         _, M, _ = self._tensors()
-        director = self.places.points.places(self.frames[self.shell.mesh.cells, 3])
+        director = self.places.points.places(self.frames[self.shell.own_mesh.cells, 3])
         across = np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
         return np.asarray(across, dtype=np.float64)
 
@@ -178,11 +181,11 @@ class ResultantValues:
 
     def _tangents(self, nodal: Array) -> Array:
         """Derivatives of a nodal vector (n, 3) by the reference coordinates, (m, g, 2, 3)."""
-        return self.places.points.tangents(nodal[self.shell.mesh.cells])
+        return self.places.points.tangents(nodal[self.shell.own_mesh.cells])
 
     def _slopes(self, nodal: Array) -> Array:
         """Its derivatives along e₁ and e₂, shape (m, g, 2, 3)."""
-        unloaded = self._tangents(self.shell.mesh.points)
+        unloaded = self._tangents(self.shell.own_mesh.points)
         return slopes_along(self.places.asked, unloaded, self._tangents(nodal))
 
     def raw(self, name: str) -> Array:

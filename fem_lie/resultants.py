@@ -29,10 +29,10 @@ from fem_lie.cell_functions import (
     quadrature,
 )
 from fem_lie.info import SceneInfo
-from fem_lie.patches import unit
 from fem_lie.plot import SI, Units
 from fem_lie.quantities import COMPONENTS, QUANTITIES, quantity
 from fem_lie.resultant_values import LARGEST_JUMP, ResultantValues
+from fem_lie.shared_values import unit
 from fem_lie.shell import Shell
 from fem_lie.shell_stress import Along, ShellStress, StressPlaces
 from fem_lie.surface import KINK_ANGLE
@@ -115,12 +115,12 @@ class Resultants(ResultantValues):
     @cached_property
     def mesh(self) -> dolfinx.mesh.Mesh:
         """The unloaded surface as a DOLFINx mesh, on which the functions are."""
-        return dolfinx_surface(self.shell.mesh, self.shell.mesh.points)
+        return dolfinx_surface(self.shell.own_mesh, self.shell.own_mesh.points)
 
     @cached_property
     def deformed_mesh(self) -> dolfinx.mesh.Mesh:
         """The surface in this state as a DOLFINx mesh."""
-        return dolfinx_surface(self.shell.mesh, self.frames[:, 0])
+        return dolfinx_surface(self.shell.own_mesh, self.frames[:, 0])
 
     def function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
         """Averaged values as a continuous function of the mesh's degree.
@@ -159,7 +159,7 @@ class Resultants(ResultantValues):
             deformed: Likewise.
         """
         degree = self.shell.formulation.measures_for(
-            self.shell.mesh.cell, self.shell.mesh.degree
+            self.shell.own_mesh.cell, self.shell.own_mesh.degree
         ).quadrature_degree
         return self._function(name, self._of(name, self.at_points), quadrature(degree), deformed)
 
@@ -167,7 +167,7 @@ class Resultants(ResultantValues):
         self, name: str | None, values: Array, element: ElementMaker, deformed: bool
     ) -> fem.Function:
         mesh = self.deformed_mesh if deformed else self.mesh
-        return cells_function(mesh, self.shell.mesh, values, element, name or "N, M, Q")
+        return cells_function(mesh, self.shell.own_mesh, values, element, name or "N, M, Q")
 
     # --- files and pictures ---
 
@@ -193,13 +193,13 @@ class Resultants(ResultantValues):
         x = self.frames[node, 0]
         points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
         points |= {
-            "displacement": x - self.shell.mesh.points[node],
+            "displacement": x - self.shell.own_mesh.points[node],
             "director": self.frames[node, 3],
         }
         cells = {name: self.mean(name) for name in names}
         cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
         cells["thickness"] = self.shell.thickness
-        write_surface(path, x, self.places.patches.number, self.shell.mesh, points, cells)
+        write_surface(path, x, self.places.patches.number, self.shell.own_mesh, points, cells)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all values to an HDF5 file; an old file is replaced.
@@ -215,7 +215,7 @@ class Resultants(ResultantValues):
         with h5py.File(path, "w") as file:
             file.attrs.update({"format": "fem_lie resultants", "version": 1})
             file.attrs["components"] = list(COMPONENTS)
-            file["places"] = self.shell.mesh.points[patches.node]
+            file["places"] = self.shell.own_mesh.points[patches.node]
             file["cells"], file["axes"] = patches.number, self.places.shared
             file["averaged"] = self.averaged
             for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
@@ -244,10 +244,10 @@ class Resultants(ResultantValues):
         """
         from fem_lie.contour import draw_values
 
-        node, X = self.places.patches.node, self.shell.mesh.points
+        node, X = self.places.patches.node, self.shell.own_mesh.points
         draw_values(
             path,
-            self.shell.mesh,
+            self.shell.own_mesh,
             self.places.patches.number,
             X[node],
             X[node] + magnified * (self.frames[node, 0] - X[node]),

@@ -37,6 +37,7 @@ class Shell(SupportedSurface):
 
     Attributes:
         connectivity: Nodes of each cell, shape (m, k).
+        own_mesh: The surface on these nodes: cut open along kinks and branches.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
         density: Gram matrix of inertia per area of each cell, shape (m, 2, 2).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
@@ -105,6 +106,7 @@ class Shell(SupportedSurface):
             group=group,
             name=name,
         )
+        self.own_mesh = _own_mesh(mesh, patches)
         self.faces = mesh.corners_of(patches.cells)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         self.drills = self.parameters is Parameters.SIX
@@ -247,6 +249,14 @@ def _axes(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Director | N
             f"it is {axes[bad[0]]}"
         )
     return axes
+
+
+def _own_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
+    if not len(patches.split):
+        return mesh
+    return SurfaceMesh(
+        mesh.points[patches.places], patches.cells, mesh.cell, mesh.normals, groups=mesh.groups
+    )
 
 
 def _given(mesh: SurfaceMesh, director: Director, patches: Patches) -> Array:

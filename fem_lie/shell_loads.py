@@ -257,7 +257,7 @@ def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str
 
 def _nodes(shell: Shell) -> Indices:
     """Nodes of each cell, shape (m, k)."""
-    return shell.mesh.cells
+    return shell.connectivity
 
 
 def _sides(shell: Shell) -> Array:

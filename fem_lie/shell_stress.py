@@ -12,7 +12,7 @@ from dolfinx import fem
 
 from fem_lie._jit import Array, Indices
 from fem_lie.bodies import vector
-from fem_lie.patches import CellPoints, Flags, Patches, axes_along, patches, unit
+from fem_lie.shared_values import CellPoints, Flags, SharedValues, axes_along, shared_values, unit
 from fem_lie.shell import Shell, ShellAssembly
 
 Along = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
@@ -29,7 +29,7 @@ class ShellStress:
         self._assembly = ShellAssembly([shell])
         rule = integration(shell)[0]
         self._expression = fem.Expression(self._assembly.stress, rule)
-        self._shape = len(shell.mesh.cells), len(rule), 8
+        self._shape = len(shell.own_mesh.cells), len(rule), 8
         self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
 
     def __call__(self, frames: Array) -> Array:
@@ -59,7 +59,7 @@ class ShellStress:
 
 def integration(shell: Shell) -> tuple[Array, Array]:
     """Reference coordinates (g, 2) and weights (g,) of the points of integration."""
-    mesh = shell.mesh
+    mesh = shell.own_mesh
     degree = shell.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
     points, weights = basix.make_quadrature(basix.CellType[mesh.cell], degree)
     return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
@@ -87,7 +87,7 @@ class StressPlaces:
     asked: Array
     section_at_nodes: Array
     asked_at_nodes: Array
-    patches: Patches
+    patches: SharedValues
     shared: Array
     jump: float
 
@@ -100,13 +100,13 @@ class StressPlaces:
             along: e₁ of the axes asked for, see :func:`fem_lie.resultants.resultants`.
             kink_angle: Largest angle, rad, between cells that share values.
         """
-        mesh, (rule, weights) = shell.mesh, integration(shell)
+        mesh, (rule, weights) = shell.own_mesh, integration(shell)
         points, x = CellPoints.of(mesh, rule), mesh.points[mesh.cells]
         across = np.cross(*np.moveaxis(points.tangents(x), 2, 0))
         given = shell.axes[:, np.newaxis]
         section = axes_along(unit(across), given)
         at_nodes = axes_along(mesh.normals, given)
-        groups = patches(mesh, _smooth(shell, kink_angle))
+        groups = shared_values(mesh, _smooth(shell, kink_angle))
         normals = unit(groups.mean(mesh.normals))
         if along is None:
             asked, asked_at_nodes = section, at_nodes
@@ -146,7 +146,7 @@ def _directions(along: Along, places: Array) -> Array:
     return np.reshape(found, places.shape)
 
 
-def _mean_direction(groups: Patches, directions: Array) -> Array:
+def _mean_direction(groups: SharedValues, directions: Array) -> Array:
     """Mean of unit vectors over patches, one of them where they cancel."""
     mean = groups.mean(directions)
     _, first = np.unique(groups.number, return_index=True)
@@ -157,7 +157,7 @@ def _mean_direction(groups: Patches, directions: Array) -> Array:
 
 def _smooth(shell: Shell, kink_angle: float) -> Callable[..., Flags]:
     """Whether normals and sections of two cells at a common node are nearly the same."""
-    normals, D = shell.mesh.normals, shell.stiffness
+    normals, D = shell.own_mesh.normals, shell.stiffness
     A, bending = D[:, :3, :3], D[:, 3:6, 3:6]
 
     def jumps(part: Array, a: Indices, b: Indices) -> Flags:

@@ -8,7 +8,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.elements.shell_maps import add_turning
 from fem_lie.solve.rotation import Rotation
-from fem_lie.solve.statics import _Newton, advance
+from fem_lie.solve.statics import LoadSteps, advance
 from fem_lie.system import System
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
@@ -214,7 +214,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     advance(H, dx, system.held, system.uncoupled, 1.0)
     assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
 
-    newton = _Newton(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
+    newton = LoadSteps(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
     assert newton.solve(1.0)
     assert np.abs(newton.H - newton.system.frames).max() > 0.1
     error = derivative_error(newton.system, newton.H, newton.multipliers, along_motion=True)
@@ -223,7 +223,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
 
 def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
     scene = machine(clamped=True, loaded=True)
-    system = _Newton(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
+    system = LoadSteps(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
     system.system.set_time(1.0, 1.0)
     increments = []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):

@@ -72,16 +72,31 @@ def follow_loads(
     return _result(model, path, levels, perf_counter() - start)
 
 
+def in_proportion(scene: Scene) -> bool:
+    """Whether all that acts is in proportion to the load factor, and something does."""
+    acts = bool(scene.loads) or bool(scene.gravity.any())
+    return acts and not scene.motions and not _out_of_proportion(scene)
+
+
+def _out_of_proportion(scene: Scene) -> list[str]:
+    """Loads and drives that are functions of time, or strains."""
+    loads = [
+        f"{type(load).__name__} on {load.body.label}"
+        + (" with a history" if load.history is not None else "")
+        for load in scene.loads
+        if load.history is not None or isinstance(load, StrainLoad)
+    ]
+    return loads + [item.label for item in scene.connections if item.history is not None]
+
+
 def _check(scene: Scene) -> None:
     if scene.motions:
-        raise ValueError("an arc length has no time for prescribed motions: use statics")
-    for load in scene.loads:
-        if load.history is not None or isinstance(load, StrainLoad):
-            raise ValueError(
-                "an arc length needs loads in proportion to the load factor, got "
-                f"{type(load).__name__} on {load.body.label}"
-                f"{' with a history' if load.history is not None else ''}: use statics"
-            )
+        raise ValueError("an arc length has no time for prescribed motions: use load steps")
+    for label in _out_of_proportion(scene):
+        raise ValueError(
+            f"an arc length needs loads in proportion to the load factor, got {label}: use load "
+            "steps"
+        )
 
 
 class _State(NamedTuple):
@@ -152,7 +167,8 @@ class SceneEquilibrium:
         system, zero = self.system, self._zero
         state = self._H, zero, zero, self._multipliers, self._scale
         system.set_time(factor, factor)
-        system.applied(*state, self._scratch)
+        # what follows the surface is in it, not among the other loads
+        system.residual(*state, self._scratch)
         system.fill_matrix(*state, zero, 0.0, 0.0)
 
     def solve(self, b: Array) -> Array:
@@ -182,12 +198,14 @@ class SceneEquilibrium:
         return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
 
     def state(self) -> _State:
-        """See the protocol."""
+        """See the protocol; angles of joints are counted on from here."""
+        self.system.connections.accept(self._H)
         return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
 
     def restore(self, state: _State) -> None:
         """See the protocol."""
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
+        self.system.connections.accept(self._H)
         self.system.elastic.restore(state.carried)
 
 

@@ -135,79 +135,7 @@ class StaticResult:
         draw(self.info, states, path, paths=paths, triads=frames, title=title, units=units)
 
 
-def statics(
-    scene: Scene,
-    *,
-    spin: npt.ArrayLike = (0.0, 0.0, 0.0),
-    about: npt.ArrayLike = (0.0, 0.0, 0.0),
-    load_steps: int = 1,
-    carried_stress: bool = True,
-    tolerance: float = 1e-10,
-    max_iterations: int = 25,
-    smallest_step: float = 1e-3,
-    petsc_options_prefix: str = "fem_lie_statics_",
-) -> StaticResult:
-    """Equilibrium under the full loads, reached from the unloaded configuration.
-
-    Loads without history grow with the load factor from 0 to 1; histories and prescribed motions
-    are evaluated at the load factor. A step that fails is halved; later steps grow back.
-
-    With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
-    frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
-    motions then belong to the turning frame: they are the hub. Centrifugal forces grow with the
-    load factor, the angular velocity with its root. Damping in space (``Damping.mass``) drags.
-
-    Args:
-        scene: What there is.
-        spin: Angular velocity of that frame, global components, rad per time.
-        about: A place on the axis of rotation.
-        load_steps: Number of equal steps to begin with.
-        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
-            converges in a few iterations at any slenderness; otherwise plain Newton.
-        tolerance: Predicted error of a step's end, in rotations and in translations over the
-            size of the model.
-        max_iterations: More are a failure of the step.
-        smallest_step: Smallest step of the load factor before giving up.
-        petsc_options_prefix: Prefix for the choice of the linear solver.
-
-    Raises:
-        ValueError: Bad scene or options; no inertia, or gravity or forces fixed in space that are
-            not parallel to the axis, with ``spin``.
-        ConvergenceError: The smallest step failed; its ``result`` holds the states before.
-    """
-    if load_steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
-        raise ValueError(
-            "wanted load_steps ≥ 1, tolerance > 0, max_iterations ≥ 1, 0 < smallest_step ≤ 1; got "
-            f"{load_steps}, {tolerance}, {max_iterations}, {smallest_step}"
-        )
-    rotation = Rotation.of(spin, about)
-    rotation.check(scene)
-    newton = _Newton(
-        scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
-    )
-    reached, step = 0.0, 1.0 / load_steps
-    while reached < 1.0:
-        target = min(1.0, reached + step)
-        # the last step must land on 1 in spite of round-off
-        target = 1.0 if 1.0 - target < 1e-9 else target
-        if not newton.solve(target):
-            step /= 2
-            if step < smallest_step:
-                raise ConvergenceError(
-                    f"no equilibrium from load factor {reached:g} to {target:g}: after "
-                    f"{newton.iterations} iterations the residual is {newton.residual:.2e} and "
-                    f"the last increment {newton.last:.2e} (tolerance {tolerance:g}). "
-                    + newton.advice(),
-                    newton.result(),
-                )
-            _log.info("step to load factor %g failed, halved to %g", target, step)
-            continue
-        reached = target
-        step = min(2 * step, 1.0 / load_steps)
-    return newton.result()
-
-
-class _Newton:
+class LoadSteps:
     """Newton's method from one accepted state to the next; it keeps those that were accepted."""
 
     def __init__(
@@ -219,6 +147,7 @@ class _Newton:
         max_iterations: int,
         prefix: str,
     ) -> None:
+        """Number the unknowns; for the arguments see :func:`~fem_lie.solve.equilibrium.statics`."""
         self.system = system = System(scene, dynamics=bool(rotation))
         self._rotation = rotation
         self._carried, self._tolerance, self._max = carried, tolerance, max_iterations
@@ -255,6 +184,44 @@ class _Newton:
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
             clock.perf_counter() - self._begin,
+        )
+
+    def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
+        """Go through the wanted load factors; a step that fails is halved, later steps grow back.
+
+        Args:
+            levels: Increasing.
+            step: Of the load factor, at most.
+            smallest: Below this it gives up.
+
+        Raises:
+            ConvergenceError: The smallest step failed; its ``result`` holds the states before.
+        """
+        reached, now = 0.0, step
+        for level in levels:
+            while reached < level:
+                target = min(level, reached + now)
+                # the last step must land on the level in spite of round-off
+                target = level if level - target < 1e-9 * levels[-1] else target
+                if self.solve(target):
+                    reached, now = target, min(2 * now, step)
+                    continue
+                now /= 2
+                if now < smallest:
+                    raise ConvergenceError(self._failure(reached, target), self.result())
+                _log.info("step to load factor %g failed, halved to %g", target, now)
+        return self.result()
+
+    @property
+    def singular(self) -> bool:
+        """Whether the last step failed at once, because its matrix is singular."""
+        return self.iterations == 1 and not np.isfinite(self.last)
+
+    def _failure(self, reached: float, target: float) -> str:
+        return (
+            f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
+            f"iterations the residual is {self.residual:.2e} and the last increment "
+            f"{self.last:.2e} (tolerance {self._tolerance:g}). {self.advice()}"
         )
 
     def advice(self) -> str:

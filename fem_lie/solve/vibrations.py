@@ -22,9 +22,10 @@ from fem_lie._jit import Array
 from fem_lie.choices import Redundant
 from fem_lie.modes import Modes
 from fem_lie.scene import Scene
+from fem_lie.solve.equilibrium import statics
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.spectrum import Complex, Pencil
-from fem_lie.solve.statics import StaticResult, statics
+from fem_lie.solve.statics import StaticResult
 from fem_lie.solve.steady import linearised
 from fem_lie.system import System
 

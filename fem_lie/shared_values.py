@@ -120,7 +120,7 @@ def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Patches:
+class SharedValues:
     """Corners of cells (nodes of cells, to be exact) that share a value.
 
     Attributes:
@@ -141,9 +141,9 @@ class Patches:
         return total / count.reshape(-1, *[1] * (total.ndim - 1))
 
 
-def patches(
+def shared_values(
     mesh: SurfaceMesh, smooth: Callable[[Indices, Indices, Indices, Indices], Flags]
-) -> Patches:
+) -> SharedValues:
     """Join what is smooth across edges.
 
     Args:
@@ -166,13 +166,13 @@ def patches(
     # inside, there are as many common edges around a node as cells
     links = np.bincount(number[rows], minlength=len(pairs))
     edge = links < np.bincount(number)
-    return Patches(
+    return SharedValues(
         number.reshape(mesh.cells.shape).astype(np.int64), pairs[:, 0].astype(np.int64), edge
     )
 
 
 def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices]:
-    """All ``(a, b, i, j)`` of :func:`patches`, where an edge is common to both cells."""
+    """All ``(a, b, i, j)`` of :func:`shared_values`, where an edge is common to both cells."""
     round_ = _round(mesh)
     c = len(round_)
     ends = np.sort(mesh.cells[:, round_[:, :2]], axis=2).reshape(-1, 2)

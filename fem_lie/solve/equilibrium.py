@@ -1,0 +1,97 @@
+"""Statics in one call: load steps or a path along the loads, whichever is better."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.scene import Scene
+from fem_lie.solve.follow import follow_loads, in_proportion
+from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.rotation import Rotation
+from fem_lie.solve.statics import LoadSteps, StaticResult
+
+_log = logging.getLogger(__name__)
+
+
+def statics(
+    scene: Scene,
+    *,
+    levels: Sequence[float] = (1.0,),
+    spin: npt.ArrayLike = (0.0, 0.0, 0.0),
+    about: npt.ArrayLike = (0.0, 0.0, 0.0),
+    load_steps: int | None = None,
+    carried_stress: bool = True,
+    tolerance: float = 1e-10,
+    max_iterations: int = 25,
+    smallest_step: float = 1e-3,
+    petsc_options_prefix: str = "fem_lie_statics_",
+) -> StaticResult:
+    """Equilibrium under the loads, reached from the unloaded configuration.
+
+    Loads without history grow in proportion to the load factor, 1 at the full loads; histories,
+    drives and prescribed motions are evaluated at the load factor.
+
+    How it gets there is chosen by what was measured. Scenes with shells are followed by the
+    load-capped arc length (:func:`~fem_lie.solve.follow.follow_loads`). Others go from one level to
+    the next at once, which on beams takes the fewest solutions wherever it converges, and by the
+    arc length where it does not. Where that is impossible, because not all loads are in proportion
+    to the load factor or with ``spin`` or plain Newton, and where ``load_steps`` are given, there
+    are load steps; one that fails is halved, later ones grow back.
+
+    With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
+    frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
+    motions then belong to the turning frame: they are the hub. Centrifugal forces grow with the
+    load factor, the angular velocity with its root. Damping in space (``Damping.mass``) drags.
+
+    Args:
+        scene: What there is.
+        levels: Increasing positive load factors at which states are wanted; load steps also keep
+            the states between.
+        spin: Angular velocity of that frame, global components, rad per time.
+        about: A place on the axis of rotation.
+        load_steps: Number of equal steps to begin with; default: as said above.
+        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
+            converges in a few iterations at any slenderness; otherwise plain Newton.
+        tolerance: Of load steps: predicted error of a step's end, in rotations and in translations
+            over the size of the model.
+        max_iterations: Of a load step; more are its failure.
+        smallest_step: Smallest load step before giving up.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Raises:
+        ValueError: Bad scene or options; no inertia, or gravity or forces fixed in space that are
+            not parallel to the axis, with ``spin``.
+        ConvergenceError: The smallest step failed; its ``result`` holds the states before.
+    """
+    steps = 1 if load_steps is None else load_steps
+    if steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
+        raise ValueError(
+            "wanted load_steps ≥ 1, tolerance > 0, max_iterations ≥ 1, 0 < smallest_step ≤ 1; got "
+            f"{steps}, {tolerance}, {max_iterations}, {smallest_step}"
+        )
+    if not len(levels) or not (np.diff([0.0, *levels]) > 0).all():
+        raise ValueError(f"the load factors must be positive and increase, got {levels}")
+    rotation = Rotation.of(spin, about)
+    rotation.check(scene)
+    choice = load_steps is None and carried_stress and not rotation and in_proportion(scene)
+    if choice and any(body.uncoupled for body in scene.bodies):
+        return follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
+    newton = LoadSteps(
+        scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
+    )
+    step = levels[-1] / steps
+    try:
+        return newton.run(levels, step, step if choice else smallest_step)
+    except ConvergenceError as error:
+        if not choice or newton.singular:
+            raise
+        _log.info("%s Now by arc length.", error)
+        before = newton.result()
+    path = follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
+    lost = before.failed_iterations + int(before.iterations.sum())
+    return replace(path, failed_iterations=path.failed_iterations + lost)
