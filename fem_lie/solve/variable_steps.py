@@ -85,8 +85,9 @@ class _OrMissing(Policy):
         return _OrMissing(self._inner.fresh(), self._factors)
 
     def before_iteration(self, iteration: int) -> bool:
+        # factors are kept whole: constraints are not renewed alone
         due = self._inner.before_iteration(iteration)
-        return due or not self._factors.usable
+        return bool(due) or not self._factors.usable
 
     def after_step(self, iterations: int) -> None:
         self._inner.after_step(iterations)
@@ -192,15 +193,15 @@ class _VariableRun(_Run):
             while not control.finished:
                 ended, iterations = self._advance(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
-                    result = self._result(recorder, clock.perf_counter() - begin)
+                    result = self._completed(recorder, clock.perf_counter() - begin)
                     raise ConvergenceError(self._underflow(time), result)
                 if not iterations:
                     continue
                 index, time = index + 1, ended
                 recorder.record_at(time, index, s.H, s.twist1, self.weights, iterations)
-        return self._result(recorder, clock.perf_counter() - begin)
+        return self._completed(recorder, clock.perf_counter() - begin)
 
-    def _result(self, recorder: GrowingRecorder, seconds: float) -> Result:
+    def _completed(self, recorder: GrowingRecorder, seconds: float) -> Result:
         made = self.factors.factorisations + self._starter.factorisations
         return self._log.complete(recorder.result(made, seconds))
 
