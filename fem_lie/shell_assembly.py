@@ -11,7 +11,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.assembly import Assembly, NodalInertia
-from fem_lie.elements.shell import drilling_alone
+from fem_lie.drilling_assembly import DrillingAssembly
 from fem_lie.elements.shell_cells import ShellCells
 from fem_lie.elements.shell_maps import add_turnings
 from fem_lie.frames import NodalFrames
@@ -57,11 +57,19 @@ class ShellAssembly(Assembly):
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None
         self._settles = forms.local is not None and not plain
-        self._drilling: Assembly | None = None
+        self._drilling: DrillingAssembly | None = None
         if first.drills:
             gamma = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
-            whole = ShellCells(nodal, measures.plain, drilling_stiffness=gamma, directions=axes)
-            self._drilling = Assembly(nodal, drilling_alone(whole), order, cell_order, None)
+            self._drilling = DrillingAssembly(
+                nodal.frames.copy(),
+                nodal.function.function_space.dofmap.list,
+                measures.cell,
+                degree,
+                measures.quadrature_degree,
+                axes,
+                gamma,
+                (self.indptr, self.indices),
+            )
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)
         self._last, self._all = np.zeros((self.count, 6)), np.ones(self.count, dtype=bool)
@@ -73,11 +81,11 @@ class ShellAssembly(Assembly):
     def add_forces(self, H: Array, out: Array) -> None:
         """See the base class; what the cells carry is a coefficient and is packed anew."""
         self._frames.frames[:] = H
-        forces = fem.assemble_vector(self._forms.residual).array
-        self._last[:, :_FIVE], self._last[:, _FIVE:] = forces.reshape(-1, _FIVE), 0.0
+        forces, on_nodes = fem.assemble_vector(self._forms.residual).array, out.reshape(-1, 6)
+        self._last[:, :_FIVE] = forces.reshape(-1, _FIVE)
+        on_nodes += self._last
         if self._drilling is not None:
-            self._drilling.add_forces(H, self._last.reshape(-1))
-        out.reshape(-1, 6)[:] += self._last
+            self._drilling.add_forces(H, on_nodes)
 
     def energy(self, H: Array) -> float:
         """See the base class; mixed fields become those of these frames before."""
@@ -91,9 +99,9 @@ class ShellAssembly(Assembly):
         """Derivatives in twists, as of any other body; the forces are those of the last call."""
         blocks = np.zeros((len(self.indices), 6, 6))
         blocks[:, :_FIVE, :_FIVE] = self._assembled(H, form).reshape(-1, _FIVE, _FIVE)
-        if self._drilling is not None:
-            blocks += self._drilling.tangent(H)
         add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
+        if self._drilling is not None:
+            self._drilling.add_tangent(H, blocks)
         return blocks
 
     def settle(self, H: Array) -> None:
@@ -120,7 +128,7 @@ class ShellAssembly(Assembly):
         """See the base class."""
         super().clear_stress()
         if self._drilling is not None:
-            self._drilling.clear_stress()
+            self._drilling.carried[:] = 0.0
 
     @property
     def carried(self) -> Array:
@@ -134,4 +142,4 @@ class ShellAssembly(Assembly):
         size = len(super().carried)
         super().carried[:] = carried[:size]
         if self._drilling is not None:
-            self._drilling.restore(carried[size:])
+            self._drilling.carried[:] = carried[size:]

@@ -83,21 +83,3 @@ def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
     S, e = cells.stress(s), strain(list(a), cells.point, cells.centroid)
     density = law(e) + ufl.inner(S, mixed.strain - e)
     return cells.forms((density + mixed.density) * cells.dx, mixed.local)
-
-
-def drilling_alone(cells: ShellCells) -> LocalFrameForms:
-    """``∫ ½ γ c²`` of six parameters, to be added to the forms of any element with five.
-
-    The two have nothing in common but places; apart they compile in a fraction of the time.
-
-    Args:
-        cells: Cells with a drilling stiffness.
-
-    Raises:
-        ValueError: They have none.
-    """
-    if cells.drilling is None:
-        raise ValueError("there is no drilling without a drilling stiffness")
-    strain = ufl.as_vector([cells.drilling])
-    law = lambda c: 0.5 * cells.drilling_stiffness * c[0] ** 2  # noqa: E731
-    return cells.forms(StrainEnergy(strain, law, cells.dx))

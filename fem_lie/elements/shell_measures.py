@@ -47,13 +47,6 @@ class StrainMeasures:
     stresses: StressModes | None = QUADRILATERAL
     bubble: bool = False
 
-    @property
-    def plain(self) -> StrainMeasures:
-        """Cells with the same points and no cure against locking, for what asks for no strain."""
-        return StrainMeasures(
-            self.cell, self.degree, self.quadrature_degree, shear=strains.shear, stresses=None
-        )
-
 
 MITC4 = StrainMeasures()
 """Four nodes; the mixed elements with it are those of Gruttmann & Wagner."""
