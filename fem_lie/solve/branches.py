@@ -68,7 +68,7 @@ def branch(
             f"{model.system.numbering.total}"
         )
     model.restore(station.state)
-    h = np.zeros(model.system.size)
+    h: Array = np.zeros(model.system.size)
     h[: 6 * len(leaders)] = shape[leaders].ravel()
     size = _AMPLITUDE * model.diameter
     if critical.crossed:
