@@ -220,6 +220,12 @@ def test_bad_scenes_are_refused(deep):
         fl.buckling(free)
     with pytest.raises(ValueError, match="must be a state of this scene"):
         fl.follow_path(arch(4)[0], start=deep[2].stations[0])
+    linked, crown = arch(4)
+    body = linked.add(fl.RigidBody(1.0, (1, 1, 1), (0, 110, 0)))
+    linked.add(fl.RigidLink(crown, body.centre))
+    with pytest.raises(ValueError, match="follows another node"):
+        control = fl.DisplacementControl(body.centre, (0, 0, 1), to=1.0)
+        fl.follow_path(linked, control=control)
     with pytest.raises(ValueError, match="needs a point"):
         control = fl.DisplacementControl(fl.ground(), (0, 0, 1), to=1.0)
         fl.follow_path(arch(4)[0], control=control)
