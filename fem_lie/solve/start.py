@@ -163,6 +163,13 @@ def set_start(
     return weights
 
 
+def constraint_rates(system: System, H: Array, v: Array) -> Array:
+    """``dΦ/dt`` at the twists ``v`` of all rows, shape (m,)."""
+    first, second = np.zeros(system.m), np.zeros(system.m)
+    constraints.rates(H, v, system.table, first, second)
+    return first
+
+
 def allowed_velocities(
     system: System, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
 ) -> Array:
@@ -176,14 +183,12 @@ def allowed_velocities(
         time: The time.
         step: As in :func:`accelerations`.
     """
-    n, m = system.count, system.m
+    n = system.count
     v, _ = with_driven(system, twist, time, step)
-    if m == 0:
+    if system.m == 0:
         return v
-    first, second = np.zeros(m), np.zeros(m)
-    constraints.rates(H, v, system.table, first, second)
     solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = first
+    solver.right_hand_side[6 * n :] = constraint_rates(system, H, v)
     _fill(system, H, step)
     solver.factorise()
     solver.solve()
