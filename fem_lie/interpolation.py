@@ -7,13 +7,16 @@ velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any other to
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie.results import Array, Result
+
+_OTHERWISE = ("times", "frames", "velocities", "iterations")
 
 
 def resampled(result: Result, times: npt.ArrayLike) -> Result:
@@ -30,19 +33,15 @@ def resampled(result: Result, times: npt.ArrayLike) -> Result:
     row = np.clip(np.searchsorted(kept, at, side="right") - 1, 0, len(kept) - 2)
     part = np.clip((at - kept[row]) / (kept[row + 1] - kept[row]), 0.0, 1.0)
     frames, velocities = motion(result, row, part)
-    return replace(
-        result,
-        times=at,
-        frames=frames,
-        velocities=velocities,
-        joint_forces=_between(result.joint_forces, row, part),
-        kinetic=_between(result.kinetic, row, part),
-        elastic=_between(result.elastic, row, part),
-        potential=_between(result.potential, row, part),
-        momentum=_between(result.momentum, row, part),
-        angular_momentum=_between(result.angular_momentum, row, part),
-        iterations=result.iterations[np.where(part < 1.0, row, row + 1)],
-    )
+    linear: dict[str, Any] = {
+        field.name: _between(values, row, part)
+        for field in fields(result)
+        if field.name not in _OTHERWISE
+        and isinstance(values := getattr(result, field.name), np.ndarray)
+    }
+    count = result.iterations[np.where(part < 1.0, row, row + 1)]
+    own = {"times": at, "frames": frames, "velocities": velocities, "iterations": count}
+    return replace(result, **linear, **own)
 
 
 def motion(result: Result, row: npt.NDArray[np.int64], part: Array) -> tuple[Array, Array]:

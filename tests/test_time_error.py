@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
@@ -334,14 +334,12 @@ def test_resampled_is_of_fourth_order():
 
 
 def thinned(result: fl.Result, every: int) -> fl.Result:
-    arrays = {
-        name: getattr(result, name)[::every]
-        for name in (
-            *("times", "frames", "velocities", "joint_forces", "kinetic", "elastic"),
-            *("potential", "momentum", "angular_momentum", "iterations"),
-        )
+    rows = {
+        field.name: value[::every]
+        for field in fields(result)
+        if isinstance(value := getattr(result, field.name), np.ndarray)
     }
-    return replace(result, **arrays)
+    return replace(result, **rows)
 
 
 def test_resampled_meets_what_was_kept_and_screws_exactly():

@@ -10,22 +10,13 @@ from tqdm import tqdm
 from fem_lie._jit import Array
 from fem_lie.results import Result
 from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.step_control import Control
 from fem_lie.solve.time_error import StepError
 from fem_lie.step_history import StepHistory
 from fem_lie.system import System
 
 _ROWS = 256
 _PERCENT = 100
-_KEPT = (
-    "frames",
-    "velocities",
-    "joint_forces",
-    "times",
-    "invariants",
-    "elastic",
-    "potential",
-    "iterations",
-)
 
 
 class GrowingRecorder(Recorder):
@@ -55,9 +46,10 @@ class GrowingRecorder(Recorder):
         self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
 
     def _grow(self) -> None:
-        for name in _KEPT:
-            old = getattr(self, name)
-            setattr(self, name, np.concatenate([old, np.empty_like(old)]))
+        rows = len(self.times)
+        for name, old in vars(self).items():
+            if isinstance(old, np.ndarray) and len(old) == rows:
+                setattr(self, name, np.concatenate([old, np.empty_like(old)]))
 
 
 @dataclass
@@ -103,6 +95,37 @@ class StepLog:
             if node in numbering.attachment.leader[nodes]:
                 return body.label
         raise AssertionError("a node without a body")
+
+    def underflow(
+        self, control: Control, time: float, h: float, error: StepError | None, increment: float
+    ) -> str:
+        """What to say when the step becomes too small.
+
+        Args:
+            control: Of the steps.
+            time: Where the run stands.
+            h: Size of the last step that was tried.
+            error: Its error, ``None`` if it did not converge.
+            increment: Its last increment.
+        """
+        text = f"at time {time:.9g} a step of {h:.3g} "
+        if error is None:
+            return (
+                f"{text}did not converge, and smaller ones than {control.smallest:.3g} are not "
+                f"allowed: last increment {increment:.2e}"
+            )
+        moved = error.translation / control.tolerance >= error.rotation / control.rotation_tolerance
+        size, tolerance, unit, node = (
+            (error.translation, control.tolerance, "length", error.translation_node)
+            if moved
+            else (error.rotation, control.rotation_tolerance, "rad", error.rotation_node)
+        )
+        return (
+            f"{text}has an estimated error of {size / h:.3e} {unit} per time, wanted at most "
+            f"{tolerance:.3e}, and steps below {control.smallest:.3g} are not allowed; "
+            f"{self.body(node)} limits it. Name the times of jumps as events, or give a larger "
+            "tolerance or a smaller `smallest`"
+        )
 
     def complete(self, result: Result) -> Result:
         """The result with the history of its steps."""

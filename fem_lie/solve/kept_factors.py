@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver
-from fem_lie.system import System
+from fem_lie.solve.policies import Policy
 
 KEPT = 4
 """Step sizes whose factorisations are kept at the same time."""
@@ -51,11 +51,16 @@ class KeptFactors(DirectSolver):
         usable: Whether there is a factorisation that serves the present step.
     """
 
-    def __init__(self, system: System, prefix: str) -> None:
-        """Keep the matrix of ``system``; nothing is factorised yet."""
-        super().__init__(system.kkt.matrix, prefix)
-        self._args = system.kkt.matrix, prefix
-        self._rigid = not system.numbering.assemblies
+    def __init__(self, like: DirectSolver, *, rigid: bool) -> None:
+        """Nothing is factorised yet.
+
+        Args:
+            like: A solver for the same matrix.
+            rigid: Whether no body of the scene is elastic.
+        """
+        self._args = like._matrix, like._prefix, like._methods
+        super().__init__(*self._args)
+        self._rigid = rigid
         self._slots: list[_Slot] = []
         self._now: _Slot | None = None
         self._wanted, self._count = 1.0, 0
@@ -125,3 +130,23 @@ class KeptFactors(DirectSolver):
 def _near(a: float, b: float) -> bool:
     """Whether two step sizes, by their ``m``, are on the same level."""
     return bool(abs(np.log2(a / b)) < 0.1)
+
+
+class OrMissing(Policy):
+    """A policy that also wants a matrix where none serves."""
+
+    def __init__(self, inner: Policy, factors: KeptFactors) -> None:
+        """Ask ``inner`` where ``factors`` has one."""
+        self._inner, self._factors, self.rescue = inner, factors, inner.rescue  # type: ignore[misc]
+
+    def fresh(self) -> Policy:
+        """The same policy without memory."""
+        return OrMissing(self._inner.fresh(), self._factors)
+
+    def before_iteration(self, iteration: int) -> bool:
+        """When one of both wants it; factors are kept whole, constraints are not renewed alone."""
+        return bool(self._inner.before_iteration(iteration)) or not self._factors.usable
+
+    def after_step(self, iterations: int) -> None:
+        """Pass it on."""
+        self._inner.after_step(iterations)

@@ -186,6 +186,12 @@ def set_start(
     return weights
 
 
+def constraint_rates(system: System, H: Array, v: Array) -> Array:
+    """``dΦ/dt`` at the twists ``v`` of all rows, shape (m,)."""
+    first, _ = system.connections.rates(H, v)
+    return first
+
+
 def allowed_velocities(
     system: System, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
 ) -> Array:
@@ -199,13 +205,13 @@ def allowed_velocities(
         time: The time.
         step: As in :func:`accelerations`.
     """
-    n, m = system.count, system.m
+    n = system.count
     v, _ = with_driven(system, twist, time, step)
-    if m == 0:
+    if system.m == 0:
         return v
-    first, _ = system.connections.rates(H, v)
     solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = first - system.connections.target_rates(time, step)[0]
+    solver.right_hand_side[6 * n :] = constraint_rates(system, H, v)
+    solver.right_hand_side[6 * n :] -= system.connections.target_rates(time, step)[0]
     _fill(system, H, step)
     solver.factorise()
     solver.solve()

@@ -139,6 +139,8 @@ class TimeError:
         r[:] = 0.0
         forces = r[: 6 * n].reshape(n, 6)
         pull(H1, self._work[1], mass, forces)
+        if system.supports:
+            system.supports.turn(H1, forces)
         if self._held is not None:
             forces[self._held] = 0.0
 

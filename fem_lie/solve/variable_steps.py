@@ -22,17 +22,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_lie import constraints, lie
+from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.generalised_alpha import _Run
 from fem_lie.solve.growing_recorder import GrowingRecorder, StepLog
-from fem_lie.solve.kept_factors import KeptFactors
-from fem_lie.solve.linear import ConvergenceError, DirectSolver
-from fem_lie.solve.policies import Policy
+from fem_lie.solve.kept_factors import KeptFactors, OrMissing
+from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.scheme import ROTATION, ROUND_OFF, parameters
-from fem_lie.solve.start import allowed_velocities, check_velocities, set_start, with_driven
+from fem_lie.solve.start import (
+    allowed_velocities,
+    check_velocities,
+    constraint_rates,
+    set_start,
+    with_driven,
+)
 from fem_lie.solve.step_control import Control, StepChoice
 from fem_lie.solve.time_error import StepError, TimeError
 from fem_lie.system import System
@@ -75,24 +80,6 @@ def run(
     return _VariableRun(options, system, control, choice.refinement).integrate_all(recorder)
 
 
-class _OrMissing(Policy):
-    """A policy that also wants a matrix where none serves."""
-
-    def __init__(self, inner: Policy, factors: KeptFactors) -> None:
-        self._inner, self._factors, self.rescue = inner, factors, inner.rescue  # type: ignore[misc]
-
-    def fresh(self) -> Policy:
-        return _OrMissing(self._inner.fresh(), self._factors)
-
-    def before_iteration(self, iteration: int) -> bool:
-        # factors are kept whole: constraints are not renewed alone
-        due = self._inner.before_iteration(iteration)
-        return bool(due) or not self._factors.usable
-
-    def after_step(self, iterations: int) -> None:
-        self._inner.after_step(iterations)
-
-
 class _VariableRun(_Run):
     """State of one integration with steps that change."""
 
@@ -101,11 +88,11 @@ class _VariableRun(_Run):
     ) -> None:
         super().__init__(options, system, control.size)
         self.control, self._h = control, control.size
-        prefix = options.petsc_options_prefix
-        self._starter = DirectSolver(system.kkt.matrix, prefix)
-        self.solver = self.factors = KeptFactors(system, prefix)
+        self._starter = self.solver
+        self.factors = KeptFactors(self._starter, rigid=not system.numbering.assemblies)
+        self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
-        self.policy = _OrMissing(self.policy, self.factors)
+        self.policy = OrMissing(self.policy, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
         self._rejections = 0
         self._error, self._log = TimeError(system), StepLog(system)
@@ -151,12 +138,12 @@ class _VariableRun(_Run):
         v = system.velocities.copy()
         v[:n] = s.twist1
         v, _ = with_driven(system, v, time, self._h)
-        wanted, found, unused = (np.zeros(system.m) for _ in range(3))
-        constraints.rates(s.H, v, system.table, wanted, unused)
+        wanted = constraint_rates(system, s.H, v)
+        wanted -= system.connections.target_rates(time, self._h)[0]
         across = np.zeros_like(v)
         self.r[: 6 * n] = 0.0
         for _ in range(SWEEPS):
-            constraints.rates(s.H, across, system.table, found, unused)
+            found = constraint_rates(system, s.H, across)
             # the rows of the kept matrix are scaled as they were when it was made
             scale = self.factors.scale() * self.factors.factor
             self.r[6 * n :] = scale * (share * wanted - found)
@@ -194,7 +181,7 @@ class _VariableRun(_Run):
                 ended, iterations = self._advance(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
                     result = self._completed(recorder, clock.perf_counter() - begin)
-                    raise ConvergenceError(self._underflow(time), result)
+                    raise ConvergenceError(self._log.underflow(control, time, *self._last), result)
                 if not iterations:
                     continue
                 index, time = index + 1, ended
@@ -218,7 +205,7 @@ class _VariableRun(_Run):
         error = self._estimate(before) if iterations else None
         e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
         if error is None or e > 1.0:
-            self._last = h, error
+            self._last = h, error, self._increment
             self._log.rejected.append(end)
             self._restore(before)
             control.reject(e)
@@ -316,25 +303,3 @@ class _VariableRun(_Run):
         self.scale[:] = scale
         self._fill(stressed, self._ahead(), turned=self._turned)
         self.factors.keep(scale)
-
-    def _underflow(self, time: float) -> str:
-        """What to say when the step becomes too small."""
-        h, error = self._last
-        control, text = self.control, f"at time {time:.9g} a step of {h:.3g} "
-        if error is None:
-            return (
-                f"{text}did not converge, and smaller ones than {control.smallest:.3g} are not "
-                f"allowed: last increment {self._increment:.2e}"
-            )
-        moved = error.translation / control.tolerance >= error.rotation / control.rotation_tolerance
-        size, tolerance, unit, node = (
-            (error.translation, control.tolerance, "length", error.translation_node)
-            if moved
-            else (error.rotation, control.rotation_tolerance, "rad", error.rotation_node)
-        )
-        return (
-            f"{text}has an estimated error of {size / h:.3e} {unit} per time, wanted at most "
-            f"{tolerance:.3e}, and steps below {control.smallest:.3g} are not allowed; "
-            f"{self._log.body(node)} limits it. Name the times of jumps as events, or give a "
-            "larger tolerance or a smaller `smallest`"
-        )
