@@ -13,7 +13,7 @@ from shell_models import quartic
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.info import BodyInfo, SceneInfo
-from fem_lie.patches import patches
+from fem_lie.shared_values import shared_values
 from fem_lie.plane_tensors import mises, principal, turned
 from fem_lie.quantities import COMPONENTS
 from fem_lie.recovery import planes
@@ -295,7 +295,7 @@ def test_values_at_edges_are_those_of_planes():
 def test_edges_are_where_the_mesh_ends():
     for cell in ("triangle", "quadrilateral"):
         mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 3), cell=cell)
-        groups = patches(mesh, lambda a, b, i, j: np.ones(len(a), dtype=bool))
+        groups = shared_values(mesh, lambda a, b, i, j: np.ones(len(a), dtype=bool))
         x, y, _ = mesh.points.T
         outside = (np.minimum(x, y) < 1e-9) | (np.maximum(x, y) > 1 - 1e-9)
         np.testing.assert_array_equal(groups.edge, outside)
