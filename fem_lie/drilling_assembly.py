@@ -15,6 +15,7 @@ import basix
 import numpy as np
 
 from fem_lie._jit import Array, Indices, compiled
+from fem_lie.elements.shell_maps import add_turning
 
 
 @compiled
@@ -82,16 +83,23 @@ def _add_forces(H, cells, N, G, A, rest, weight, out):  # type: ignore[no-untype
 
 @compiled
 def _add_tangent(H, cells, N, G, A, weight, stress, place, K):  # type: ignore[no-untyped-def]
-    """``∂r/∂h`` in twists: ``w n nᵀ + S ∂n/∂h`` with the carried stress ``S`` times area."""
+    """Second derivative along :func:`~fem_lie.elements.shell_maps.retract`.
+
+    ``∂r/∂h`` in twists is ``w n nᵀ + S ∂n/∂h`` with the carried stress ``S`` times area; what that
+    motion has beyond is of the carried forces ``S n``, too.
+    """
     k = cells.shape[1]
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
-    n, Q, M = np.empty((k, 6)), np.empty((3, 3)), np.empty((3, 3))
+    n, force, Q, M = np.empty((k, 6)), np.empty(6), np.empty((3, 3)), np.empty((3, 3))
     for e in range(cells.shape[0]):
         for g in range(N.shape[0]):
             _point(H, cells[e], N[g], G[e, g], A[e], x, a, y, n)
             w, S = weight[e, g], stress[e, g]
             for j in range(k):
                 frame, own = H[cells[e, j]], K[place[e, j, j]]
+                for d in range(6):
+                    force[d] = S * n[j, d]
+                add_turning(force, 1.0, own)
                 _local(frame, x[1], y[0])
                 _local(frame, x[0], y[1])
                 for d in range(3):
@@ -212,7 +220,7 @@ class DrillingAssembly:
         return float(0.5 * np.sum(self._weight * c**2))
 
     def add_tangent(self, H: Array, blocks: Array) -> None:
-        """Add the derivative in twists, with the carried stress, to ``blocks`` (nnz, 6, 6)."""
+        """Add the tangent, as of a shell, with the carried stress, to ``blocks`` (nnz, 6, 6)."""
         shapes = self._cells, self._N, self._G, self._A
         _add_tangent(H, *shapes, self._weight, self._area * self._stress, self._place, blocks)
 

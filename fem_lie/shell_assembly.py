@@ -81,11 +81,11 @@ class ShellAssembly(Assembly):
     def add_forces(self, H: Array, out: Array) -> None:
         """See the base class; what the cells carry is a coefficient and is packed anew."""
         self._frames.frames[:] = H
-        forces, on_nodes = fem.assemble_vector(self._forms.residual).array, out.reshape(-1, 6)
-        self._last[:, :_FIVE] = forces.reshape(-1, _FIVE)
-        on_nodes += self._last
+        forces = fem.assemble_vector(self._forms.residual).array
+        self._last[:, :_FIVE], self._last[:, _FIVE:] = forces.reshape(-1, _FIVE), 0.0
         if self._drilling is not None:
-            self._drilling.add_forces(H, on_nodes)
+            self._drilling.add_forces(H, self._last)
+        out.reshape(-1, 6)[:] += self._last
 
     def energy(self, H: Array) -> float:
         """See the base class; mixed fields become those of these frames before."""
@@ -99,9 +99,9 @@ class ShellAssembly(Assembly):
         """Derivatives in twists, as of any other body; the forces are those of the last call."""
         blocks = np.zeros((len(self.indices), 6, 6))
         blocks[:, :_FIVE, :_FIVE] = self._assembled(H, form).reshape(-1, _FIVE, _FIVE)
-        add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
         if self._drilling is not None:
             self._drilling.add_tangent(H, blocks)
+        add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
         return blocks
 
     def settle(self, H: Array) -> None:
