@@ -4,8 +4,10 @@
 
 PETSc's solver adds increments to a vector. Here the vector holds the accumulated local increments
 of the nodes: each evaluation moves the nodes by what was added, so that the iteration is that of
-local frames. It begins at the unloaded state and is asked for load factor 1; the table says how
-far it came with several lengths of the step, and how many linear solutions it took.
+local frames. PETSc takes the load for a constant vector: the arch, whose loaded node turns, is
+written in fixed axes for it. It begins at the unloaded state and is asked for load factor 1; the
+table says how far it came with several lengths of the step, how many linear solutions it took, and
+whether it ended in the same state.
 """
 
 from __future__ import annotations
@@ -32,36 +34,56 @@ MOST = 400
 
 
 class Additive:
-    """A model whose state is a vector of accumulated increments."""
+    """A model whose state is a vector of accumulated increments, in fixed axes for beams."""
 
     def __init__(self, scene: fl.Scene, carried: bool) -> None:
+        """Begin unloaded."""
+        self.fixed = not any(isinstance(body, fl.Shell) for body in scene.bodies)
         self.model = StableEquilibrium(scene, "newtonal_model_", carried_stress=carried)
         self.x = np.zeros(self.model.system.size)
         self.factor, self.solutions, self.largest = 0.0, 0, 0.0
-        _, self.load = self.model.forces()
+        self.load = self.turned(self.model.forces()[1])
         self.matrix = self.model.system.kkt.matrix
 
     def residual(self, snes: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
         """Internal forces; PETSc subtracts the load."""
         self.move(x.array_r)
-        f.array[:] = self.model.forces()[0]
+        f.array[:] = self.turned(self.model.forces()[0])
 
     def jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         """The tangent of the present state."""
         self.move(x.array_r)
-        # loads fixed in space: for λ of the present state what they add is left to the residual
-        self.model.factorise(self.present())
+        self.fill()
         self.solutions += 1
+
+    def fill(self) -> None:
+        """The matrix, for the load factor that the present state is nearest to."""
+        model, system = self.model, self.model.system
+        model.factorise(self.present())
+        if self.fixed:
+            zero = np.zeros((system.count, 6))
+            state = model._H, zero, zero, model._multipliers, model._scale
+            system.fill_matrix(*state, zero, 0.0, 0.0, inertial=True)
+
+    def turned(self, r: np.ndarray, inverse: bool = False) -> np.ndarray:
+        """From local components to those along fixed axes, or the other way round."""
+        n = 6 * self.model.system.count
+        if not self.fixed:
+            return r
+        R = self.model._H[: n // 6, 1:]
+        pattern = "nij,nki->nkj" if not inverse else "nij,nkj->nki"
+        nodes = np.einsum(pattern, R, r[:n].reshape(-1, 2, 3))
+        return np.concatenate([nodes.ravel(), r[n:]])
 
     def present(self) -> float:
         """Load factor that balances the present state best."""
-        internal = self.model.forces()[0]
+        internal = self.turned(self.model.forces()[0])
         return float(internal @ self.load / (self.load @ self.load))
 
     def move(self, x: np.ndarray) -> None:
         """Go to a vector of increments."""
         if (x != self.x).any():
-            self.model.move(x - self.x)
+            self.model.move(self.turned(x - self.x, inverse=True))
             self.x = x.copy()
 
 
@@ -72,7 +94,7 @@ def run(
     additive = Additive(scene, carried)
     model = additive.model
     model.factorise(0.0)
-    first = 0.05 * np.linalg.norm(model.solve(additive.load))
+    first = 0.05 * np.linalg.norm(model.solve(model.forces()[1]))
     options = PETSc.Options("newtonal_")
     for name, value in {
         "snes_type": "newtonal",
@@ -83,6 +105,7 @@ def run(
         "snes_newtonal_lambda_min": -1.0,
         "snes_newtonal_psisq": 0.0,
         "snes_rtol": 1e-8,
+        "snes_stol": 0.0,  # x holds multipliers, beside which increments look small
         "snes_max_it": 10000,
         "ksp_type": "preonly",
         "pc_type": "lu",
