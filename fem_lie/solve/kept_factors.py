@@ -146,7 +146,7 @@ class OrMissing(Policy):
     def before_iteration(self, iteration: int) -> bool:
         """When one of both wants it."""
         due = self._inner.before_iteration(iteration)
-        return due or not self._factors.usable
+        return due if self._factors.usable else True
 
     def after_step(self, iterations: int) -> None:
         """Pass it on."""
