@@ -33,10 +33,20 @@ class GrowingRecorder(Recorder):
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
 
     def record_at(
-        self, time: float, index: int, H: Array, v: Array, multipliers: Array, iterations: int
+        self,
+        time: float,
+        index: int,
+        H: Array,
+        v: Array,
+        multipliers: Array,
+        iterations: int,
+        event: bool,
     ) -> None:
-        """Keep the step ``index``, which ends at ``time``, if it is one to be kept."""
-        if index % self._wanted and time < self._duration:
+        """Keep the step ``index``, which ends at ``time``, if it is one to be kept.
+
+        Events are: with two rows, of the sides before and after, and so are start and end.
+        """
+        if index % self._wanted and not event:
             self._count += iterations
             return
         if self.row == len(self.times):

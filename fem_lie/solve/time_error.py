@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import inertia
+from fem_lie import inertia, lie
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie._lie_tuples import cross, dot, load
 from fem_lie.frames import pull
@@ -101,6 +101,13 @@ def largest(e: Array) -> tuple[float, float, int, int]:
         if angle > rotation or angle != angle:
             rotation, second = angle, i
     return np.sqrt(translation), np.sqrt(rotation), first, second
+
+
+def largest_gaps(H: Array, other: Array) -> tuple[float, float]:
+    """Largest distances and angles between frames of the same nodes, shape (n, 4, 3)."""
+    gap = np.linalg.norm(other[:, 0] - H[:, 0], axis=1).max()
+    turned = lie.se3_relative(H, other)[:, 3:]
+    return float(gap), float(np.linalg.norm(turned, axis=1).max())
 
 
 class TimeError:

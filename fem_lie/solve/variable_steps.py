@@ -16,7 +16,6 @@ are rejected, accelerations are made consistent anew, as at the start.
 
 from __future__ import annotations
 
-import logging
 import time as clock
 from typing import TYPE_CHECKING
 
@@ -39,13 +38,11 @@ from fem_lie.solve.start import (
     with_driven,
 )
 from fem_lie.solve.step_control import Control, StepChoice
-from fem_lie.solve.time_error import StepError, TimeError
+from fem_lie.solve.time_error import StepError, TimeError, largest_gaps
 from fem_lie.system import System
 
 if TYPE_CHECKING:
     from fem_lie.solve.generalised_alpha import GeneralisedAlpha
-
-_log = logging.getLogger(__name__)
 
 ORDER = 2
 
@@ -95,6 +92,7 @@ class _VariableRun(_Run):
         self.policy = OrMissing(self.policy, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
         self._rejections = 0
+        self._last: tuple[float, StepError | None, float] = self._h, None, np.inf
         self._error, self._log = TimeError(system), StepLog(system)
         self._finer: _VariableRun | None = None
         if refinement > 1:
@@ -105,11 +103,10 @@ class _VariableRun(_Run):
 
     def _begin(self, h: float) -> None:
         """Start at time 0 with steps of size h."""
-        system, s = self.system, self.s
-        s.H[:] = s.H1[:] = system.frames
-        s.motion[:] = 0.0
+        s = self.s
+        s.H[:], s.H1[:], s.motion[:] = self.system.frames, self.system.frames, 0.0
         self._set_parameters(h)
-        self.weights[:] = set_start(system, self._starter, self.p, s)
+        self.weights[:] = set_start(self.system, self._starter, self.p, s)
         self.factors.use(self.p.mass)
         self._starter.factorisations = 0
 
@@ -174,7 +171,7 @@ class _VariableRun(_Run):
         self._begin(self.control.size)
         self._warm_up()
         system, s, control = self.system, self.s, self.control
-        recorder.record_at(0.0, 0, s.H, system.velocities, self.weights, 0)
+        recorder.record_at(0.0, 0, s.H, system.velocities, self.weights, 0, True)
         begin, index, time = clock.perf_counter(), 0, 0.0
         with recorder:
             while not control.finished:
@@ -185,7 +182,13 @@ class _VariableRun(_Run):
                 if not iterations:
                     continue
                 index, time = index + 1, ended
-                recorder.record_at(time, index, s.H, s.twist1, self.weights, iterations)
+                lands = time == control.next_event
+                recorder.record_at(time, index, s.H, s.twist1, self.weights, iterations, lands)
+                if lands:
+                    control.pass_event()
+                if lands and not control.finished:
+                    self._restart(time + self._side(time))
+                    recorder.record_at(time, index, s.H, s.twist1, self.weights, 0, lands)
         return self._completed(recorder, clock.perf_counter() - begin)
 
     def _completed(self, recorder: GrowingRecorder, seconds: float) -> Result:
@@ -214,10 +217,6 @@ class _VariableRun(_Run):
         self._rejections = 0
         self._log.add(end, h, error, self._measure(before, time, end, lands))
         control.accept(e)
-        if lands:
-            control.pass_event()
-            if not control.finished:
-                self._restart(end + self._side(end))
         return end, iterations
 
     def _try_again(self, time: float, index: int) -> None:
@@ -255,8 +254,8 @@ class _VariableRun(_Run):
             own[:] = saved
 
     def _estimate(self, before: tuple[Array, ...]) -> StepError:
-        s = self.s
-        self._error.load(self._h, before[2], s.H, s.d, s.vdot, self.factors.mass, self.r)
+        s, m = self.s, self.factors.mass
+        self._error.load(self._h, before[2], s.H, s.d, s.vdot, m, self.r)
         super()._solve()
         return self._error.of(self.dx)
 
@@ -275,10 +274,7 @@ class _VariableRun(_Run):
             last = k == self._parts
             if not finer._step_to(end if last else time + k * h, lands and last):
                 return np.nan, np.nan
-        n = self.system.count
-        gap = np.linalg.norm(finer.s.H[:n, 0] - self.s.H[:n, 0], axis=1).max()
-        relative = lie.se3_relative(self.s.H[:n], finer.s.H[:n])
-        return float(gap), float(np.linalg.norm(relative[:, 3:], axis=1).max())
+        return largest_gaps(self.s.H, finer.s.H)
 
     # --- what changes in a step ---
 
