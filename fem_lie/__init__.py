@@ -73,9 +73,17 @@ from fem_lie.shell_loads import AreaLoad, EdgeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.follow import PathResult, follow_loads
-from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
+from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha, Index
 from fem_lie.solve.linear import ConvergenceError
-from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
+from fem_lie.solve.policies import (
+    Automatic,
+    ConstraintsOnly,
+    EveryIteration,
+    Limit,
+    Never,
+    Policy,
+    Update,
+)
 from fem_lie.solve.statics import StaticResult, statics
 from fem_lie.solve.vibrations import vibrations
 from fem_lie.surface import SurfaceMesh, surface
@@ -97,6 +105,7 @@ __all__ = [
     "Clamp",
     "Collar",
     "Components",
+    "ConstraintsOnly",
     "ConvergenceError",
     "Coordinate",
     "Cylindrical",
@@ -118,6 +127,7 @@ __all__ = [
     "HellingerReissner",
     "HuWashizu",
     "InPlane",
+    "Index",
     "Joint",
     "KnifeEdge",
     "Limit",
@@ -166,6 +176,7 @@ __all__ = [
     "Temperature",
     "Units",
     "Universal",
+    "Update",
     "Warping",
     "director_strains",
     "follow_loads",

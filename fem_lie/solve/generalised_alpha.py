@@ -27,6 +27,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve import free_bodies
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy, Update
+from fem_lie.solve.projection import project
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.scheme import (
     DIVERGED,
@@ -58,6 +59,17 @@ class Components(IntEnum):
     INERTIAL = 1
 
 
+class Index(IntEnum):
+    """Which constraints hold at the end of each step, to the tolerance of the iteration.
+
+    ``THREE``: those of positions; velocities satisfy them to second order. ``STABILISED_TWO``:
+    velocities, too, see :mod:`fem_lie.solve.projection`.
+    """
+
+    THREE = 3
+    STABILISED_TWO = 2
+
+
 @dataclass(frozen=True)
 class GeneralisedAlpha:
     """Options of the scheme; :meth:`run` integrates.
@@ -73,6 +85,7 @@ class GeneralisedAlpha:
         max_iterations: More in one step are a failure.
         parametrisation: The map from increments to rotations.
         components: In which components the iteration matrix is kept.
+        index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
@@ -82,6 +95,7 @@ class GeneralisedAlpha:
     max_iterations: int = 30
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
     components: Components = Components.LOCAL
+    index: Index = Index.THREE
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
     def __post_init__(self) -> None:
@@ -89,7 +103,7 @@ class GeneralisedAlpha:
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
         # plain numbers are welcome, others raise ValueError
-        Parametrisation(self.parametrisation), Components(self.components)
+        Parametrisation(self.parametrisation), Components(self.components), Index(self.index)
         if not self.tolerance > 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance > 0 and max_iterations ≥ 1, got "
@@ -147,6 +161,7 @@ class _Run:
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
         _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
+        self._projects = options.index == Index.STABILISED_TWO and system.m > 0
         self._turned = options.components == Components.INERTIAL
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
@@ -261,6 +276,9 @@ class _Run:
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
+                if self._projects:
+                    time = self._index * self.p.h
+                    project(system, self.solver, s, self.scale, time, self.p.h)
                 accept(*self._plain)
                 return iteration
             if not self._increment < DIVERGED:
