@@ -73,8 +73,9 @@ from fem_lie.shell_loads import AreaLoad, EdgeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.follow import PathResult, follow_loads
-from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha, Index
+from fem_lie.solve.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import (
     Automatic,
     ConstraintsOnly,

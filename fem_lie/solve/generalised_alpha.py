@@ -15,7 +15,6 @@ from __future__ import annotations
 import logging
 import time as clock
 from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve import free_bodies
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy, Update
 from fem_lie.solve.projection import project
 from fem_lie.solve.recorder import Recorder
@@ -45,29 +45,6 @@ from fem_lie.system import System
 _log = logging.getLogger(__name__)
 
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
-
-
-class Components(IntEnum):
-    """In which components the iteration matrix is kept; the solution is the same.
-
-    ``LOCAL``: along the nodes' own axes, where it hardly changes. ``INERTIAL``: along fixed axes,
-    where it turns with the bodies, as in formulations with rotation vectors in the inertial frame:
-    slower, there to compare with.
-    """
-
-    LOCAL = 0
-    INERTIAL = 1
-
-
-class Index(IntEnum):
-    """Which constraints hold at the end of each step, to the tolerance of the iteration.
-
-    ``THREE``: those of positions; velocities satisfy them to second order. ``STABILISED_TWO``:
-    velocities, too, see :mod:`fem_lie.solve.projection`.
-    """
-
-    THREE = 3
-    STABILISED_TWO = 2
 
 
 @dataclass(frozen=True)
