@@ -87,11 +87,20 @@ from fem_lie.solve.buckling import buckling
 from fem_lie.solve.controls import DisplacementControl, LoadControl
 from fem_lie.solve.equilibrium import statics
 from fem_lie.solve.follow import PathResult, follow_loads
-from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
+from fem_lie.solve.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.options import Components, Index
 from fem_lie.solve.path import follow_path
 from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath, PathState
-from fem_lie.solve.policies import Automatic, EveryIteration, Limit, Never, Policy
+from fem_lie.solve.policies import (
+    Automatic,
+    ConstraintsOnly,
+    EveryIteration,
+    Limit,
+    Never,
+    Policy,
+    Update,
+)
 from fem_lie.solve.statics import StaticResult
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.vibrations import vibrations
@@ -119,6 +128,7 @@ __all__ = [
     "Collar",
     "Components",
     "ConstantStep",
+    "ConstraintsOnly",
     "ConvergenceError",
     "Coordinate",
     "Critical",
@@ -146,6 +156,7 @@ __all__ = [
     "HuWashizu",
     "Imperfection",
     "InPlane",
+    "Index",
     "Joint",
     "KnifeEdge",
     "Limit",
@@ -203,6 +214,7 @@ __all__ = [
     "Temperature",
     "Units",
     "Universal",
+    "Update",
     "VolumeLoad",
     "Warping",
     "branch",

@@ -37,7 +37,7 @@ _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
 def applies(scene: Scene, policy: Policy) -> bool:
     """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
-    held = scene.joints or scene.clamps or scene.motions or scene.links
+    held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
     rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
     return bool(scene.bodies) and rigid and not held and policy.rule() is not None
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 import logging
 import time as clock
 from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 
@@ -31,7 +30,9 @@ from fem_lie.solve.linear import (
     SingularMatrixError,
     methods_in_time,
 )
+from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import Automatic, EveryIteration, Policy, Update
+from fem_lie.solve.projection import project
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.scheme import (
     DIVERGED,
@@ -52,18 +53,6 @@ _log = logging.getLogger(__name__)
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
 
 
-class Components(IntEnum):
-    """In which components the iteration matrix is kept; the solution is the same.
-
-    ``LOCAL``: along the nodes' own axes, where it hardly changes. ``INERTIAL``: along fixed axes,
-    where it turns with the bodies, as in formulations with rotation vectors in the inertial frame:
-    slower, there to compare with.
-    """
-
-    LOCAL = 0
-    INERTIAL = 1
-
-
 @dataclass(frozen=True)
 class GeneralisedAlpha:
     """Options of the scheme; :meth:`run` integrates.
@@ -79,6 +68,7 @@ class GeneralisedAlpha:
         max_iterations: More in one step are a failure.
         parametrisation: The map from increments to rotations.
         components: In which components the iteration matrix is kept.
+        index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
@@ -88,6 +78,7 @@ class GeneralisedAlpha:
     max_iterations: int = 30
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
     components: Components = Components.LOCAL
+    index: Index = Index.THREE
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
     def __post_init__(self) -> None:
@@ -95,7 +86,7 @@ class GeneralisedAlpha:
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
         # plain numbers are welcome, others raise ValueError
-        Parametrisation(self.parametrisation), Components(self.components)
+        Parametrisation(self.parametrisation), Components(self.components), Index(self.index)
         if not self.tolerance > 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance > 0 and max_iterations ≥ 1, got "
@@ -158,6 +149,7 @@ class _Run:
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
         _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
+        self._projects = options.index == Index.STABILISED_TWO and system.m > 0
         self._turned = options.components == Components.INERTIAL
         if self._turned and system.supports:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
@@ -169,6 +161,7 @@ class _Run:
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
+        self._end = 0.0
 
     # --- start ---
 
@@ -210,7 +203,7 @@ class _Run:
                 if system.time_dependent:
                     system.set_time(index * h)
                     s.H1[system.count + 1 :] = system.prescribed_frames(index * h)
-                self._index = index
+                self._index, self._end = index, index * h
                 iterations = self._step()
                 if iterations == 0:
                     seconds = clock.perf_counter() - begin
@@ -277,6 +270,8 @@ class _Run:
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
+                if self._projects:
+                    project(system, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)
                 if system.carried_drilling:
                     system.carried_drilling.turn_motion(s.H, s.motion, s.kinds, WRITTEN_LOCALLY)

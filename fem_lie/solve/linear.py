@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from petsc4py import PETSc
 
 import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from fem_lie.system import System
@@ -165,6 +166,13 @@ class DirectSolver:
         if pc.getFactorSolverType() != "mumps":
             return 0  # others exist for positive definite matrices only
         return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
+
+    def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The matrix times ``x``."""
+        given, product = (self._matrix.createVecRight() for _ in range(2))
+        given.array[:] = x
+        self._matrix.mult(given, product)
+        return np.array(product.array, dtype=np.float64)
 
     def solve(self) -> None:
         """Solve with the last factorisation."""

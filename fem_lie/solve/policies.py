@@ -150,7 +150,7 @@ class Automatic(Policy):
     converges badly the constraints are refreshed, and if that does not help all is made anew.
     """
 
-    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 20.0) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 40.0) -> None:
         """Set the costs.
 
         Args:

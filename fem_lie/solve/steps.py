@@ -145,6 +145,20 @@ def correct(
 
 
 @compiled
+def change_velocities(state: tuple[Any, ...], dx: Array) -> None:
+    """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
+    _, H1, motion, kinds = state
+    _, _, _, _, v1, vdot1, twist, rate = _parts(motion)
+    for i in range(v1.shape[0]):
+        x = dx[6 * i : 6 * i + 6]
+        if kinds[i] & 1:
+            store(x, 0, global_components(H1[i], load(x, 0)))
+        for k in range(6):
+            v1[i, k] -= x[k]
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+
+
+@compiled
 def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
     H, H1, motion, _ = state

@@ -233,7 +233,7 @@ class _VariableRun(_Run):
 
     def _step_to(self, end: float, lands: bool) -> int:
         """The iterations of a step that ends there, 0 if it failed."""
-        system, s = self.system, self.s
+        system, s, self._end = self.system, self.s, end
         if system.time_dependent:
             seen = end - self._side(end) if lands else end
             system.set_time(seen)

@@ -1,0 +1,170 @@
+"""Joints, springs, drives and gears at work: each against a motion that is known."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.options import Index
+
+Z = (0, 0, 1)
+SCHEME = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
+
+
+def body(scene: fl.Scene, position=(0, 0, 0), inertia=(0.1, 0.2, 0.3), mass=2.0) -> fl.RigidBody:
+    return scene.add(fl.RigidBody(mass, inertia, position))
+
+
+def test_a_nut_falls_on_its_thread():
+    """m a = −m g + F, J α = −F p/2π, a = α p/2π."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    nut = body(scene)
+    screw = scene.add(fl.Screw(fl.ground(), nut.centre, axis=Z, pitch=0.5))
+    result = SCHEME.run(scene, duration=2.0, step=1e-2)
+    lead = 0.5 / (2 * np.pi)
+    a = -9.81 * 2.0 * lead**2 / (2.0 * lead**2 + 0.3)
+    # constant accelerations are exact in generalised-α, many turns are counted
+    np.testing.assert_allclose(
+        result.coordinate(screw, "displacement"), 0.5 * a * result.times**2, atol=1e-8
+    )
+    angle = result.coordinate(screw, "angle")
+    assert angle[-1] < -3 * np.pi
+    np.testing.assert_allclose(angle * lead, result.coordinate(screw, "displacement"), atol=1e-9)
+    assert result.energy_error < 1e-9
+
+
+def test_wheels_on_a_gear_turn_against_each_other():
+    """A weight's torque on the first wheel turns both: inertia J₁ + J₂/i²; motor and rack, too."""
+    scene = fl.Scene()
+    one, two = body(scene), body(scene, (1, 0, 0), (0.3, 0.3, 0.5))
+    first = scene.add(fl.Revolute(fl.ground(), one.centre, axis=Z))
+    second = scene.add(fl.Revolute(fl.ground(), two.centre, axis=Z, name="second"))
+    gear = scene.add(fl.Gear(first.angle, second.angle, ratio=2.0))
+    scene.add(fl.PointLoad(one.centre, moment=(0, 0, 0.7)))
+    result = SCHEME.run(scene, duration=3.0, step=1e-2)
+    alpha = 0.7 / (0.3 + 0.5 / 4)
+    turned = 0.5 * alpha * result.times**2
+    np.testing.assert_allclose(result.coordinate(first), turned, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(result.coordinate("second"), -turned / 2, rtol=0, atol=1e-7)
+    # on point a of the first joint acts what keeps the first wheel back
+    moment = result.joint_force(gear)[5:, 5]
+    np.testing.assert_allclose(moment, 0.7 - 0.3 * alpha, atol=1e-6)
+    assert result.coordinate(gear, "angle").shape == result.times.shape
+
+
+@pytest.mark.parametrize("index", Index)
+def test_shafts_on_a_universal_joint(index):
+    """tan φ₂ = tan φ₁ / cos β with the first fork in the plane of the shafts, over two turns."""
+    bend, speed = np.radians(30.0), 2 * np.pi
+    scene = fl.Scene()
+    axis = np.array([np.cos(bend), np.sin(bend), 0])
+    one, two = body(scene, (-0.5, 0, 0)), body(scene, 0.5 * axis, (0.2,) * 3)
+    first = scene.add(fl.Revolute(fl.ground(), one.centre, at=(-1, 0, 0), axis=(1, 0, 0)))
+    # the axis fixed to the first shaft is across it and in the plane of both
+    cross = fl.Universal(one.centre, two.centre, at=(0, 0, 0), axis=(0, 1, 0), second=Z)
+    scene.add(cross)
+    # a bearing at the end of the second shaft that lets it slide
+    for across in (Z, (-np.sin(bend), np.cos(bend), 0)):
+        scene.add(fl.InPlane(fl.ground(), two.centre, at=axis, axis=across))
+    scene.add(fl.Drive(first.angle, lambda t: speed * t))
+    one.turn((speed, 0, 0), about=(0, 0, 0))
+    two.turn(speed / np.cos(bend) * axis, about=(0, 0, 0))
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, index=index)
+    result = scheme.run(scene, duration=2.0, step=2e-3)
+    phi = speed * result.times
+    turns = np.round(phi / np.pi) * np.pi
+    known = turns + np.arctan(np.tan(phi - turns) / np.cos(bend))
+    arm = result.rotation(two.centre)[:, :, 2]
+    second = np.unwrap(np.arctan2(-arm @ np.cross(Z, axis), arm[:, 2]))
+    np.testing.assert_allclose(second, known, rtol=0, atol=1e-8)
+    swing = np.abs(result.coordinate(cross, "angle")).max()
+    assert swing == pytest.approx(bend, abs=1e-4)
+
+
+def test_springs_swing_and_dampers_damp():
+    """Frequency √(k/m), decay c/2m, and a static displacement; the energy counts the spring."""
+    k, c, m = 50.0, 0.8, 2.0
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    slide = scene.add(fl.Prismatic(fl.ground(), body(scene, mass=m).centre, axis=Z))
+    spring = scene.add(fl.Spring(slide.displacement, stiffness=k, damping=c, name="spring"))
+    static = fl.statics(scene)
+    assert static.position("rigidbody 1.centre")[-1, 2] == pytest.approx(-m * 9.81 / k)
+    assert static.joint_force(spring)[-1, 2] == pytest.approx(-m * 9.81)
+    (s,) = fl.vibrations(scene, 1).eigenvalues
+    decay = c / (2 * m)
+    omega = np.sqrt(k / m - decay**2)
+    assert abs(s.real) == pytest.approx(decay) and abs(s.imag) == pytest.approx(omega)
+    result = SCHEME.run(scene, duration=2.0, step=1e-3)
+    t = result.times
+    swing = np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    known = -m * 9.81 / k * (1 - swing)
+    np.testing.assert_allclose(result.coordinate(spring), known, rtol=0, atol=1e-5)
+    stored = 0.5 * k * result.coordinate(slide) ** 2
+    np.testing.assert_allclose(result.elastic, stored, atol=1e-12)
+
+
+def test_planar_joint_keeps_to_its_plane():
+    """A puck flies straight on and turns; its coordinates are those of the plane's axes."""
+    scene = fl.Scene(gravity=(0, -9.81, 0))
+    puck = body(scene)
+    floor = scene.add(fl.Planar(fl.ground(), puck.centre, axis=(0, 1, 0), second=(0, 0, 1)))
+    puck.turn((0, 3.0, 0), about=(0, 0, 0))
+    puck.move((0.4, 0, 0.3))
+    result = SCHEME.run(scene, duration=3.0, step=1e-2)
+    t = result.times
+    np.testing.assert_allclose(result.coordinate(floor, "displacement 1"), 0.3 * t, atol=1e-9)
+    np.testing.assert_allclose(result.coordinate(floor, "displacement 2"), 0.4 * t, atol=1e-9)
+    np.testing.assert_allclose(result.coordinate(floor, "angle"), 3.0 * t, atol=1e-9)
+    # what the ground feels across the plane: the weight
+    np.testing.assert_allclose(result.joint_force(floor)[:, 2], -2.0 * 9.81, atol=1e-6)
+
+
+def test_massless_rod_is_a_pendulum():
+    """A distance that is kept, against the reference of a point mass on a rod (IFToMM A01)."""
+    scene = fl.Scene(gravity=(0, -9.81, 0))
+    ball = body(scene, (-1, 0, 0), (1e-6,) * 3, 1.0)
+    rod = fl.Distance(fl.ground(), ball.centre, at=(0, 0, 0))
+    keep = scene.add(fl.Drive(rod.length, name="rod"))
+    result = SCHEME.run(scene, duration=1.0, step=1e-3)
+    np.testing.assert_allclose(
+        result.position(ball.centre)[-1, :2], [0.9862917511, -0.1650108531], atol=1e-5
+    )
+    assert result.coordinate(keep) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_drive_in_statics_follows_the_load_factor():
+    section = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
+    hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=Z))
+    scene.add(fl.Drive(hinge.angle, lambda t: 2.0 * np.pi * 0.75 * t))
+    result = fl.statics(scene, load_steps=6)
+    np.testing.assert_allclose(result.position(beam.end)[-1], [0, -1, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda j: fl.Spring(j.angle), "not both 0"),
+        (lambda j: fl.Spring(j.angle, stiffness=-1.0), r"≥ 0.*-1"),
+        (lambda j: fl.Drive(j.angle, lambda t: 1.0 + t), "must start at 0, got 1"),
+        (lambda j: fl.Gear(j.angle, j.angle, ratio=0.0), "ratio"),
+        (lambda j: fl.Screw(j.a, j.b), "pitch"),
+        (lambda j: fl.Universal(j.a, j.b, axis=Z, second=(0, 1, 1)), "across the axis"),
+        (lambda j: fl.Distance(j.a, j.b), "a distance needs two"),
+        (lambda j: fl.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be positive"),
+        (lambda j: fl.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "that of the plane"),
+    ],
+)
+def test_bad_input_says_what_is_wrong(make, message):
+    scene = fl.Scene()
+    joint = fl.Revolute(fl.ground(), body(scene).centre, axis=Z)
+    with pytest.raises(ValueError, match=message):
+        scene.add(make(joint))
+
+
+def test_unknown_coordinate_names_those_that_exist():
+    scene = fl.Scene()
+    joint = scene.add(fl.Cylindrical(fl.ground(), body(scene).centre, axis=Z, name="pin"))
+    result = SCHEME.run(scene, duration=0.1, step=0.1)
+    with pytest.raises(ValueError, match=r"pin has no coordinate 'turn'.*angle, displacement"):
+        result.coordinate(joint, "turn")
