@@ -175,6 +175,11 @@ class System:
         self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
 
+    @property
+    def conservative(self) -> Array:
+        """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3)."""
+        return self._loads.constant
+
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
         frames = np.array([motion(time) for motion in self._motions]).reshape(-1, 4, 3)
