@@ -186,18 +186,24 @@ _EMPTY: dict[str, Indices] = {
 
 
 @compiled
-def _frames_into(H: Array, nodes: Indices, w: Array) -> None:
-    at = 0
+def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
+    """Frames ``H + more`` of a cell, seen from its first node: energies do not feel where it is."""
+    at, origin = 0, nodes[0]
     for i in range(nodes.shape[0]):
-        for k in range(4):
+        node = nodes[i]
+        for j in range(3):
+            # differences of the large parts are exact, those of the small ones have all digits
+            w[at] = (H[node, 0, j] - H[origin, 0, j]) + (more[node, 0, j] - more[origin, 0, j])
+            at += 1
+        for k in range(1, 4):
             for j in range(3):
-                w[at] = H[nodes[i], k, j]
+                w[at] = H[node, k, j] + more[node, k, j]
                 at += 1
 
 
 @compiled
-def evaluate(cells: tuple[Any, ...], H: Array, F: Array, W: Array) -> None:
-    """Forces ``F`` in the nodes' frames, shape (places, 6), and energies ``W`` (M,) at frames H.
+def evaluate(cells: tuple[Any, ...], H: Array, more: Array, F: Array, W: Array) -> None:
+    """Forces ``F`` in the nodes' frames, (places, 6), and energies ``W`` (M,) at ``H + more``.
 
     Local fields are brought to those of the frames by one step of Newton, exact where the energy is
     quadratic in them.
@@ -213,7 +219,7 @@ def evaluate(cells: tuple[Any, ...], H: Array, F: Array, W: Array) -> None:
         count, b = mine.shape[0], unknowns[e]
         for k in range(LOCAL + 1):
             if kernel[e, k] != 0:
-                _frames_into(H, mine, numba.carray(pointer(w[e, k]), (12 * count,)))
+                _frames_into(H, more, mine, numba.carray(pointer(w[e, k]), (12 * count,)))
         if n_s[e] > 0:
             out[: n_s[e]] = 0.0
             call_kernel(
@@ -248,14 +254,14 @@ def viscous_forces(cells: tuple[Any, ...], H: Array, v: Array, F: Array) -> None
     """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
     kernel, w, c, at, x, n_s, unknowns, first, nodes = cells
     place = stack(6 * 64)
-    out = numba.carray(place, (6 * 64,))
+    out, zero = numba.carray(place, (6 * 64,)), np.zeros_like(H)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
         count = mine.shape[0]
         F[first[e] : first[e + 1]] = 0.0
         if kernel[e, VISCOUS] == 0:
             continue
-        _frames_into(H, mine, numba.carray(pointer(w[e, VISCOUS]), (12 * count,)))
+        _frames_into(H, zero, mine, numba.carray(pointer(w[e, VISCOUS]), (12 * count,)))
         twists = numba.carray(pointer(w[e, VISCOUS] + 8 * at[e, VISCOUS]), (count, 6))
         for i in range(count):
             for k in range(6):

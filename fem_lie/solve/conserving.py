@@ -75,7 +75,8 @@ class State(NamedTuple):
         gap: Values of the constraints, (m,).
         F: Forces of the cells at the start, (places, 6).
         F1: At the end.
-        W1: Energies of the cells at the end, (M,).
+        W: Energies of the cells at the start, (M,).
+        W1: At the end.
         account: Work done on each cell, (M,).
         work: In this step.
     """
@@ -93,6 +94,7 @@ class State(NamedTuple):
     gap: Array
     F: Array
     F1: Array
+    W: Array
     W1: Array
     account: Array
     work: Array
@@ -102,7 +104,7 @@ class Work(NamedTuple):
     """Memory of a step without meaning between two of them.
 
     Attributes:
-        nodes: Start, end, mean, increments of all nodes, (4, N, 4, 3).
+        nodes: Start, end, mean, increments, and those with the rest, of all nodes, (5, N, 4, 3).
         steps: Their steps, and forces on them, (2, N, 6).
         forces: On the leaders, (n, 6).
         q: For inertia, (2, n, 4, 3).
@@ -156,7 +158,7 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], space: tuple[Any, .
     """Twice the balance of momenta over the step, along the half-way frames, and constraints."""
     cells, joints, mass, attachment, held, measure, scale, dead, h = model
     H, rest, H1, V, V1, step, delta, mean, middle = state[:9]
-    weights, gap, F, F1, W1, account, work = state[9:]
+    weights, gap, F = state[9:12]
     nodes, steps, forces, q, change, r = space
     n = step.shape[0]
     span(H, step, delta, mean, H1, middle)
@@ -168,7 +170,7 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], space: tuple[Any, .
         store(forces[i], 0, load_row(q[1, i], 0))
         store(forces[i], 3, moment)
     if F.shape[0] > 0:
-        _elements(cells, attachment, state, nodes, steps, forces)
+        _elements(cells, attachment, state, space)
     add_joints(mean, delta, joints, weights, change, forces)
     for i in range(n):
         m = middle[i]
@@ -208,18 +210,22 @@ def _elements(
     cells: tuple[Any, ...],
     attachment: tuple[Any, ...],
     state: tuple[Any, ...],
-    nodes: Array,
-    steps: Array,
-    forces: Array,
+    space: tuple[Any, ...],
 ) -> None:
     """Add the elastic forces to those on the leaders."""
     leader, offset, trivial = attachment
-    H, _, H1, _, _, step, delta, mean, _ = state[:9]
-    F, F1, W1, account, work = state[11:]
+    H, rest, H1, _, _, step, delta, mean, _ = state[:9]
+    F, F1, W, W1, account, work = state[11:]
+    q = space[3][0]
+    for i in range(step.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                q[i, k, j] = delta[i, k, j] + rest[i, k, j]
     if trivial:
-        elements.evaluate(cells, H1, F1, W1)
-        add_elastic(cells, (H, H1, F, F1, W1), (mean, delta, step), account, work, forces)
+        elements.evaluate(cells, H, q, F1, W1)
+        add_elastic(cells, (H, H1, F, F1, W, W1), (mean, delta, step), account, work, space[2])
         return
+    nodes, steps, forces = space[:3]
     follow(H, leader, offset, nodes[0])
     follow(H1, leader, offset, nodes[1])
     follow(mean, leader, offset, nodes[2])
@@ -228,8 +234,9 @@ def _elements(
         store(steps[0, i], 0, load_row(nodes[3, i], 0))
         store(steps[0, i], 3, load(step[leader[i]], 3))
     steps[1] = 0.0
-    elements.evaluate(cells, nodes[1], F1, W1)
-    ends = (nodes[0], nodes[1], F, F1, W1)
+    follow(q, leader, offset, nodes[4])
+    elements.evaluate(cells, nodes[0], nodes[4], F1, W1)
+    ends = (nodes[0], nodes[1], F, F1, W, W1)
     add_elastic(cells, ends, (nodes[2], nodes[3], steps[0]), account, work, steps[1])
     collect(leader, nodes[2], mean, steps[1], forces)
 
@@ -281,7 +288,7 @@ def correct(model: tuple[Any, ...], state: tuple[Any, ...], space: tuple[Any, ..
 def accept(model: tuple[Any, ...], state: tuple[Any, ...], space: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
     H, rest, H1, V, V1, step, delta = state[:7]
-    gap, F, F1, account, work = state[10], state[11], state[12], state[14], state[15]
+    gap, F, F1, W, W1, account, work = state[10:]
     change = space[4]
     n = step.shape[0]
     advance(H[:n], rest, delta[:n])
@@ -289,17 +296,19 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], space: tuple[Any, ...
         for k in range(4):
             store_row(H[i], k, load_row(H1[i], k))
     V[:] = V1
-    F[:] = F1
+    F[:], W[:] = F1, W1
     for e in range(account.shape[0]):
         account[e] += work[e]
     for c in range(gap.shape[0]):
         gap[c] += change[c]
 
 
-STEPS, ITERATION, TOTAL, BEST, ASKED = 0, 1, 2, 3, 4
-"""Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on."""
-PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT = 0, 1, 2, 3, 4
-"""Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment."""
+STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS = 0, 1, 2, 3, 4, 5
+"""Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on, and
+iterations of the present step that did not halve the increment."""
+PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR = 0, 1, 2, 3, 4, 5, 6
+"""Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
+least of the present step, and the least that round-off lets one expect."""
 DONE, MATRIX, FAILED = 0, 1, 2
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
 
@@ -330,8 +339,8 @@ def run(
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(model, state), numbers[MOTION])
-            numbers[PREVIOUS] = np.inf
-            counters[ITERATION] = 1
+            numbers[PREVIOUS] = numbers[LEAST] = np.inf
+            counters[ITERATION], counters[STALLS] = 1, 0
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             due = numbers[EXCESS] >= cost if iteration == 1 else (iteration - 1) % patience == 0
@@ -341,7 +350,7 @@ def run(
         residual(model, state, space)
         numbers[INCREMENT] = correction(model, space, factors)
         counters[TOTAL] += 1
-        settled = numbers[INCREMENT] > 0.5 * numbers[PREVIOUS] and numbers[INCREMENT] < ULPS
+        settled = _settled(counters, numbers)
         if settled or _converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not settled:
@@ -361,6 +370,21 @@ def run(
             numbers[PREVIOUS] = numbers[INCREMENT]
             counters[ITERATION] += 1
     return DONE
+
+
+@inlined
+def _settled(counters: Indices, numbers: Array) -> bool:
+    """Whether only round-off is left: twice no longer halved, or as small as that was before."""
+    increment, least = numbers[INCREMENT], numbers[LEAST]
+    if increment > 0.5 * least:
+        counters[STALLS] += 1
+    numbers[LEAST] = min(increment, least)
+    known = increment <= 2.0 * numbers[FLOOR]
+    if not known and (counters[STALLS] < 2 or increment > ULPS):
+        return False
+    floor = max(numbers[LEAST], 0.9 * numbers[FLOOR])
+    numbers[FLOOR] = floor if numbers[FLOOR] == 0.0 else min(floor, 2.0 * numbers[FLOOR])
+    return True
 
 
 @inlined

@@ -21,8 +21,9 @@ nodes' coordinates, the mean is that of Simo, Tarnow & Doblaré (IJNME 38 (1995)
 both ends, lever from the mean configuration, to third order.
 
 ``W`` itself has round-off: the ulp of positions times the force. Below that the factor would be
-noise, and the iteration would not settle. Each element has an account of the work that was done on
-it; the factor acts on what energy and account differ by beyond round-off. So nothing adds up.
+noise, and the iteration would not settle. So it acts on what is beyond, and each element has an
+account of the work that was done on it: when energy and account differ by more than round-off at
+the start of a step, the step makes that up. Nothing adds up.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ from fem_lie._lie_tuples import (
 )
 from fem_lie.solve.between import half, turned
 
-ROUND_OFF = 4 * float(np.finfo(np.float64).eps)
+ROUND_OFF = 16 * float(np.finfo(np.float64).eps)
 """Relative error of positions and energies from which an energy counts as known."""
 
 
@@ -225,15 +226,15 @@ def add_elastic(
 
     Args:
         cells: See :class:`~fem_lie.solve.cells.CellTable`.
-        ends: Frames of all nodes at start and end, (N, 4, 3), forces (places, 6) there, and
-            energies (M,) at the end.
+        ends: Frames of all nodes at start and end, (N, 4, 3), forces (places, 6) and
+            energies (M,) there.
         span: Means and increments (N, 4, 3) and steps (N, 6) of all nodes.
         account: Work done on each element up to the start of the step, shape (M,).
         work: That of this step, overwritten.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
     """
     unknowns, first, nodes = cells[6], cells[7], cells[8]
-    H0, H1, F0, F1, W1 = ends
+    H0, H1, F0, F1, W, W1 = ends
     mean, delta, step = span
     most = 1
     for e in range(unknowns.shape[0]):
@@ -247,8 +248,8 @@ def add_elastic(
         mean_forces(mine, director, H0, H1, F0[here], F1[here], mean, fit, A, f[:count])
         square = deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
-        reach = sqrt(fit[1]) + max(abs(fit[0][0]), abs(fit[0][1]), abs(fit[0][2]))
-        missing = beyond(W1[e] - account[e] - done, round_off(F1[here], reach))
+        noise, debt = round_off(F0[here], sqrt(fit[1])), W[e] - account[e]
+        missing = beyond(W1[e] - W[e] - done, 4.0 * noise) + (debt if abs(debt) > noise else 0.0)
         factor = missing / square if square > 0.0 else 0.0
         work[e] = done + factor * square
         for a in range(count):

@@ -55,8 +55,8 @@ class Run:
         self.s = State(
             system.frames.copy(), z((n, 4, 3)), system.frames.copy(), z((n, 4, 3)), z((n, 4, 3)),
             z((n, 6)), z((rows, 4, 3)), system.frames.copy(), system.frames.copy(),
-            z(m), z(m), z((P, 6)), z((P, 6)), z(M), z(M), z(M))
-        self.w = Work(z((4, N, 4, 3)), z((2, N, 6)), z((n, 6)), z((2, n, 4, 3)), z(m), z((3, 6 * n + m)))
+            z(m), z(m), z((P, 6)), z((P, 6)), z(M), z(M), z(M), z(M))
+        self.w = Work(z((5, N, 4, 3)), z((2, N, 6)), z((n, 6)), z((2, n, 4, 3)), z(m), z((3, 6 * n + m)))
         push(system.frames[:n], system.velocities[:n], self.s.V)
         turns = ~system.table.selection[:, :3].any(axis=1)
         measure = np.concatenate([
@@ -66,7 +66,7 @@ class Run:
         self.model = Model(self.cells.table, tuple(system.table), tuple(system.inertia),
             (att.leader, att.offset, att.trivial), system.held, measure, self.scale,
             system.conservative.copy(), self.h)
-        self.counters, self.numbers = np.zeros(5, dtype=np.int64), np.zeros(5)
+        self.counters, self.numbers = np.zeros(6, dtype=np.int64), np.zeros(7)
         self.factorisations = 0
         self.mass, self.damping = 4 / self.h**2, 2 / self.h
         self.born = 0
@@ -81,8 +81,9 @@ class Run:
             pass
         system.set_time(0.0)
         att = system.numbering.attachment
-        evaluate(self.cells.table, att.frames(s.H), s.F, s.W1)
-        s.account[:] = s.W1
+        frames = att.frames(s.H)
+        evaluate(self.cells.table, frames, np.zeros_like(frames), s.F, s.W)
+        s.account[:] = s.W
         n = system.count
         z = np.zeros((n, 6))
         system.residual(s.H, z, z, np.zeros(system.m), np.ones(system.m), self.w.r[0])
@@ -161,7 +162,7 @@ class Run:
         history.invariants[row, 0] = 0.5 * np.sum(p * s.V)
         history.invariants[row, 1:4] = p[:, 0].sum(axis=0)
         history.invariants[row, 4:] = np.cross(s.H[:n], p).sum(axis=(0, 1))
-        history.elastic[row] = s.W1.sum()
+        history.elastic[row] = s.W.sum()
         history.potential[row] = -np.sum(system.conservative * s.H[:n])
         history.times[row], history.iterations[row] = index * self.h, self.counters[2]
         history.row += 1
