@@ -50,6 +50,8 @@ from fem_lie.shell import Shell
 from fem_lie.shell_loads import AreaLoad, EdgeLoad
 from fem_lie.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.solve.arc_length import ArcLength
+from fem_lie.solve.energy_decaying import EnergyDecaying
+from fem_lie.solve.energy_momentum import EnergyMomentum
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import Components, GeneralisedAlpha
 from fem_lie.solve.linear import ConvergenceError
@@ -80,6 +82,8 @@ __all__ = [
     "Displacement",
     "EdgeLoad",
     "Eigenstrain",
+    "EnergyDecaying",
+    "EnergyMomentum",
     "EveryIteration",
     "Fixed",
     "Formulation",

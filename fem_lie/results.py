@@ -42,6 +42,9 @@ class Result:
         factorisations: Matrices that were factored in the whole run.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
+        balance: Work of loads that has no potential and of prescribed motions, loss by damping, and
+            numerical loss, each up to these times, shape (T, 3); ``None`` if the scheme does not
+            follow them.
     """
 
     times: Array
@@ -57,6 +60,7 @@ class Result:
     factorisations: int
     seconds: float
     info: SceneInfo
+    balance: Array | None = None
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
@@ -112,6 +116,20 @@ class Result:
     def total_energy(self) -> Array:
         """Kinetic, elastic and potential energy, shape (T,)."""
         return self.kinetic + self.elastic + self.potential
+
+    @property
+    def balance_error(self) -> float:
+        """Largest change of ``energy − work + losses``, over the largest energy in play.
+
+        Raises:
+            ValueError: The scheme does not follow works and losses.
+        """
+        if self.balance is None:
+            raise ValueError("the scheme of this result does not follow works and losses")
+        work, damping, numerical = self.balance.T
+        closed = self.total_energy - work + damping + numerical
+        scale = max(np.abs(e).max() for e in (self.kinetic + self.elastic, work, damping))
+        return _relative(float(np.abs(closed - closed[0]).max()), float(scale))
 
     @property
     def energy_error(self) -> float:

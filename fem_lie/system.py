@@ -24,8 +24,9 @@ from fem_lie.info import JointInfo, SceneInfo
 from fem_lie.joints import Fixed, Joint
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
-from fem_lie.nodal import add_mass_damping, load_potential, rigid_residual
+from fem_lie.nodal import Inertia, add_mass_damping, load_potential, rigid_residual
 from fem_lie.numbering import Numbering
+from fem_lie.pressure import Pressure
 from fem_lie.redundancy import check_redundancy
 from fem_lie.scene import Scene
 from fem_lie.tangent import Tangent
@@ -174,6 +175,16 @@ class System:
         """
         self.loads = self._loads.at(time, factor)
         self._plain_loads = tuple(self.loads)
+
+    @property
+    def pressure(self) -> Pressure | None:
+        """All pressures on pairs of nodes, or ``None``."""
+        return self._loads.pressure
+
+    @property
+    def mass_damping(self) -> Inertia | None:
+        """Damping that goes with mass, on (x, d₁, d₂, d₃) of the moving nodes."""
+        return self._damping
 
     @property
     def conservative(self) -> Array:

@@ -95,8 +95,7 @@ class Cells:
         nodes = [part.pop("nodes") for part in parts]
         sizes = np.concatenate([np.zeros(1), *(np.full(len(n), n.shape[1]) for n in nodes)])
         columns = {
-            name: np.concatenate([_EMPTY[name], *(part[name] for part in parts)])
-            for name in _EMPTY
+            name: np.concatenate([_EMPTY[name], *(part[name] for part in parts)]) for name in _EMPTY
         }
         self._table = CellTable(
             **columns,
@@ -252,7 +251,7 @@ def evaluate(cells: tuple[Any, ...], H: Array, more: Array, F: Array, W: Array) 
 @compiled
 def viscous_forces(cells: tuple[Any, ...], H: Array, v: Array, F: Array) -> None:
     """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
-    kernel, w, c, at, x, n_s, unknowns, first, nodes = cells
+    kernel, w, c, at, x, _, _, first, nodes = cells
     place = stack(6 * 64)
     out, zero = numba.carray(place, (6 * 64,)), np.zeros_like(H)
     for e in range(x.shape[0]):

@@ -236,10 +236,7 @@ def add_elastic(
     unknowns, first, nodes = cells[6], cells[7], cells[8]
     H0, H1, F0, F1, W, W1 = ends
     mean, delta, step = span
-    most = 1
-    for e in range(unknowns.shape[0]):
-        most = max(most, first[e + 1] - first[e])
-    A, f, s, Ms = np.empty((3, 3)), np.empty((most, 6)), np.empty((most, 6)), np.empty((most, 6))
+    A, f, s, Ms = _memory(first)
     for e in range(unknowns.shape[0]):
         here = slice(first[e], first[e + 1])
         mine, director = nodes[here], unknowns[e] == 5
@@ -255,3 +252,60 @@ def add_elastic(
         for a in range(count):
             for k in range(6):
                 out[mine[a], k] += f[a, k] + factor * Ms[a, k]
+
+
+@compiled
+def add_filtered(
+    cells: tuple[Any, ...],
+    ends: tuple[Any, ...],
+    span: tuple[Any, ...],
+    memory: Array,
+    factors: tuple[float, float],
+    out: Array,
+) -> tuple[float, float]:
+    """Add forces ``a (F₁ − F₀) − b memory`` of all elements, balanced as elastic forces are.
+
+    Args:
+        cells: See :func:`add_elastic`.
+        ends: Frames of all nodes and forces at start and end.
+        span: See :func:`add_elastic`.
+        memory: Forces in the frames of the nodes, (places, 6).
+        factors: ``a`` and ``b``.
+        out: Forces and moments on all nodes, global components, (N, 6), updated.
+
+    Returns:
+        The works of ``F₁ − F₀`` and of the memory.
+    """
+    unknowns, first, nodes = cells[6], cells[7], cells[8]
+    H0, H1, F0, F1 = ends
+    mean, delta, step = span
+    A, f, s, Ms = _memory(first)
+    change, kept = np.empty_like(f), np.empty_like(f)
+    by_change = by_memory = 0.0
+    for e in range(unknowns.shape[0]):
+        here = slice(first[e], first[e + 1])
+        mine, director = nodes[here], unknowns[e] == 5
+        count = mine.shape[0]
+        fit = metric_and_fit(mine, director, mean, delta, step, A)
+        deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
+        for a in range(count):
+            for k in range(6):
+                f[a, k] = F1[first[e] + a, k] - F0[first[e] + a, k]
+        mean_forces(mine, director, H0, H1, f[:count], f[:count], mean, fit, A, change[:count])
+        w = memory[here]
+        mean_forces(mine, director, H0, H1, w, w, mean, fit, A, kept[:count])
+        by_change += _work(change[:count], s[:count])
+        by_memory += _work(kept[:count], s[:count])
+        for a in range(count):
+            for k in range(6):
+                out[mine[a], k] += factors[0] * change[a, k] - factors[1] * kept[a, k]
+    return by_change, by_memory
+
+
+@compiled
+def _memory(first: Indices) -> tuple[Array, Array, Array, Array]:
+    """A matrix (3, 3), and three of six numbers for each node of the largest cell."""
+    most = 1
+    for e in range(first.shape[0] - 1):
+        most = max(most, first[e + 1] - first[e])
+    return np.empty((3, 3)), np.empty((most, 6)), np.empty((most, 6)), np.empty((most, 6))

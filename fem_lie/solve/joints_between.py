@@ -1,6 +1,6 @@
 """Joints over a step: constraints by their increments, forces at the mean configuration.
 
-``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in the directors and positions
+``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in positions and directors
 ``q`` of its nodes, so ``z₁ − z₀ = z'(q̄)(q₁ − q₀)`` with the mean ``q̄``, exactly. Forces
 ``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0`` at
 both ends, and no net force or moment but that on the ground: ``z`` does not feel rigid motion. The
