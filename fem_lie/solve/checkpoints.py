@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from fem_lie import _results_file
-from fem_lie._jit import Array
 from fem_lie.info import SceneInfo
+from fem_lie.results import Array
 from fem_lie.system import System
 
 

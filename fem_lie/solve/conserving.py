@@ -5,12 +5,13 @@ Formulas in :mod:`fem_lie.solve.energy_momentum`.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem_lie import inertia
-from fem_lie._jit import Array, Indices, compiled
+from fem_lie._jit import Array, Indices, compiled, inlined
 from fem_lie._lie_tuples import (
     cross,
     load,
@@ -25,7 +26,15 @@ from fem_lie._lie_tuples import (
 from fem_lie.solve import cells as elements
 from fem_lie.solve.between import follow, span
 from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
-from fem_lie.solve.filtered import end_velocities, lag_behind, velocity_loss
+from fem_lie.solve.filtered import (
+    LEAK,
+    LIMIT,
+    REPAID,
+    SQUARES,
+    end_velocities,
+    lag_behind,
+    velocity_loss,
+)
 from fem_lie.solve.joints_between import add_joints
 
 
@@ -76,7 +85,8 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (8,).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (12,).
+        carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
     """
 
@@ -91,6 +101,7 @@ class State(NamedTuple):
     w: Array
     w_F: Array
     lag: Array
+    carry: Array
     books: Array
 
 
@@ -168,7 +179,8 @@ def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any
     mean, delta = rows[1], rows[3]
     n = V.shape[0]
     end_velocities(V, V1, delta, w, lag, χ, h)
-    forces[:] = 0.0
+    # what round-off has left over is made up: momenta are compensated sums
+    forces[:] = state[11]
     if damping[0].shape[0] > 0:
         for i in range(n):
             for k in range(4):
@@ -259,7 +271,9 @@ def _add_cells(  # type: ignore[no-untyped-def]
     H, end, mean, middle, delta, more, step = parts
     elements.evaluate(cells, H, more, F1, energies[0])
     ends = (H, end, F, F1, W, energies[0])
-    add_elastic(cells, ends, (mean, delta, step), account, energies[1], out)
+    repay = _repayment(lag)
+    squares = add_elastic(cells, ends, (mean, delta, step), account, energies[1], repay, out)
+    lag[SQUARES], lag[REPAID] = squares, repay * squares
     if χ > 0.0:
         a = 0.5 * χ * lag[4]
         factors = (a, a * lag[3])
@@ -274,6 +288,16 @@ def _add_cells(  # type: ignore[no-untyped-def]
                 turned = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), rate)
                 store(steps[1, i], at, turned)
         losses[1] += h * _add_viscous(cells, middle, steps[1], this[11], out)
+
+
+@inlined
+def _repayment(lag: Array) -> float:
+    """Factor of forces that take back what round-off has brought in, as small as round-off is."""
+    leak, squares = lag[LEAK], lag[SQUARES]
+    if squares == 0.0:
+        return 0.0
+    most = lag[LIMIT] / sqrt(squares)
+    return max(-most, min(most, leak / squares))
 
 
 @compiled

@@ -6,6 +6,7 @@ when a step fails.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from fem_lie._lie_tuples import (
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.factors import solve
-from fem_lie.solve.filtered import ACTIVE, MEMORY, REMEMBERS
+from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
 
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
@@ -113,7 +114,7 @@ def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...
 @compiled
 def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
-    H, rest, V, _, gap, F, W, account, w, w_F, lag, books = state
+    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books = state
     step, rows, V1, F1, energies, change, losses = this[:7]
     n, μ = step.shape[0], model[11][2]
     if model[11][1] > 0.0:
@@ -135,6 +136,26 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]
         account[e] += energies[1, e]
     for c in range(gap.shape[0]):
         gap[c] += change[c]
+    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + model[11][1]), lag, carry)
+
+
+@compiled
+def _keep_what_is_left(
+    middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
+) -> None:
+    """Forces and energy that the next step makes up for, from the residual ``r``."""
+    gain = square = 0.0
+    for i in range(step.shape[0]):
+        m, left = middle[i], r[6 * i : 6 * i + 6]
+        for at in (0, 3):
+            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(left, at))
+            f = scaled(factor, f)
+            for j in range(3):
+                gain += (f[j] - carry[i, at + j]) * step[i, at + j]
+                square += f[j] * f[j] if at == 0 else 0.0
+            store(carry[i], at, f)
+    lag[LEAK] += gain - lag[REPAID]
+    lag[LIMIT] = sqrt(square)
 
 
 @compiled

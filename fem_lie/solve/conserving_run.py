@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from fem_lie import inertia, lie
-from fem_lie._jit import Array
 from fem_lie.frames import push
 from fem_lie.groups import Group
 from fem_lie.loads import StrainLoad
-from fem_lie.results import Result
+from fem_lie.results import Array, Result
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.cells import Cells, evaluate
 from fem_lie.solve.conserving import Model, State, Step, residual
@@ -102,7 +101,8 @@ class Run:
             account=z(cells.count),
             w=z((n, 4, 3)),
             w_F=z((cells.places, 6)),
-            lag=z(8),
+            lag=z(12),
+            carry=z((n, 6)),
             books=z(3),
         )
 

@@ -220,8 +220,9 @@ def add_elastic(
     span: tuple[Any, ...],
     account: Array,
     work: Array,
+    repay: float,
     out: Array,
-) -> None:
+) -> float:
     """Add the elastic forces of a step to ``out``.
 
     Args:
@@ -231,12 +232,17 @@ def add_elastic(
         span: Means and increments (N, 4, 3) and steps (N, 6) of all nodes.
         account: Work done on each element up to the start of the step, shape (M,).
         work: That of this step, overwritten.
+        repay: Factor of ``M s`` in forces beside, whose work is on no account.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
+
+    Returns:
+        The sum of ``|s|²``.
     """
     unknowns, first, nodes = cells[6], cells[7], cells[8]
     H0, H1, F0, F1, W, W1 = ends
     mean, delta, step = span
     A, f, s, Ms = _memory(first)
+    squares = 0.0
     for e in range(unknowns.shape[0]):
         here = slice(first[e], first[e + 1])
         mine, director = nodes[here], unknowns[e] == 5
@@ -249,9 +255,11 @@ def add_elastic(
         missing = beyond(W1[e] - W[e] - done, 4.0 * noise) + (debt if abs(debt) > noise else 0.0)
         factor = missing / square if square > 0.0 else 0.0
         work[e] = done + factor * square
+        squares += square
         for a in range(count):
             for k in range(6):
-                out[mine[a], k] += f[a, k] + factor * Ms[a, k]
+                out[mine[a], k] += f[a, k] + (factor + repay) * Ms[a, k]
+    return squares
 
 
 @compiled

@@ -50,21 +50,31 @@ def factorise(kkt: KKT) -> Factors:
         lu = spla.splu(transposed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
     except RuntimeError as error:
         raise SingularMatrixError("the matrix is singular") from error
-    return Factors(
-        lu.perm_r.astype(np.int64),
-        lu.perm_c.astype(np.int64),
-        1.0 / lu.U.diagonal(),
-        _strict(lu.L),
-        _strict(lu.U),
-    )
+    L, U = lu.L, lu.U
+    diagonal: Array = np.ones(size)
+    lower = _strict(L.data, L.indices, L.indptr, diagonal)
+    upper = _strict(U.data, U.indices, U.indptr, diagonal)
+    row, column = lu.perm_r.astype(np.int64), lu.perm_c.astype(np.int64)
+    return Factors(row, column, np.reciprocal(diagonal), lower, upper)
 
 
-def _strict(A: Any) -> tuple[Array, Indices, Indices]:
-    """A triangle without its diagonal."""
-    A = A.tocoo()
-    off = A.row != A.col
-    strict = sp.csc_matrix((A.data[off], (A.row[off], A.col[off])), shape=A.shape)
-    return strict.data, strict.indices.astype(np.int64), strict.indptr.astype(np.int64)
+@compiled
+def _strict(  # type: ignore[no-untyped-def]
+    values, indices, pointers, diagonal
+):
+    """A triangle by columns without its diagonal, which is written into ``diagonal``."""
+    n = diagonal.shape[0]
+    kept, rows = np.empty(values.shape[0]), np.empty(values.shape[0], dtype=np.int64)
+    first, at = np.zeros(n + 1, dtype=np.int64), 0
+    for j in range(n):
+        for k in range(pointers[j], pointers[j + 1]):
+            if indices[k] == j:
+                diagonal[j] = values[k]
+            else:
+                kept[at], rows[at] = values[k], indices[k]
+                at += 1
+        first[j + 1] = at
+    return kept[:at], rows[:at], first
 
 
 @compiled

@@ -31,9 +31,11 @@ from fem_lie._lie_tuples import Vector, cross, dot, load, load_row, minus, plus,
 from fem_lie.solve.discrete_gradient import solve_symmetric
 
 SPIN, MEMORY, ACTIVE, REMEMBERS, WORKS = 0, 3, 4, 5, 6
-"""Places in the array of lagged numbers, shape (8,): Ω, β, whether there is dissipation at all and
-whether anything is remembered (0 or 1), works of the changes of elastic forces and of the memory.
-"""
+"""Places in the array of lagged numbers: Ω, β, whether there is dissipation at all and whether
+anything is remembered (0 or 1), works of the changes of elastic forces and of the memory."""
+LEAK, SQUARES, LIMIT, REPAID = 8, 9, 10, 11
+"""And of energy that round-off has brought in, squares of the deformations of all elements, forces
+that are below round-off, energy taken back; shape (12,)."""
 
 
 @compiled
