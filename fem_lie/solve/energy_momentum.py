@@ -128,7 +128,6 @@ class EnergyMomentum:
         store = Checkpoints.resume(file, fingerprint(system, self))
         steps, step, save_every = store.plan
         history = History(system.info(), steps, step, save_every, progress, store)
-        history.seconds = store.seconds
         run = Run(self._told(), system, step)
         run.restore(store.memory)
         return run.integrate(history)

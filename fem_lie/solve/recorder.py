@@ -80,6 +80,8 @@ class History:
         self.elastic, self.potential = arrays["elastic"], arrays["potential"]
         self.balance, self.iterations = arrays["balance"], arrays["iterations"]
         self.row = 0 if store is None else store.row
+        if store is not None:
+            self.seconds = store.seconds
         show = sys.stderr.isatty() if progress is None else progress
         self._bar = tqdm(total=steps, unit="step", disable=not show, mininterval=0.5)
         self.show, self.refresh = show, max(1, steps // 200) if show else steps
@@ -174,7 +176,8 @@ class Recorder(History):
     ) -> None:
         """As :class:`History`, for the equations ``system``."""
         super().__init__(system.info(), steps, step, save_every, progress, store)
-        self._system, self._count = system, 0
+        self._system = system
+        self._count = 0 if store is None or not store.memory else int(store.memory["count"])
         self._work = np.empty((2, system.count, 4, 3))
 
     def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
@@ -200,3 +203,7 @@ class Recorder(History):
         self.potential[row] = system.potential_energy(H)
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1
+
+    def write_checkpoint(self, memory: dict[str, Array]) -> None:
+        """See the base class."""
+        super().write_checkpoint(memory | {"count": np.array(self._count)})
