@@ -233,7 +233,7 @@ def _add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[
     cells, pressure = model[0], model[9]
     H, rest = state[0], state[1]
     step, rows, nodes, steps, forces = this[0], this[1], this[7], this[8], this[9]
-    if cells[4].shape[0] == 0 and pressure[0].shape[0] == 0:
+    if cells[4].shape[0] == 0:  # nothing but rigid bodies
         return
     for i in range(step.shape[0]):
         for k in range(4):
@@ -272,7 +272,10 @@ def _add_cells(  # type: ignore[no-untyped-def]
     elements.evaluate(cells, H, more, F1, energies[0])
     ends = (H, end, F, F1, W, energies[0])
     repay = _repayment(lag)
-    squares = add_elastic(cells, ends, (mean, delta, step), account, energies[1], repay, out)
+    typical = lag[SQUARES] / W.shape[0]
+    squares = add_elastic(
+        cells, ends, (mean, delta, step), account, energies[1], repay, typical, out
+    )
     lag[SQUARES], lag[REPAID] = squares, repay * squares
     if χ > 0.0:
         a = 0.5 * χ * lag[4]

@@ -23,7 +23,9 @@ both ends, lever from the mean configuration, to third order.
 ``W`` itself has round-off: the ulp of positions times the force. Below that the factor would be
 noise, and the iteration would not settle. So it acts on what is beyond, and each element has an
 account of the work that was done on it: when energy and account differ by more than round-off at
-the start of a step, the step makes that up. Nothing adds up.
+the start of a step, the step makes that up. Nothing adds up. Where an element deforms much less in
+a step than others do, its part of round-off waits for a step in which it deforms more: divided by a
+small ``s``, whose sign is open, it would be no function of the motion any more.
 """
 
 from __future__ import annotations
@@ -50,7 +52,9 @@ from fem_lie._lie_tuples import (
 from fem_lie.solve.between import half, turned
 
 ROUND_OFF = 16 * float(np.finfo(np.float64).eps)
-"""Relative error of positions and energies from which an energy counts as known."""
+"""Relative error of positions and energies."""
+KNOWN = 16.0
+"""Errors of energies from which the energy of a single step counts as known."""
 
 
 @inlined
@@ -203,6 +207,15 @@ def beyond(value: float, bound: float) -> float:
     return value - bound if value > bound else value + bound if value < -bound else 0.0
 
 
+@inlined
+def _factor(missing: float, noise: float, square: float, typical: float) -> float:
+    """``missing/|s|²``, bounded where ``s`` is small and what is missing is round-off."""
+    if missing == 0.0 or square == 0.0:
+        return 0.0
+    share = noise / (abs(missing) + noise)
+    return missing / (square + 0.01 * share * share * typical)
+
+
 @compiled
 def round_off(F: Array, reach: float) -> float:
     """Error of an energy that forces ``F`` (k, 6) in the frames of an element let one expect."""
@@ -221,6 +234,7 @@ def add_elastic(
     account: Array,
     work: Array,
     repay: float,
+    typical: float,
     out: Array,
 ) -> float:
     """Add the elastic forces of a step to ``out``.
@@ -233,6 +247,7 @@ def add_elastic(
         account: Work done on each element up to the start of the step, shape (M,).
         work: That of this step, overwritten.
         repay: Factor of ``M s`` in forces beside, whose work is on no account.
+        typical: ``|s|²`` of an element on the average, before.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
 
     Returns:
@@ -252,8 +267,9 @@ def add_elastic(
         square = deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
         noise, debt = round_off(F0[here], sqrt(fit[1])), W[e] - account[e]
-        missing = beyond(W1[e] - W[e] - done, 4.0 * noise) + (debt if abs(debt) > noise else 0.0)
-        factor = missing / square if square > 0.0 else 0.0
+        missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
+        missing += debt if abs(debt) > noise else 0.0
+        factor = _factor(missing, KNOWN * noise, square, typical)
         work[e] = done + factor * square
         squares += square
         for a in range(count):
