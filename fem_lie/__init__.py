@@ -85,6 +85,8 @@ from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.branches import branch
 from fem_lie.solve.buckling import buckling
 from fem_lie.solve.controls import DisplacementControl, LoadControl
+from fem_lie.solve.energy_decaying import EnergyDecaying
+from fem_lie.solve.energy_momentum import EnergyMomentum
 from fem_lie.solve.equilibrium import statics
 from fem_lie.solve.follow import PathResult, follow_loads
 from fem_lie.solve.generalised_alpha import GeneralisedAlpha
@@ -142,6 +144,8 @@ __all__ = [
     "Drive",
     "EdgeLoad",
     "Eigenstrain",
+    "EnergyDecaying",
+    "EnergyMomentum",
     "EquilibriumPath",
     "EveryIteration",
     "FieldImperfection",

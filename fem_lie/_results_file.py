@@ -13,9 +13,11 @@ from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 4
+_FORMAT, _VERSION = "fem_lie results", 5
 _NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
-_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in (*_NUMBERS, "info", "steps"))
+_OTHERS = (*_NUMBERS, "info", "steps", "balance")
+_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in _OTHERS)
+_INVARIANTS = {"kinetic": 0, "momentum": slice(1, 4), "angular_momentum": slice(4, 7)}
 
 
 def write(result: Result, path: str | os.PathLike[str]) -> None:
@@ -29,18 +31,80 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
             file.attrs.update({"format": _FORMAT, "version": _VERSION})
             for name in _ARRAYS:
                 file[name] = getattr(result, name)
+            if result.balance is not None:
+                file["balance"] = result.balance
             for name in _NUMBERS:
                 file.attrs[name] = getattr(result, name)
-            for i, body in enumerate(result.info.bodies):
-                _write_body(file.create_group(f"bodies/{i}"), body)
             if result.steps is not None:
                 for field in fields(StepHistory):
                     file[f"steps/{field.name}"] = getattr(result.steps, field.name)
-            for i, joint in enumerate(result.info.joints):
-                _write_joint(file.create_group(f"joints/{i}"), joint)
+            _write_info(file, result.info)
         os.replace(unfinished, target)
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def create(path: Path, info: SceneInfo, arrays: dict[str, np.ndarray]) -> None:
+    """Write a file with room for ``arrays``, to be filled in by :func:`pages`.
+
+    The structure of the file never changes after that: a process that is killed leaves it whole.
+    """
+    import h5py
+
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(unfinished, "w") as file:
+            file.attrs.update({"format": _FORMAT, "version": _VERSION})
+            for name in _NUMBERS:
+                file.attrs[name] = 0
+            properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+            for name, array in {**arrays, "rows": np.zeros(1, dtype=np.int64)}.items():
+                kind = h5py.h5t.py_create(array.dtype, logical=True)
+                space = h5py.h5s.create_simple(array.shape)
+                h5py.h5d.create(file.id, name.encode(), kind, space, properties)
+            _write_info(file, info)
+        os.replace(unfinished, path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def pages(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a file made by :func:`create` and ``rows``, the number of valid ones.
+
+    They are mapped into memory: what is written to them is in the file.
+    """
+    import h5py
+
+    found: dict[str, np.ndarray] = {}
+    with h5py.File(path, "r") as file:
+        places = {
+            name: (item.id.get_offset(), item.dtype, item.shape)
+            for name, item in file.items()
+            if isinstance(item, h5py.Dataset)
+        }
+    for name, (offset, kind, shape) in places.items():
+        if offset is None:  # an array without values has no place
+            found[name] = np.empty(shape, dtype=kind)
+        else:
+            found[name] = np.memmap(path, dtype=kind, mode="r+", offset=offset, shape=shape)
+    return found
+
+
+def finish(path: Path, numbers: dict[str, float]) -> None:
+    """Set factorisations and seconds of a file made by :func:`create`."""
+    import h5py
+
+    with h5py.File(path, "r+") as file:
+        for name in _NUMBERS:
+            file.attrs[name] = numbers[name]
+
+
+def _write_info(file: Any, info: SceneInfo) -> None:
+    for i, body in enumerate(info.bodies):
+        _write_body(file.create_group(f"bodies/{i}"), body)
+    for i, joint in enumerate(info.joints):
+        _write_joint(file.create_group(f"joints/{i}"), joint)
 
 
 def read(path: str | os.PathLike[str]) -> Result:
@@ -73,9 +137,16 @@ def _read(file: Any) -> Result:
     steps = None
     if "steps" in file:
         steps = StepHistory(**{f.name: file[f"steps/{f.name}"][()] for f in fields(StepHistory)})
+    rows = slice(int(file["rows"][0]) if "rows" in file else None)
+    arrays = {name: file[name][rows] for name in _ARRAYS if name in file}
+    if "invariants" in file:
+        invariants = file["invariants"][rows]
+        arrays |= {name: invariants[:, part] for name, part in _INVARIANTS.items()}
+    balance = file["balance"][rows] if "balance" in file else None
     return Result(
-        **{name: file[name][()] for name in _ARRAYS},
+        **arrays,
         steps=steps,
+        balance=None if balance is None or np.isnan(balance).any() else balance,
         factorisations=int(file.attrs["factorisations"]),
         k_updates=int(file.attrs["k_updates"]),
         phi_updates=int(file.attrs["phi_updates"]),

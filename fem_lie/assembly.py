@@ -121,6 +121,16 @@ class Assembly:
             self._viscous = _Packed(forms.viscous, cells)
             self._velocity_at = forms.velocity_at
 
+    @property
+    def forms(self) -> LocalFrameForms:
+        """Energy, forces and tangent, for those who call their kernels cell by cell."""
+        return self._forms
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """Nodes of each cell, shape (m, k)."""
+        return self._residual.cells
+
     def summed(self, elements: Array) -> Array:
         """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
         cells = self._residual.cells.astype(np.int64)

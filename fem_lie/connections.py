@@ -262,6 +262,22 @@ class Connections:
                 f"{label} slid off its beam: arclength {table.arclength[k]:g} of {ends[k]:g}"
             )
 
+    @property
+    def memory(self) -> Array:
+        """What the frames do not tell of the last accepted state: full turns, places on beams."""
+        return np.concatenate(self._remembered())
+
+    @memory.setter
+    def memory(self, values: Array) -> None:
+        parts = self._remembered()
+        for part, value in zip(
+            parts, np.split(values, np.cumsum([len(p) for p in parts])[:-1]), strict=True
+        ):
+            part[:] = value
+
+    def _remembered(self) -> tuple[Array, ...]:
+        return self.table.turned, self.probes.turned, self.sliding.arclength
+
     # --- results ---
 
     def forces(self, H: Array, v: Array, weights: Array) -> Array:

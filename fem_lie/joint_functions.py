@@ -86,3 +86,36 @@ def _add_norm_change(z: Array, dz: Array, at: int, count: int, factor: float, dp
         over = factor / math.sqrt(square)
         for k in range(at, at + count):
             dp[k] += over * (dz[k] - z[k] * along / square)
+
+
+@compiled
+def add_secants(z: Array, dz: Array, angle: Array, factors: Array, g: Array) -> None:
+    """``g += Σ factorsₖ gₖ`` with ``gₖ·dz = fₖ(z + dz) − fₖ(z)`` to round-off, shape (12,).
+
+    ``gₖ`` has the direction of the gradient at ``z + ½ dz``, and is it for small ``dz``.
+    """
+    if factors[ANGLE] != 0.0:
+        s, c = _components(z, angle)
+        ds, dc = _components(dz, angle)
+        cross = ds * c - dc * s
+        s1, c1 = s + 0.5 * ds, c + 0.5 * dc
+        over = 1.0 / (s1 * s1 + c1 * c1)
+        if cross != 0.0:
+            over = math.atan2(cross, s * (s + ds) + c * (c + dc)) / cross
+        for k in range(12):
+            g[k] += factors[ANGLE] * over * (c1 * angle[0, k] - s1 * angle[1, k])
+    _add_norm_secant(z, dz, 0, 3, factors[DISTANCE], g)
+    _add_norm_secant(z, dz, 9, 2, factors[TILT], g)
+
+
+@inlined
+def _add_norm_secant(z: Array, dz: Array, at: int, count: int, factor: float, g: Array) -> None:
+    """Of the length of the ``count`` components from ``at`` on."""
+    if factor != 0.0:
+        before = after = 0.0
+        for k in range(at, at + count):
+            before += z[k] * z[k]
+            after += (z[k] + dz[k]) ** 2
+        over = 2.0 * factor / (math.sqrt(before) + math.sqrt(after))
+        for k in range(at, at + count):
+            g[k] += over * (z[k] + 0.5 * dz[k])

@@ -143,6 +143,8 @@ class LocalFrameForms:
         viscous: Viscous forces at the twists ``velocity``, rank 1, or ``None``.
         viscous_tangent: Their derivative with respect to the twists, rank 2, or ``None``.
         velocity: Function read by ``viscous``: local twists of the nodes.
+        local_change: Change of the local fields that :meth:`carry` adds, rank 1, if there are any.
+        local_size: Number of local fields of a cell.
         velocity_at: Where its values begin among the packed coefficients of ``viscous``.
     """
 
@@ -185,8 +187,8 @@ class LocalFrameForms:
         self.increment, self.local = increment, local
         self.stress: fem.Function | None = None
         y = state if coordinates is None else coordinates
-        local_size = 0 if local is None else packed_size(local.function_space)
-        self._wrapping = Wrapping(frame_map, state, y, increment, local_size)
+        self.local_size = 0 if local is None else packed_size(local.function_space)
+        self._wrapping = Wrapping(frame_map, state, y, increment, self.local_size)
         if not isinstance(energy, StrainEnergy):
             self._build_plain(energy, y)
         elif local is None:
@@ -279,6 +281,11 @@ class LocalFrameForms:
         self.energy = form(ufcx.energy_kernel, [], [energy])
         self.residual = form(ufcx.residual_kernel, [V], residual, extra)
         self.tangent = form(ufcx.tangent_kernel, [V, V], tangent)
+
+    @property
+    def local_change(self) -> fem.Form:
+        """See the class."""
+        return self._carry
 
     def carry(self) -> None:
         """Update the carried stress, or the local fields, by the increment ``h`` about to be made.

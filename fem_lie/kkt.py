@@ -13,6 +13,8 @@ no columns: a factorisation would take zeros that are stored for coupling.
 
 from __future__ import annotations
 
+from typing import Any
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -122,6 +124,11 @@ class KKT:
         self.matrix = PETSc.Mat().createAIJWithArrays(
             (shape, shape), (self._row_pointers, self._columns, self._data), comm=PETSc.COMM_SELF
         )
+
+    @property
+    def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
+        """The matrix as it is now: values, columns, row pointers; views."""
+        return self._data, self._columns, self._row_pointers
 
     def _border(self, count: int, m: int) -> None:
         """Which constraints touch which nodes, and the scalar pattern."""

@@ -137,6 +137,11 @@ class LoadCases:
                 total += a * array
         return loads
 
+    @property
+    def constant(self) -> Array:
+        """Forces on (x, d₁, d₂, d₃) fixed in space that have no history, (n, 4, 3)."""
+        return self._cases[0].dead
+
     def _set_strains(self, amplitude: Array) -> None:
         for number in dict.fromkeys(number for _, number, _ in self._strains):
             total = sum(amplitude[c] * strain for c, n, strain in self._strains if n == number)

@@ -94,6 +94,16 @@ class Pressure:
         self.columns: Indices = np.tile(pairs, (1, 2)).ravel()
         self._blocks = np.empty((len(pairs), 2, 2, 6, 6))
 
+    @property
+    def pairs(self) -> Indices:
+        """Nodes of the pieces, shape (s, 2)."""
+        return self._pairs
+
+    @property
+    def across(self) -> Array:
+        """``w`` of all pieces times the amplitude, shape (s, 3)."""
+        return np.tile(self.amplitude * self._across, (len(self._pairs), 1))
+
     def add_forces(self, H: Array, out: Array) -> None:
         """Subtract the forces at frames ``H`` from ``out``, shape (n, 6)."""
         _add_forces(H, self._pairs, self.amplitude * self._across, out)

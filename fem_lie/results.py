@@ -47,6 +47,9 @@ class Result:
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
+        balance: Work of loads that has no potential and of prescribed motions, loss by damping, and
+            numerical loss, each up to these times, shape (T, 3); ``None`` if the scheme does not
+            follow them.
     """
 
     times: Array
@@ -67,6 +70,7 @@ class Result:
     seconds: float
     info: SceneInfo
     steps: StepHistory | None = None
+    balance: Array | None = None
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
@@ -141,6 +145,20 @@ class Result:
     def total_energy(self) -> Array:
         """Kinetic, elastic and potential energy, shape (T,)."""
         return self.kinetic + self.elastic + self.potential
+
+    @property
+    def balance_error(self) -> float:
+        """Largest change of ``energy − work + losses``, over the largest energy in play.
+
+        Raises:
+            ValueError: The scheme does not follow works and losses.
+        """
+        if self.balance is None:
+            raise ValueError("the scheme of this result does not follow works and losses")
+        work, damping, numerical = self.balance.T
+        closed = self.total_energy - work + damping + numerical
+        scale = max(np.abs(e).max() for e in (self.kinetic + self.elastic, work, damping))
+        return _relative(float(np.abs(closed - closed[0]).max()), float(scale))
 
     @property
     def energy_error(self) -> float:

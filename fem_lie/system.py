@@ -11,6 +11,7 @@ Index 3 equations at a time level::
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 
 from mpi4py import MPI
 
@@ -27,10 +28,12 @@ from fem_lie.groups import Group, Parametrisation
 from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
-from fem_lie.nodal import add_mass_damping, load_potential, rigid_residual
+from fem_lie.nodal import Inertia, add_mass_damping, load_potential, rigid_residual
 from fem_lie.numbering import Numbering
+from fem_lie.pressure import Pressure
 from fem_lie.redundancy import minimum_norm, redundant_constraints, refuse
 from fem_lie.scene import Scene
+from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.tangent import Tangent
 
 _log = logging.getLogger(__name__)
@@ -172,6 +175,21 @@ class System:
         self._plain_loads = tuple(self.loads)
         if self.connections.driven:
             self.connections.set_time(time)
+
+    @property
+    def pressures(self) -> Sequence[Pressure | SurfacePushes]:
+        """The forces of each pressure."""
+        return self._loads.pressures
+
+    @property
+    def mass_damping(self) -> Inertia | None:
+        """Damping that goes with mass, on (x, d₁, d₂, d₃) of the moving nodes."""
+        return self._damping
+
+    @property
+    def conservative(self) -> Array:
+        """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3)."""
+        return self._loads.constant
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""

@@ -114,6 +114,22 @@ def _tabulate(typing_context, address, A, w, c, x, entity, permutation):  # type
 
 
 @intrinsic
+def pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    """Where doubles stand, from their address."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(arguments[0], _double_p)
+
+    return _double_pointer(types.int64), generate
+
+
+@intrinsic
+def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped-def]
+    """Call a kernel of this module at ``address``, as DOLFINx calls it for a cell."""
+    return types.void(types.int64, *UFCX_SIGNATURE.args[:4]), _tabulate_code
+
+
+@intrinsic
 def _apply(typing_context, address, state, y, given, out, nodes):  # type: ignore[no-untyped-def]
     """Call the function of a :class:`FrameMap` at ``address``."""
     return types.void(types.int64, *MAP_SIGNATURE.args), _map_code

@@ -13,7 +13,9 @@ Sci. Comput. 29 (2007) 397, which makes the conditioning independent of h.
 from __future__ import annotations
 
 import logging
+import os
 import time as clock
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +26,7 @@ from fem_lie.groups import Parametrisation, turn_all, turn_all_back, twists
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve import free_bodies
+from fem_lie.solve.checkpoints import Checkpoints, fingerprint
 from fem_lie.solve.linear import (
     ConvergenceError,
     DirectSolver,
@@ -101,6 +104,8 @@ class GeneralisedAlpha:
         step: float | StepChoice,
         save_every: int = 1,
         progress: bool | None = None,
+        file: str | os.PathLike[str] | None = None,
+        checkpoint_every: int | None = None,
     ) -> Result:
         """Integrate from the bodies' initial frames and velocities.
 
@@ -111,6 +116,9 @@ class GeneralisedAlpha:
                 or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too.
             save_every: Keep every so many steps.
             progress: Show a bar; default: if standard error is a terminal.
+            file: Where results go as they are made, instead of into memory; the result reads them
+                from there. With it :meth:`resume` can go on after an interruption.
+            checkpoint_every: Steps between two checkpoints; default: a hundredth of all.
 
         Raises:
             ValueError: Bad options or scene, before anything is computed.
@@ -119,6 +127,8 @@ class GeneralisedAlpha:
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
         if isinstance(step, StepChoice):
+            if file is not None or checkpoint_every is not None:
+                raise ValueError("results go to a file as they are made with constant steps only")
             from fem_lie.solve import variable_steps
 
             return variable_steps.run(self, scene, duration, step, save_every, progress)
@@ -127,13 +137,44 @@ class GeneralisedAlpha:
         steps = round(duration / step)
         if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
             raise ValueError(f"duration {duration} is not a multiple of the step {step}")
+        if file is None and checkpoint_every is not None:
+            raise ValueError("checkpoint_every needs a file to which results go")
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        if exponential and free_bodies.applies(scene, self.policy):
+        # the loop for free bodies has no checkpoints: with a file they take the general road
+        if file is None and exponential and free_bodies.applies(scene, self.policy):
             _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
             return free_bodies.Run(self, scene, step).integrate(steps, save_every, progress)
         system = System(scene, dynamics=True, parametrisation=self.parametrisation)
+        run, store = _Run(self, system, step), None
+        if file is not None:
+            every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
+            store = Checkpoints(file, every, (steps, step, save_every), fingerprint(system, self))
+        return run.integrate(Recorder(run.system, steps, step, save_every, progress, store))
+
+    def resume(
+        self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
+    ) -> Result:
+        """Go on from the last checkpoint of an interrupted run, to the same end.
+
+        Args:
+            scene: The scene as it was given to :meth:`run`.
+            file: The file that was given.
+            progress: Show a bar; default: if standard error is a terminal.
+
+        Returns:
+            To the last bit what :meth:`run` would have returned, but for the seconds.
+
+        Raises:
+            FileNotFoundError: There is no such file, or no checkpoint yet.
+            ValueError: The checkpoint belongs to another scene or other options.
+        """
+        system = System(scene, dynamics=True, parametrisation=self.parametrisation)
+        store = Checkpoints.resume(file, fingerprint(system, self))
+        steps, step, save_every = store.plan
+        recorder = Recorder(system, steps, step, save_every, progress, store)
         run = _Run(self, system, step)
-        return run.integrate(Recorder(run.system, steps, step, save_every, progress))
+        run.restore(store.memory)
+        return run.integrate(recorder)
 
 
 class _Run:
@@ -194,12 +235,13 @@ class _Run:
     def integrate(self, recorder: Recorder) -> Result:
         """All steps."""
         system, s, h = self.system, self.s, self.p.h
-        self.start()
-        self.solver.factorisations = self.solver.refreshes = 0
-        recorder.record(0, s.H, s.twist1, self.weights, 0)
-        begin = clock.perf_counter()
+        if recorder.row == 0:
+            self.start()
+            self.solver.factorisations = self.solver.refreshes = 0
+            recorder.record(0, s.H, s.twist1, self.weights, 0)
+        begin = clock.perf_counter() - recorder.seconds
         with recorder:
-            for index in range(1, recorder.steps + 1):
+            for index in range(self._index + 1, recorder.steps + 1):
                 if system.time_dependent:
                     system.set_time(index * h)
                     s.H1[system.count + 1 :] = system.prescribed_frames(index * h)
@@ -211,10 +253,45 @@ class _Run:
                     raise ConvergenceError(self._failure(recorder.steps), result)
                 system.connections.accept(s.H)
                 recorder.record(index, s.H, s.twist1, self.weights, iterations)
+                if recorder.checkpoint_due(index):
+                    recorder.seconds = clock.perf_counter() - begin
+                    recorder.write_checkpoint(self.memory())
         return self._result(recorder, clock.perf_counter() - begin)
 
     def _result(self, recorder: Recorder, seconds: float) -> Result:
         return recorder.result(self.solver.factorisations, seconds, self.solver.refreshes)
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        numbers = [self._last_ratio, self._motion, self._index, self._born]
+        kept = {"H": self.s.H, "H1": self.s.H1, "motion": self.s.motion, "weights": self.weights}
+        kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
+        kept |= {"matrix": self.system.kkt.csr[0], "blocks": self.system.tangent.A}
+        counts = [self.solver.factorisations, self.solver.refreshes]
+        kept |= {"counts": np.array(counts), "joints": self.system.connections.memory}
+        carried = self.system.elastic.carried()
+        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
+        return kept | {f"policy.{name}": np.array(x) for name, x in vars(self.policy).items()}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        s, system = self.s, self.system
+        s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
+        self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self._last_ratio, self._motion = (float(x) for x in kept["numbers"][:2])
+        self._index, self._born = (int(x) for x in kept["numbers"][2:])
+        if system.time_dependent:
+            system.set_time(self._index * self.p.h)
+        carried = range(len(system.elastic.carried()))
+        system.elastic.restore([kept[f"carried.{k}"] for k in carried])
+        for name, value in vars(self.policy).items():
+            setattr(self.policy, name, type(value)(kept[f"policy.{name}"]))
+        system.connections.memory = kept["joints"]
+        system.kkt.csr[0][:], system.tangent.A[:] = kept["matrix"], kept["blocks"]
+        system.kkt.matrix.stateIncrease()
+        system.kkt.matrix.assemble()
+        self.solver.factorise()
+        self.solver.factorisations, self.solver.refreshes = (int(x) for x in kept["counts"])
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance

@@ -1,9 +1,10 @@
-"""Keeps what an integrator computes, and shows how far it is."""
+"""Keeps what an integrator computes, in memory or in a file, and shows how far it is."""
 
 from __future__ import annotations
 
 import sys
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -12,21 +13,34 @@ from fem_lie import inertia
 from fem_lie._jit import Array, Indices
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
+from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.system import System
 
 
 class History:
     """Arrays of results, and a progress bar.
 
+    With a file the arrays are its pages: they cost no memory, and what was written is there when
+    the process is killed.
+
     Attributes:
         steps: Number of steps to come.
         every: Every so many steps are kept, and the last one.
         row: Where the next step to be kept goes.
         refresh: Steps between two states of the bar, ``steps`` if it is not shown.
+        balance: Work of loads without potential, damping, numerical loss, shape (T, 3); nan where
+            the scheme does not know.
+        seconds: Wall time before a checkpoint from which the run was resumed.
     """
 
     def __init__(
-        self, info: SceneInfo, steps: int, step: float, save_every: int, progress: bool | None
+        self,
+        info: SceneInfo,
+        steps: int,
+        step: float,
+        save_every: int,
+        progress: bool | None,
+        store: Checkpoints | None = None,
     ) -> None:
         """Allocate everything.
 
@@ -36,19 +50,42 @@ class History:
             step: Step size.
             save_every: Keep every so many steps, the last one in any case.
             progress: Show a bar; ``None``: if standard error is a terminal.
+            store: Where results and checkpoints go, if not into memory.
         """
         self.steps, self.every, self._h, self._info = steps, save_every, step, info
+        self._store, self.seconds = store, 0.0
         n = sum(len(body.nodes) for body in info.bodies)
         rows = steps // save_every + 1 + (steps % save_every > 0)
-        self.frames, self.velocities = np.empty((rows, n, 4, 3)), np.empty((rows, n, 6))
-        self.joint_forces = np.empty((rows, len(info.joints), 6))
-        self.joint_violations = np.empty((rows, len(info.joints)))
-        coordinates = sum(len(joint.coordinates) for joint in info.joints)
-        self.joint_coordinates = np.empty((rows, coordinates))
-        self.times = np.empty(rows)
-        self.invariants, self.elastic = np.empty((rows, 7)), np.zeros(rows)
-        self.potential, self.iterations = np.empty(rows), np.zeros(rows, dtype=np.int64)
-        self.row = 0
+        shapes = {
+            "times": (rows,),
+            "frames": (rows, n, 4, 3),
+            "velocities": (rows, n, 6),
+            "joint_forces": (rows, len(info.joints), 6),
+            "joint_violations": (rows, len(info.joints)),
+            "joint_coordinates": (rows, sum(len(joint.coordinates) for joint in info.joints)),
+            "invariants": (rows, 7),
+            "elastic": (rows,),
+            "potential": (rows,),
+            "balance": (rows, 3),
+            "iterations": (rows,),
+        }
+        arrays: dict[str, Any] = {name: np.empty(shape) for name, shape in shapes.items()}
+        arrays["iterations"] = np.zeros(rows, dtype=np.int64)
+        if store is not None:
+            arrays = store.open(info, arrays)
+        else:
+            arrays["elastic"][:], arrays["balance"][:] = 0.0, np.nan
+        self.times, self.frames, self.velocities = (
+            arrays[name] for name in ("times", "frames", "velocities")
+        )
+        self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
+        self.joint_violations = arrays["joint_violations"]
+        self.joint_coordinates = arrays["joint_coordinates"]
+        self.elastic, self.potential = arrays["elastic"], arrays["potential"]
+        self.balance, self.iterations = arrays["balance"], arrays["iterations"]
+        self.row = 0 if store is None else store.row
+        if store is not None:
+            self.seconds = store.seconds
         show = sys.stderr.isatty() if progress is None else progress
         self._bar = tqdm(total=steps, unit="step", disable=not show, mininterval=0.5)
         self.show, self.refresh = show, max(1, steps // 200) if show else steps
@@ -65,6 +102,8 @@ class History:
     ) -> None:
         """Leave the bar as it is."""
         self._bar.close()
+        if self._store is not None:
+            self._store.close(self.row)
 
     def keep(self, indices: Indices, iterations: Indices) -> None:
         """Count the steps ``indices``, whose values are in the next rows, as kept."""
@@ -81,9 +120,36 @@ class History:
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
+    def update_if_due(self, index: int, iterations: int) -> None:
+        """Show step ``index`` if the bar is shown and old."""
+        if self.show and index - self._bar.n >= self.refresh:
+            self.update_bar(index, iterations)
+
+    def next_stop(self, index: int) -> int:
+        """The next step after ``index`` at which there is something to do."""
+        stops = [(index // self.every + 1) * self.every, self.steps]
+        if self.show:
+            stops.append(index + self.refresh)
+        if self._store is not None:
+            stops.append((index // self._store.every + 1) * self._store.every)
+        return min(stops)
+
+    def checkpoint_due(self, index: int) -> bool:
+        """Whether the state after step ``index`` is to be written."""
+        return self._store is not None and index % self._store.every == 0
+
+    def write_checkpoint(self, memory: dict[str, Array]) -> None:
+        """Write all that the next steps depend on."""
+        assert self._store is not None
+        self._store.write(self.row, self.seconds, memory)
+
     def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
         """What was kept so far, with the numbers of whole matrices and of borders alone."""
         keep = slice(self.row)
+        if self._store is not None:
+            numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
+            numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
+            self._store.finish(numbers)
         return Result(
             times=self.times[keep],
             frames=self.frames[keep],
@@ -102,6 +168,7 @@ class History:
             phi_updates=factorisations + refreshes,
             seconds=seconds,
             info=self._info,
+            balance=None if np.isnan(self.balance[:1]).any() else self.balance[keep],
         )
 
 
@@ -109,11 +176,18 @@ class Recorder(History):
     """Takes what it keeps from the equations of a scene."""
 
     def __init__(
-        self, system: System, steps: int, step: float, save_every: int, progress: bool | None
+        self,
+        system: System,
+        steps: int,
+        step: float,
+        save_every: int,
+        progress: bool | None,
+        store: Checkpoints | None = None,
     ) -> None:
         """As :class:`History`, for the equations ``system``."""
-        super().__init__(system.info(), steps, step, save_every, progress)
-        self._system, self._count = system, 0
+        super().__init__(system.info(), steps, step, save_every, progress, store)
+        self._system = system
+        self._count = 0 if store is None or not store.memory else int(store.memory["count"])
         self._work = np.empty((2, system.count, 4, 3))
 
     def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
@@ -141,3 +215,7 @@ class Recorder(History):
         self.potential[row] = system.potential_energy(H)
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1
+
+    def write_checkpoint(self, memory: dict[str, Array]) -> None:
+        """See the base class."""
+        super().write_checkpoint(memory | {"count": np.array(self._count)})

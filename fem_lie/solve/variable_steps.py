@@ -113,6 +113,7 @@ class _VariableRun(_Run):
     def _set_parameters(self, h: float) -> None:
         self._h, self.p = h, parameters(self.options.radius, h, self.system.length)
         self._plain = tuple(self.p), tuple(self.s)
+        self.system.velocity_factor = 1.0 / self.p.damping
 
     def _set_step(self, time: float, h: float) -> None:
         """Make the state at ``time`` that of the start of a step of size h."""
@@ -182,6 +183,7 @@ class _VariableRun(_Run):
                 if not iterations:
                     continue
                 index, time = index + 1, ended
+                self.system.connections.accept(s.H)
                 lands = time == control.next_event
                 recorder.record_at(time, index, s.H, s.twist1, self.weights, iterations, lands)
                 if lands:
@@ -287,6 +289,10 @@ class _VariableRun(_Run):
         super()._solve()
         if self.factors.factor != 1.0:
             self.dx *= self.factors.factor
+
+    def _refresh(self) -> None:
+        """The matrix may belong to another level: it is made whole."""
+        self._factorise(self.s.H1)
 
     def _factorise(self, stressed: Array | None) -> None:
         level, m = self.control.level, self.system.m

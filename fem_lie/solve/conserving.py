@@ -1,0 +1,353 @@
+"""Records and balances of a step that conserves energy and momenta, on all nodes, compiled.
+
+Formulas in :mod:`fem_lie.solve.energy_momentum`.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie import inertia
+from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._lie_tuples import (
+    cross,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+)
+from fem_lie.solve import cells as elements
+from fem_lie.solve.between import follow, span
+from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
+from fem_lie.solve.filtered import (
+    LEAK,
+    LIMIT,
+    REPAID,
+    SQUARES,
+    end_velocities,
+    lag_behind,
+    velocity_loss,
+)
+from fem_lie.solve.joints_between import add_joints
+
+
+class Model(NamedTuple):
+    """What does not change in a step, as plain tuples.
+
+    Attributes:
+        cells: See :class:`~fem_lie.solve.cells.CellTable`.
+        joints: See :class:`~fem_lie.constraints.JointTable`.
+        inertia: See :class:`~fem_lie.nodal.Inertia`.
+        damping: The same of damping that goes with mass; without rows there is none.
+        attachment: Leader and offset of each node, and whether all lead themselves.
+        held: Which unknowns are zero, (n, 6).
+        measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
+        scale: Factor of each constraint, (m,).
+        loads: See :class:`~fem_lie.nodal.Loads`, and those of ``dead`` that have a potential; they
+            may be changed.
+        pressure: Pairs of nodes (s, 2), and axes across times pressure (s, 3).
+        viscous: Whether cells have viscous forces.
+        scheme: Step size, χ and μ of :mod:`fem_lie.solve.filtered`.
+        probes: Table of the coordinates that results report.
+        driven: Increments of the constraints' targets in the step, (m,); they may be changed.
+    """
+
+    cells: tuple[Any, ...]
+    joints: tuple[Any, ...]
+    inertia: tuple[Any, ...]
+    damping: tuple[Any, ...]
+    attachment: tuple[Any, ...]
+    held: Any
+    measure: Array
+    scale: Array
+    loads: tuple[Any, ...]
+    pressure: tuple[Any, ...]
+    viscous: bool
+    scheme: tuple[float, float, float]
+    probes: tuple[Any, ...]
+    driven: Array
+
+
+class State(NamedTuple):
+    """Start of a step, and its end with index 1.
+
+    Attributes:
+        H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
+        rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
+        V: Velocities of (x, d₁, d₂, d₃), (n, 4, 3).
+        weights: Multipliers, (m,).
+        gap: Values of the constraints, (m,).
+        F: Forces of the cells, in the frames of their nodes, (places, 6).
+        W: Energies of the cells, (M,).
+        account: Work done on each cell, (M,).
+        w: Memory of changes of velocity, (n, 4, 3).
+        w_F: Of changes of forces, (places, 6).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (12,).
+        carry: Forces and moments left over by the last step, global components, (n, 6).
+        books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
+    """
+
+    H: Array
+    rest: Array
+    V: Array
+    weights: Array
+    gap: Array
+    F: Array
+    W: Array
+    account: Array
+    w: Array
+    w_F: Array
+    lag: Array
+    carry: Array
+    books: Array
+
+
+class Step(NamedTuple):
+    """What a step consists of, and memory without meaning between two of them.
+
+    Attributes:
+        step: Spatial translation and rotation of the nodes, (n, 6).
+        rows: Ends, means, half-way frames and increments of all rows, (4, rows, 4, 3).
+        V1: Velocities at the end, (n, 4, 3).
+        F1: Forces of the cells at the end, (places, 6).
+        energies: At the end, and the work of the step, (2, M).
+        change: Of the constraints, (m,).
+        losses: Work of drives, of damping, numerical loss in the step, (3,).
+        nodes: Start, ends, means, half-way frames, increments, and those with the rest, of all
+            nodes, (6, N, 4, 3).
+        steps: Their steps, twists and forces on them, (3, N, 6).
+        forces: On the leaders, (n, 6).
+        q: For inertia, (2, n, 4, 3).
+        F_viscous: Viscous forces of the cells, (places, 6).
+        r: Residual, solution and work of the solver, (3, 6 n + m).
+        weights: Multipliers at the start of the step, (m,).
+    """
+
+    step: Array
+    rows: Array
+    V1: Array
+    F1: Array
+    energies: Array
+    change: Array
+    losses: Array
+    nodes: Array
+    steps: Array
+    forces: Array
+    q: Array
+    F_viscous: Array
+    r: Array
+    weights: Array
+
+
+@compiled
+def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+    """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints."""
+    joints, held, scale, scheme = model[1], model[5], model[7], model[11]
+    H, weights, gap, lag = state[0], state[3], state[4], state[10]
+    step, rows, change, losses, forces, r = this[0], this[1], this[5], this[6], this[9], this[12]
+    n, χ = step.shape[0], scheme[1] * lag[4]
+    end, mean, middle, delta = rows[0], rows[1], rows[2], rows[3]
+    span(H, step, delta, mean, end, middle)
+    losses[:] = 0.0
+    _add_momenta(model, state, this)
+    _add_loads(model[8], middle, forces)
+    _add_from_nodes(model, state, this)
+    losses[0], loss = add_joints(mean, delta, joints, weights, model[13], scheme[0], change, forces)
+    losses[1] += loss
+    for i in range(n):
+        m = middle[i]
+        for at in (0, 3):
+            local = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(forces[i], at))
+            store(r[0, 6 * i : 6 * i + 6], at, scaled(2.0 / (1.0 + χ), local))
+        for k in range(6):
+            if held[i, k]:
+                r[0, 6 * i + k] = 0.0
+    for c in range(weights.shape[0]):
+        r[0, 6 * n + c] = scale[c] * (gap[c] + change[c])
+    if scheme[1] > 0.0:
+        lag_behind(model[2], state[2], this[2], state[8], this[10], lag)
+
+
+@compiled
+def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+    """Set forces: rates of momenta, with damping that goes with mass."""
+    mass, damping, loads, h, χ = model[2], model[3], model[8], model[11][0], model[11][1]
+    V, w, lag = state[2], state[8], state[10]
+    rows, V1, losses, forces, q = this[1], this[2], this[6], this[9], this[10]
+    mean, delta = rows[1], rows[3]
+    n = V.shape[0]
+    end_velocities(V, V1, delta, w, lag, χ, h)
+    # what round-off has left over is made up: momenta are compensated sums
+    forces[:] = state[11]
+    if damping[0].shape[0] > 0:
+        for i in range(n):
+            for k in range(4):
+                for j in range(3):
+                    q[0, i, k, j] = delta[i, k, j] / h
+        inertia.multiply(damping[0], damping[1], damping[2], q[0], q[1])
+        _on_directors(mean, q[1], forces)
+        losses[1] += h * np.sum(q[0] * q[1])
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                q[0, i, k, j] = (V1[i, k, j] - V[i, k, j]) / h
+    inertia.multiply(mass[0], mass[1], mass[2], q[0], q[1])
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                q[1, i, k, j] -= loads[0][i, k, j]
+    _on_directors(mean, q[1], forces)
+    if χ > 0.0:
+        losses[2] += velocity_loss(mass, V, V1, delta, h, q)
+
+
+@compiled
+def _on_directors(mean: Array, f: Array, forces: Array) -> None:
+    """Add forces on (x, d₁, d₂, d₃) (n, 4, 3) to forces and moments (n, 6)."""
+    for i in range(forces.shape[0]):
+        moment = load(forces[i], 3)
+        for k in range(1, 4):
+            moment = plus(moment, cross(load_row(mean[i], k), load_row(f[i], k)))
+        store(forces[i], 0, plus(load(forces[i], 0), load_row(f[i], 0)))
+        store(forces[i], 3, moment)
+
+
+@compiled
+def _add_loads(loads: tuple[Any, ...], middle: Array, forces: Array) -> None:
+    """Subtract moments fixed in space and loads that follow the half-way frames."""
+    moment, following = loads[1], loads[2]
+    for i in range(forces.shape[0]):
+        m, f = middle[i], following[i]
+        for at in (0, 3):
+            turned = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(f, at))
+            store(forces[i], at, minus(load(forces[i], at), turned))
+        store(forces[i], 3, minus(load(forces[i], 3), load(moment[i], 0)))
+
+
+@compiled
+def _add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+    """Add the forces of the cells and of pressure, which are on all nodes, to the leaders."""
+    leader, offset, trivial = model[4]
+    cells, pressure = model[0], model[9]
+    H, rest = state[0], state[1]
+    step, rows, nodes, steps, forces = this[0], this[1], this[7], this[8], this[9]
+    if cells[4].shape[0] == 0:  # nothing but rigid bodies
+        return
+    for i in range(step.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                nodes[5, i, k, j] = rows[3, i, k, j] + rest[i, k, j]
+    if trivial:
+        on_all = forces
+        parts = (H, rows[0], rows[1], rows[2], rows[3], nodes[5], step)
+    else:
+        this[10][0] = nodes[5, : step.shape[0]]
+        follow(H, leader, offset, nodes[0])
+        for k in range(4):
+            follow(rows[k], leader, offset, nodes[1 + k])
+        follow(this[10][0], leader, offset, nodes[5])
+        for i in range(leader.shape[0]):
+            store(steps[0, i], 0, load_row(nodes[4, i], 0))
+            store(steps[0, i], 3, load(step[leader[i]], 3))
+        on_all = steps[2]
+        on_all[:] = 0.0
+        parts = (nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[5], steps[0])
+    _add_cells(model, state, this, parts, on_all)
+    _add_pressure(pressure, parts[2], parts[3], on_all)
+    if not trivial:
+        collect(leader, nodes[2], rows[1], on_all, forces)
+
+
+@compiled
+def _add_cells(  # type: ignore[no-untyped-def]
+    model, state, this, parts, out
+):
+    """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
+    cells, viscous, h, χ = model[0], model[10], model[11][0], model[11][1]
+    F, W, account, w_F, lag = state[5], state[6], state[7], state[9], state[10]
+    F1, energies, losses, steps = this[3], this[4], this[6], this[8]
+    H, end, mean, middle, delta, more, step = parts
+    elements.evaluate(cells, H, more, F1, energies[0])
+    ends = (H, end, F, F1, W, energies[0])
+    repay = _repayment(lag)
+    typical = lag[SQUARES] / W.shape[0]
+    squares = add_elastic(
+        cells, ends, (mean, delta, step), account, energies[1], repay, typical, out
+    )
+    lag[SQUARES], lag[REPAID] = squares, repay * squares
+    if χ > 0.0:
+        a = 0.5 * χ * lag[4]
+        factors = (a, a * lag[3])
+        works = add_filtered(cells, (H, end, F, F1), (mean, delta, step), w_F, factors, out)
+        losses[2] += factors[0] * works[0] - factors[1] * works[1]
+        lag[6], lag[7] = works
+    if viscous:
+        for i in range(step.shape[0]):
+            m = middle[i]
+            for at in (0, 3):
+                rate = scaled(1.0 / h, load(step[i], at))
+                turned = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), rate)
+                store(steps[1, i], at, turned)
+        losses[1] += h * _add_viscous(cells, middle, steps[1], this[11], out)
+
+
+@inlined
+def _repayment(lag: Array) -> float:
+    """Factor of forces that take back what round-off has brought in, as small as round-off is."""
+    leak, squares = lag[LEAK], lag[SQUARES]
+    if squares == 0.0:
+        return 0.0
+    most = lag[LIMIT] / sqrt(squares)
+    return max(-most, min(most, leak / squares))
+
+
+@compiled
+def _add_viscous(  # type: ignore[no-untyped-def]
+    cells, middle, twists, F, out
+):
+    """Add viscous forces at the half-way frames; returns their power."""
+    first, nodes, power = cells[7], cells[8], 0.0
+    elements.viscous_forces(cells, middle, twists, F)
+    for e in range(first.shape[0] - 1):
+        for a in range(first[e], first[e + 1]):
+            m = middle[nodes[a]]
+            for at in (0, 3):
+                f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(F[a], at))
+                store(out[nodes[a]], at, plus(load(out[nodes[a]], at), f))
+            for k in range(6):
+                power += F[a, k] * twists[nodes[a], k]
+    return power
+
+
+@compiled
+def _add_pressure(pressure: tuple[Any, ...], mean: Array, middle: Array, out: Array) -> None:
+    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece."""
+    pairs, across = pressure
+    for e in range(pairs.shape[0]):
+        i, j = pairs[e, 0], pairs[e, 1]
+        push = (0.0, 0.0, 0.0)
+        for node in (i, j):
+            m = middle[node]
+            axis = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load_row(across, e))
+            push = plus(push, scaled(0.25, axis))
+        force = cross(minus(load_row(mean[j], 0), load_row(mean[i], 0)), push)
+        for node in (i, j):
+            store(out[node], 0, minus(load(out[node], 0), force))
+
+
+@compiled
+def collect(leader: Indices, all_means: Array, mean: Array, given: Array, forces: Array) -> None:
+    """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
+    for i in range(leader.shape[0]):
+        to = leader[i]
+        f, arm = load(given[i], 0), minus(load_row(all_means[i], 0), load_row(mean[to], 0))
+        store(forces[to], 0, plus(load(forces[to], 0), f))
+        moment = plus(load(given[i], 3), cross(arm, f))
+        store(forces[to], 3, plus(load(forces[to], 3), moment))

@@ -1,0 +1,271 @@
+"""Steps that conserve energy and momenta: prediction, iteration to stagnation, acceptance.
+
+One compiled loop goes through the steps and comes back to Python for a new matrix, for results and
+when a step fails.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._lie_tuples import (
+    Vector,
+    cross,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+    store_row,
+)
+from fem_lie.constraints import joint_table, unwrap
+from fem_lie.solve.between import advance
+from fem_lie.solve.conserving import residual
+from fem_lie.solve.factors import solve
+from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
+
+STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
+"""Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
+iterations of the present step that did not halve the increment, and iterations of the last step."""
+PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR = 0, 1, 2, 3, 4, 5, 6
+"""Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
+least of the present step, and the least that round-off lets one expect."""
+DONE, MATRIX, FAILED = 0, 1, 2
+ULPS = 1e3 * float(np.finfo(np.float64).eps)
+"""Increments, in lengths of the model, that may be round-off."""
+STALLED = 0.8
+"""Ratio of increments that is no progress any more."""
+
+
+@compiled
+def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> float:
+    """Predict the step; returns the size of its largest motion."""
+    held, measure, h = model[5], model[6], model[11][0]
+    H, V, lag, step, V1 = state[0], state[2], state[10], this[0], this[2]
+    V1[:] = V
+    this[13][:] = state[3]
+    # a rotation lags behind from step to step as well as from iteration to iteration
+    lag[MEMORY] = 1.0
+    largest = 0.0
+    for i in range(step.shape[0]):
+        spin = (0.0, 0.0, 0.0)
+        for k in range(1, 4):
+            spin = plus(spin, cross(load_row(H[i], k), load_row(V[i], k)))
+        _hold(H[i], held[i], scaled(h, load_row(V[i], 0)), scaled(0.5 * h, spin), step[i])
+        for k in range(6):
+            largest = max(largest, abs(step[i, k]) * measure[6 * i + k])
+    return largest
+
+
+@inlined
+def _hold(H: Array, held: Any, u: Vector, ψ: Vector, step: Array) -> None:
+    """``step = (u, ψ)`` without its parts along the held axes of the frame."""
+    any_held = False
+    for k in range(6):
+        any_held = any_held or held[k]
+    if any_held:
+        a = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), u)
+        b = rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), ψ)
+        a = (0.0 if held[0] else a[0], 0.0 if held[1] else a[1], 0.0 if held[2] else a[2])
+        b = (0.0 if held[3] else b[0], 0.0 if held[4] else b[1], 0.0 if held[5] else b[2])
+        u = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), a)
+        ψ = rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), b)
+    store(step, 0, u)
+    store(step, 3, ψ)
+
+
+@compiled
+def correction(model: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any, ...]) -> float:
+    """Solve for the correction; returns the size of its largest part."""
+    measure, r = model[6], this[12]
+    x, largest = r[1], 0.0
+    solve(factors, r[0], r[2], x)
+    for k in range(x.shape[0]):
+        size = abs(x[k]) * measure[k]
+        if size > largest or size != size:  # nan stays
+            largest = size
+    return largest
+
+
+@compiled
+def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+    """Apply the correction."""
+    held, scale, χ = model[5], model[7], model[11][1] * state[10][ACTIVE]
+    H, weights = state[0], state[3]
+    step, middle, x = this[0], this[1][2], this[12][1]
+    n = step.shape[0]
+    for i in range(n):
+        m, dx = middle[i], x[6 * i : 6 * i + 6]
+        u = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(dx, 0))
+        ψ = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(dx, 3))
+        u, ψ = minus(load(step[i], 0), u), minus(load(step[i], 3), ψ)
+        _hold(H[i], held[i], u, ψ, step[i])
+    for c in range(weights.shape[0]):
+        # the residual has 2/(1 + χ) times the forces, the matrix one times their derivatives
+        weights[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]
+
+
+@compiled
+def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+    """Make the end of the step the start of the next."""
+    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books = state
+    step, rows, V1, F1, energies, change, losses = this[:7]
+    n, μ = step.shape[0], model[11][2]
+    if model[11][1] > 0.0:
+        # the first step knows of no change before
+        μ = μ if lag[REMEMBERS] > 0.0 else 1.0
+        lag[REMEMBERS] = lag[ACTIVE] = 1.0
+        w += μ * (V1 - V - w)
+        w_F += μ * (F1 - F - w_F)
+    books[0] += losses[0] + _work_of_loads(model, rows, step)
+    books[1] += losses[1]
+    books[2] += losses[2]
+    advance(H[:n], rest, rows[3, :n])
+    for i in range(n, H.shape[0]):
+        for k in range(4):
+            store_row(H[i], k, load_row(rows[0, i], k))
+    unwrap(H, joint_table(model[1]))
+    unwrap(H, joint_table(model[12]))
+    V[:] = V1
+    F[:], W[:] = F1, energies[0]
+    for e in range(account.shape[0]):
+        account[e] += energies[1, e]
+    for c in range(gap.shape[0]):
+        gap[c] += change[c]
+    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + model[11][1]), lag, carry)
+
+
+@compiled
+def _keep_what_is_left(
+    middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
+) -> None:
+    """Forces and energy that the next step makes up for, from the residual ``r``."""
+    gain = square = 0.0
+    for i in range(step.shape[0]):
+        m, left = middle[i], r[6 * i : 6 * i + 6]
+        for at in (0, 3):
+            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(left, at))
+            f = scaled(factor, f)
+            for j in range(3):
+                gain += (f[j] - carry[i, at + j]) * step[i, at + j]
+                square += f[j] * f[j] if at == 0 else 0.0
+            store(carry[i], at, f)
+    lag[LEAK] += gain - lag[REPAID]
+    lag[LIMIT] = sqrt(square)
+
+
+@compiled
+def _work_of_loads(model: tuple[Any, ...], rows: Array, step: Array) -> float:
+    """Work in the step of all loads without a potential."""
+    dead, moment, following, constant = model[8]
+    middle, delta, work = rows[2], rows[3], 0.0
+    for i in range(step.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                work += (dead[i, k, j] - constant[i, k, j]) * delta[i, k, j]
+        m = middle[i]
+        for j in range(3):
+            work += moment[i, j] * step[i, 3 + j]
+        for at in (0, 3):
+            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(following[i], at))
+            for j in range(3):
+                work += f[j] * step[i, at + j]
+    return work
+
+
+@compiled
+def run(
+    model: tuple[Any, ...],
+    state: tuple[Any, ...],
+    this: tuple[Any, ...],
+    factors: tuple[Any, ...],
+    options: tuple[float, int, int, float],
+    counters: Indices,
+    numbers: Array,
+    last: int,
+) -> int:
+    """Go on until step ``last``, or until a new matrix is wanted, or a step fails.
+
+    Args:
+        model: See :class:`~fem_lie.solve.conserving.Model`.
+        state: See :class:`~fem_lie.solve.conserving.State`.
+        this: See :class:`~fem_lie.solve.conserving.Step`.
+        factors: Of the matrix.
+        options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
+            :class:`~fem_lie.solve.policies.Automatic`.
+        counters: Shape (7,), updated.
+        numbers: Shape (7,), updated.
+        last: Step to reach.
+    """
+    tolerance, limit, patience, cost = options
+    while counters[STEPS] < last:
+        if counters[ITERATION] == 0:
+            numbers[MOTION] = max(begin(model, state, this), numbers[MOTION])
+            numbers[PREVIOUS] = numbers[LEAST] = np.inf
+            counters[ITERATION], counters[STALLS] = 1, 0
+        iteration = counters[ITERATION]
+        if counters[ASKED] != iteration:
+            due = numbers[EXCESS] >= cost if iteration == 1 else (iteration - 1) % patience == 0
+            counters[ASKED] = iteration
+            if due:
+                return MATRIX
+        residual(model, state, this)
+        numbers[INCREMENT] = correction(model, this, factors)
+        counters[TOTAL] += 1
+        settled = _settled(counters, numbers)
+        if settled or _converged(numbers, tolerance, iteration):
+            # a correction that is noise is not made: what is accepted must be of one piece
+            if not settled:
+                correct(model, state, this)
+                residual(model, state, this)
+            accept(model, state, this)
+            counters[LAST] = iteration
+            counted = max(iteration, 2)
+            if counters[BEST] == 0 or counted < counters[BEST]:
+                counters[BEST] = counted
+            numbers[EXCESS] += counted - counters[BEST]
+            counters[STEPS] += 1
+            counters[ITERATION] = counters[ASKED] = 0
+        elif iteration == limit or not numbers[INCREMENT] < 1e3:
+            return FAILED
+        else:
+            correct(model, state, this)
+            numbers[PREVIOUS] = numbers[INCREMENT]
+            counters[ITERATION] += 1
+    return DONE
+
+
+@inlined
+def _settled(counters: Indices, numbers: Array) -> bool:
+    """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
+    increment, least = numbers[INCREMENT], numbers[LEAST]
+    if increment > STALLED * least:
+        counters[STALLS] += 1
+    numbers[LEAST] = min(increment, least)
+    if increment <= 2.0 * numbers[FLOOR]:
+        # a lucky zero must not make the next steps wait for another
+        numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
+        return True
+    if counters[STALLS] < 2 or increment > ULPS:
+        return False
+    numbers[FLOOR] = numbers[LEAST]
+    return True
+
+
+@inlined
+def _converged(numbers: Array, tolerance: float, iteration: int) -> bool:
+    """Whether what would follow is below the tolerance, or nothing would."""
+    increment = numbers[INCREMENT]
+    if tolerance > 0.0 and iteration > 1:
+        ratio = max(increment / numbers[PREVIOUS], 0.7 * numbers[RATIO])
+        numbers[RATIO] = ratio
+        if ratio < 1.0 and increment * ratio / (1.0 - ratio) <= tolerance * numbers[MOTION]:
+            return True
+    return increment == 0.0

@@ -1,0 +1,407 @@
+"""A run of a conserving scheme: state, matrices, loads in time, results and checkpoints."""
+
+from __future__ import annotations
+
+import logging
+import time as clock
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem_lie import constraints, inertia, lie
+from fem_lie.choices import Redundant
+from fem_lie.frames import push
+from fem_lie.groups import Group
+from fem_lie.loads import StrainLoad
+from fem_lie.pressure import Pressure
+from fem_lie.results import Array, Result
+from fem_lie.solve import conserving_loop as loop
+from fem_lie.solve.cells import Cells, evaluate
+from fem_lie.solve.conserving import Model, State, Step, residual
+from fem_lie.solve.factors import Factors, factorise
+from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.policies import Policy
+from fem_lie.solve.recorder import History
+from fem_lie.solve.scheme import ROTATION, failure
+from fem_lie.solve.start import accelerations, check_velocities
+from fem_lie.surface_pressure import SurfacePushes
+from fem_lie.system import System
+
+_log = logging.getLogger(__name__)
+
+_PREFIX = "fem_lie_dynamics_"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a conserving scheme is told.
+
+    Attributes:
+        tolerance: See :class:`~fem_lie.solve.energy_momentum.EnergyMomentum`, likewise ``policy``
+            and ``max_iterations``.
+        policy: When to factorise.
+        max_iterations: More in one step are a failure.
+        loss: χ of :mod:`fem_lie.solve.filtered`.
+        learning: μ.
+    """
+
+    tolerance: float
+    policy: Policy
+    max_iterations: int
+    loss: float = 0.0
+    learning: float = 1.0
+
+
+class Run:
+    """State of one integration.
+
+    Attributes:
+        s: Between steps.
+        this: The present step.
+    """
+
+    def __init__(self, options: Options, system: System, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            system: The equations.
+            step: Step size.
+        """
+        _refuse(system)
+        self.options, self.system, self.h = options, system, float(step)
+        self._pressures = [p for p in system.pressures if isinstance(p, Pressure)]
+        self.policy, self.rule = options.policy.fresh(), options.policy.rule()
+        # translations are global, so the derivatives in velocities are those of R³×SO(3)
+        system.kinds = np.full(system.count, int(Group.R3xSO3), dtype=np.int64)
+        spin = float(np.abs(system.velocities[:, 3:]).max())
+        system.choices = system.scene.choices.resolve(spin * step)
+        _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
+        self.cells = Cells(system.numbering.assemblies)
+        self._strained = any(
+            isinstance(load, StrainLoad) and load.history is not None for load in system.scene.loads
+        )
+        self.s, self.this = self._state(), self._step()
+        self.model = self._model()
+        self._plain = tuple(self.model), tuple(self.s), tuple(self.this)
+        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
+        self.counts = np.zeros(2, dtype=np.int64)
+        θ = 1.0 + options.loss
+        self._mass, self._damping = 4.0 / (θ * self.h) ** 2, 2.0 / (θ * self.h)
+        self._factors: Factors | None = None
+
+    def _state(self) -> State:
+        system, cells, z = self.system, self.cells, np.zeros
+        n, m = system.count, system.m
+        return State(
+            H=system.frames.copy(),
+            rest=z((n, 4, 3)),
+            V=z((n, 4, 3)),
+            weights=z(m),
+            gap=z(m),
+            F=z((cells.places, 6)),
+            W=z(cells.count),
+            account=z(cells.count),
+            w=z((n, 4, 3)),
+            w_F=z((cells.places, 6)),
+            lag=z(12),
+            carry=z((n, 6)),
+            books=z(3),
+        )
+
+    def _step(self) -> Step:
+        system, cells, z = self.system, self.cells, np.zeros
+        n, m, total = system.count, system.m, system.numbering.total
+        return Step(
+            step=z((n, 6)),
+            rows=np.stack([*[system.frames] * 3, z(system.frames.shape)]),
+            V1=z((n, 4, 3)),
+            F1=z((cells.places, 6)),
+            energies=z((2, cells.count)),
+            change=z(m),
+            losses=z(3),
+            nodes=z((6, total, 4, 3)),
+            steps=z((3, total, 6)),
+            forces=z((n, 6)),
+            q=z((2, n, 4, 3)),
+            F_viscous=z((cells.places, 6)),
+            r=z((3, 6 * n + m)),
+            weights=z(m),
+        )
+
+    def _model(self) -> Model:
+        system = self.system
+        attachment, table = system.numbering.attachment, system.table
+        turns = system.connections.angular
+        lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
+        none = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
+        pieces = [pressure.pairs for pressure in self._pressures]
+        return Model(
+            cells=self.cells.table,
+            joints=tuple(table),
+            inertia=tuple(system.inertia),
+            damping=none if system.mass_damping is None else tuple(system.mass_damping),
+            attachment=(attachment.leader, attachment.offset, attachment.trivial),
+            held=system.held,
+            measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),
+            scale=np.ones(system.m),
+            loads=(*(array.copy() for array in system.loads), system.conservative),
+            pressure=(
+                np.concatenate([np.zeros((0, 2), dtype=np.int64), *pieces]),
+                self._across(),
+            ),
+            viscous=system.elastic.viscous,
+            scheme=(self.h, self.options.loss, self.options.learning),
+            probes=tuple(system.connections.probes),
+            driven=np.zeros(system.m),
+        )
+
+    def _across(self) -> Array:
+        """Axes across the pieces under pressure, times the present pressure, shape (s, 3)."""
+        parts = [pressure.across for pressure in self._pressures]
+        return np.concatenate([np.zeros((0, 3)), *parts])
+
+    # --- start ---
+
+    def start(self) -> None:
+        """Velocities, multipliers, energies and constraints at the start; scaling."""
+        system, s, n = self.system, self.s, self.system.count
+        check_velocities(system, self.h)
+        push(system.frames[:n], system.velocities[:n], s.V)
+        solver = DirectSolver(system.kkt.matrix, _PREFIX)
+        v = system.velocities
+        vdot, s.weights[:] = accelerations(system, solver, s.H, v, 0.0, self.h)
+        self._set_loads(0.0)
+        s.account[:] = self._evaluate_start()
+        r = np.empty(system.size)
+        system.applied(s.H, v, vdot, s.weights, np.ones(system.m), r)
+        s.gap[:] = r[6 * n :]
+        self._fill(s.H, v[:n], vdot)
+        self.model.scale[:] = system.tangent.constraint_scale(s.H)
+        self.numbers[loop.EXCESS] = np.inf
+
+    def _evaluate_start(self) -> Array:
+        """Forces and energies of the cells at the start of a step; returns the energies."""
+        frames = self.system.numbering.attachment.frames(self.s.H)
+        evaluate(self.cells.table, frames, np.zeros_like(frames), self.s.F, self.s.W)
+        return self.s.W
+
+    # --- steps ---
+
+    def integrate(self, history: History) -> Result:
+        """All steps from the present one on."""
+        if history.row == 0:
+            self.start()
+            self._record(history)
+        begin = clock.perf_counter() - history.seconds
+        with history:
+            while self._index < history.steps:
+                self._advance(history)
+                index = self._index
+                history.seconds = clock.perf_counter() - begin
+                if index % history.every == 0 or index == history.steps:
+                    self._record(history)
+                history.update_if_due(index, int(self.counters[loop.TOTAL]))
+                if history.checkpoint_due(index):
+                    history.write_checkpoint(self.memory())
+        return history.result(int(self.counts[0]), history.seconds)
+
+    @property
+    def _index(self) -> int:
+        return int(self.counters[loop.STEPS])
+
+    def _advance(self, history: History) -> None:
+        """Go on to the next step at which there is something to do."""
+        last, single = history.next_stop(self._index), self.rule is None
+        if single or self.system.time_dependent:
+            last = self._index + 1
+        if self.system.time_dependent:
+            self._set_time()
+        rule = (1, 0.0) if self.rule is None else self.rule
+        code = self._go(last, rule)
+        if code == loop.FAILED and self.options.policy.rescue:
+            _log.info("step %d: kept matrix diverges, full iteration", self._index + 1)
+            code = self._again()
+        if code == loop.FAILED:
+            result = history.result(int(self.counts[0]), history.seconds)
+            raise ConvergenceError(self._failure(history.steps), result)
+
+    def _again(self) -> int:
+        """The step that failed from its start, with a new matrix in each iteration."""
+        self.s.weights[:] = self.this.weights
+        self.counters[loop.ITERATION] = self.counters[loop.ASKED] = 0
+        return self._go(self._index + 1, (1, 0.0), always=True)
+
+    def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
+        options, counters = self.options, self.counters
+        given = (options.tolerance, options.max_iterations, *rule)
+        while True:
+            factors = () if self._factors is None else tuple(self._factors)
+            if self._factors is None:
+                code = loop.MATRIX
+                if counters[loop.ITERATION] == 0:
+                    counters[loop.ITERATION], counters[loop.ASKED] = 1, 1
+                    self.numbers[loop.MOTION] = loop.begin(*self._plain)
+                    self.numbers[loop.PREVIOUS] = self.numbers[loop.LEAST] = np.inf
+            else:
+                code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
+            if code == loop.DONE and self.rule is None:
+                self.policy.after_step(int(counters[loop.LAST]))
+            if code != loop.MATRIX:
+                return code
+            iteration = int(counters[loop.ITERATION])
+            asked = always or self.rule is not None or self._factors is None
+            if asked or self.policy.before_iteration(iteration):
+                try:
+                    self._factorise()
+                except SingularMatrixError:
+                    self.numbers[loop.INCREMENT] = np.inf
+                    return loop.FAILED
+
+    def _failure(self, steps: int) -> str:
+        increment = float(self.numbers[loop.INCREMENT])
+        largest = float(np.abs(self.this.r[0]).max())
+        limit, tolerance = self.options.max_iterations, self.options.tolerance
+        return failure(self._index + 1, steps, self.h, limit, increment, largest, tolerance)
+
+    # --- loads ---
+
+    def _set_time(self) -> None:
+        """Loads in the middle of the next step, prescribed motions at its end."""
+        system, rows, n = self.system, self.this.rows, self.system.count
+        start, end = self._index * self.h, (self._index + 1) * self.h
+        self._set_loads(0.5 * (start + end))
+        connections = system.connections
+        if connections.driven:
+            self.model.driven[:] = connections.targets(end) - connections.targets(start)
+        if len(rows[0]) > n + 1:
+            rows[0, n + 1 :] = system.prescribed_frames(end)
+            before, after = self.s.H[n + 1 :], rows[0, n + 1 :]
+            rows[1, n + 1 :], rows[3, n + 1 :] = 0.5 * (before + after), after - before
+            rows[2, n + 1 :] = after
+
+    def _set_loads(self, time: float) -> None:
+        """Forces of the loads at ``time``; strains without stress do work when they change."""
+        self.system.set_time(time)
+        for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
+            array[:] = value
+        self.model.pressure[1][:] = self._across()
+        if self._strained:
+            before = self.s.W.copy()
+            self.cells.pack()
+            gain = self._evaluate_start() - before
+            self.s.account[:] += gain
+            self.s.books[0] += gain.sum()
+
+    # --- matrix ---
+
+    def _factorise(self) -> None:
+        """New matrix at the present end of the step."""
+        s, this, n = self.s, self.this, self.system.count
+        residual(*self._plain)
+        H = this.rows[0]
+        v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
+        a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
+        self._fill(H, v, a)
+        self._factors = factorise(self.system.kkt)
+        self.counts[:] = self.counts[0] + 1, self._index
+        self.counters[loop.BEST], self.numbers[loop.EXCESS] = 0, 0.0
+
+    def _fill(self, H: Array, v: Array, a: Array) -> None:
+        """The matrix at frames ``H``, its constraints in the middle of its likely life."""
+        system, n = self.system, self.system.count
+        twists = np.zeros_like(system.velocities)
+        twists[:n] = v
+        scale, r = self.model.scale, np.empty(system.size)
+        system.applied(H, twists, a, self.s.weights, scale, r)
+        if system.choices.geometric:
+            system.elastic.reset_stress(H)
+        else:
+            system.elastic.clear_stress()
+        ahead = H.copy()
+        ahead[:n] = lie.se3_retract(H[:n], (self._index - self.counts[1]) // 2 * self.h * v)
+        still = np.zeros((n, 6))
+        system.fill_matrix(
+            H, twists, a, self.s.weights, scale, still, self._mass, self._damping, ahead
+        )
+
+    # --- results ---
+
+    def _record(self, history: History) -> None:
+        """Keep the present state."""
+        system, s, n, row = self.system, self.s, self.system.count, history.row
+        attachment, p = system.numbering.attachment, np.empty_like(s.V)
+        inertia.multiply(*system.inertia, s.V, p)
+        history.frames[row] = attachment.frames(s.H)
+        history.velocities[row] = attachment.twists(local(s.H[:n], s.V))
+        history.joint_forces[row] = system.joint_forces(s.H, s.weights, local(s.H[:n], s.V))
+        history.invariants[row, 0] = 0.5 * np.sum(p * s.V)
+        history.invariants[row, 1:4] = p[:, 0].sum(axis=0)
+        history.invariants[row, 4:] = np.cross(s.H[:n], p).sum(axis=(0, 1))
+        connections, v = system.connections, local(s.H[:n], s.V)
+        history.joint_coordinates[row] = connections.coordinates(s.H)
+        history.joint_violations[row] = connections.violations(s.H, v)
+        history.elastic[row] = s.W.sum() + constraints.spring_energy(s.H, system.table)
+        history.potential[row] = -np.sum(system.conservative * s.H[:n])
+        history.balance[row] = s.books
+        history.keep(np.array([self._index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
+        kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
+        kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
+        kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
+        carried = self.system.elastic.carried()
+        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
+        return kept | {"matrix": self.system.kkt.csr[0], "joints": self.system.connections.memory}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name, array in self.s._asdict().items():
+            array[:] = kept[f"s.{name}"]
+        self.this.V1[:], self.this.r[:] = kept["V1"], kept["r"]
+        self.model.scale[:] = kept["scale"]
+        self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
+        self.counts[:] = kept["counts"]
+        self.system.connections.memory = kept["joints"]
+        if self.system.time_dependent:
+            self.system.set_time(max(self._index - 0.5, 0.0) * self.h)
+            self.cells.pack()
+            for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
+                array[:] = value
+        self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
+        carried = self.system.elastic.carried()
+        self.system.elastic.restore([kept[f"carried.{k}"] for k in range(len(carried))])
+        self.system.kkt.csr[0][:] = kept["matrix"]
+        self._factors = factorise(self.system.kkt)
+
+
+def local(H: Array, V: Any) -> Array:
+    """Twists in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃): ``(RᵀẊ, ½ Σ e_k × Rᵀḋ_k)``."""
+    out = np.empty((len(V), 6))
+    out[:, :3] = np.einsum("nkj,nj->nk", H[:, 1:], V[:, 0])
+    turned = np.einsum("nkj,naj->nak", H[:, 1:], V[:, 1:])
+    out[:, 3:] = 0.5 * np.cross(np.eye(3), turned).sum(axis=1)
+    return out
+
+
+def _refuse(system: System) -> None:
+    """Raise ``ValueError`` for what these schemes cannot do."""
+    connections = system.connections
+    drilling = [body.label for body in system.scene.bodies if body.uncoupled and body.drills]
+    reasons = {
+        "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
+        "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,
+        "supports along axes fixed in space (Shell.guide)": bool(system.supports),
+        "redundant constraints": system.scene.redundant is not Redundant.REFUSE,
+        "pressure on shells": any(isinstance(p, SurfacePushes) for p in system.pressures),
+        f"shells with six parameters ({', '.join(drilling)})": bool(drilling),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")

@@ -1,0 +1,100 @@
+"""Sparse factors for compiled loops: factorised by SuperLU, solved with by a few lines of our own.
+
+A step of a small scene takes a hundred microseconds; a call of a library from Python for each
+solution would be a good part of that.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from fem_lie._jit import Array, Indices, compiled
+from fem_lie.kkt import KKT
+from fem_lie.solve.linear import SingularMatrixError
+
+
+class Factors(NamedTuple):
+    """``Aᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
+
+    Attributes:
+        row: Permutation ``Pᵣ``, shape (n,).
+        column: Permutation ``P_c``.
+        diagonal: Inverse of that of ``U``.
+        lower: Values, row indices and column pointers of ``L``.
+        upper: The same of ``U``.
+    """
+
+    row: Indices
+    column: Indices
+    diagonal: Array
+    lower: tuple[Array, Indices, Indices]
+    upper: tuple[Array, Indices, Indices]
+
+
+def factorise(kkt: KKT) -> Factors:
+    """Factors of the matrix as it is now.
+
+    Raises:
+        SingularMatrixError: It has none.
+    """
+    values, columns, pointers = kkt.csr
+    size = len(pointers) - 1
+    if not np.isfinite(values).all():
+        raise SingularMatrixError("the matrix is not finite")
+    transposed = sp.csc_matrix((values, columns, pointers), shape=(size, size))
+    try:
+        lu = spla.splu(transposed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+    except RuntimeError as error:
+        raise SingularMatrixError("the matrix is singular") from error
+    L, U = lu.L, lu.U
+    diagonal: Array = np.ones(size)
+    lower = _strict(L.data, L.indices, L.indptr, diagonal)
+    upper = _strict(U.data, U.indices, U.indptr, diagonal)
+    row, column = lu.perm_r.astype(np.int64), lu.perm_c.astype(np.int64)
+    return Factors(row, column, np.reciprocal(diagonal), lower, upper)
+
+
+@compiled
+def _strict(  # type: ignore[no-untyped-def]
+    values, indices, pointers, diagonal
+):
+    """A triangle by columns without its diagonal, which is written into ``diagonal``."""
+    n = diagonal.shape[0]
+    kept, rows = np.empty(values.shape[0]), np.empty(values.shape[0], dtype=np.int64)
+    first, at = np.zeros(n + 1, dtype=np.int64), 0
+    for j in range(n):
+        for k in range(pointers[j], pointers[j + 1]):
+            if indices[k] == j:
+                diagonal[j] = values[k]
+            else:
+                kept[at], rows[at] = values[k], indices[k]
+                at += 1
+        first[j + 1] = at
+    return kept[:at], rows[:at], first
+
+
+@compiled
+def solve(factors: tuple[Any, ...], b: Array, y: Array, x: Array) -> None:
+    """``x = A⁻¹ b``; ``y`` is work, all of shape (n,)."""
+    row, column, diagonal, lower, upper = factors
+    values, indices, pointers = upper
+    n = b.shape[0]
+    for j in range(n):
+        y[column[j]] = b[j]
+    for j in range(n):
+        total = y[j]
+        for k in range(pointers[j], pointers[j + 1]):
+            total -= values[k] * y[indices[k]]
+        y[j] = total * diagonal[j]
+    values, indices, pointers = lower
+    for j in range(n - 1, -1, -1):
+        total = y[j]
+        for k in range(pointers[j], pointers[j + 1]):
+            total -= values[k] * y[indices[k]]
+        y[j] = total
+    for j in range(n):
+        x[j] = y[row[j]]
