@@ -168,7 +168,8 @@ class SceneEquilibrium:
         return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
 
     def state(self) -> _State:
-        """See the protocol."""
+        """See the protocol; whoever asks has accepted it."""
+        self.system.connections.accept(self._H)
         return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
 
     def restore(self, state: _State) -> None:
