@@ -89,6 +89,7 @@ class Connections:
         self._place_probes, self._place_slides = np.flatnonzero(~slides), np.flatnonzero(slides)
         probes = [tables.pair(tie, row) for row, tie in enumerate(coordinates)]
         self.probes = tables.joints(probes, len(probes), [])
+        self._plain = tuple(self.table), tuple(self.probes)
         self._turns = bool(self.table.functions.any() or self.probes.functions.any())
 
     def _number(self, tables: Tables, groups: list[list[Pair]], sizes: Indices) -> None:
@@ -248,8 +249,7 @@ class Connections:
             sliding.state(H, self.sliding, self.sliding.arclength, np.zeros(self.m))
             self._check_on_beams()
         if self._turns:
-            constraints.unwrap(H, self.table)
-            constraints.unwrap(H, self.probes)
+            constraints.unwrap_both(H, *self._plain)
 
     def _check_on_beams(self) -> None:
         table, last = self.sliding, self.sliding.elements[1:] - 1
@@ -280,34 +280,51 @@ class Connections:
 
     # --- results ---
 
-    def forces(self, H: Array, v: Array, weights: Array) -> Array:
-        """Force and moment of each item on its point ``a``, in its axes there, shape (j, 6)."""
-        forces = np.zeros((len(self.items), 6))
-        tied = np.empty((len(self._tied), 6))
-        constraints.wrenches(H, v, self.table, weights, self._reported, self._exchanged, tied)
+    def report(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
+        """What results say of the items at twists ``v`` of the moving nodes.
+
+        Returns:
+            Force and moment of each on its point ``a``, in its axes there, shape (j, 6); relative
+            coordinates of all, one after the other, shape (c,); the largest violation of a
+            constraint of each, of position or velocity, shape (j,).
+        """
+        tied, probed = np.empty((len(self._tied), 6)), np.empty(len(self.probes.targets))
+        values = np.zeros(self.m)
+        constraints.report(
+            H,
+            v,
+            self._plain[0],
+            self._plain[1],
+            weights,
+            self._reported,
+            self._exchanged,
+            tied,
+            probed,
+            values,
+        )
+        forces: Array = tied
+        coordinates: Array = probed
+        if not self.of_joints_only:
+            forces, coordinates = self._report_others(H, v, weights, tied, probed, values)
+        largest = np.zeros(len(self.items))
+        np.maximum.at(largest, self.owner, np.abs(values))
+        return forces, coordinates, largest
+
+    def _report_others(
+        self, H: Array, v: Array, weights: Array, tied: Array, probed: Array, values: Array
+    ) -> tuple[Array, Array]:
+        """Forces and coordinates of all items; sets the ``values`` of their constraints."""
+        forces, k = np.zeros((len(self.items), 6)), len(self.table.targets)
         forces[self._tied] = tied
         sliding.wrenches(H, self.sliding, weights, self._slides, forces)
         rolling.wrenches(H, self.rolling, weights, self._rolls, forces)
-        return forces
-
-    def coordinates(self, H: Array) -> Array:
-        """Relative coordinates of all items, one after the other, shape (c,)."""
-        values = np.empty(len(self.probes.targets) + len(self._slides))
-        probed, places = np.empty(len(self.probes.targets)), np.empty(len(self._slides))
-        constraints.violations(H, self.probes, probed)
-        sliding.state(H, self.sliding, places, np.zeros(self.m))
-        values[self._place_probes], values[self._place_slides] = probed, places
-        return values
-
-    def violations(self, H: Array, v: Array) -> Array:
-        """Largest violation of a constraint of each item, of position or velocity, shape (j,)."""
-        values, largest = np.zeros(self.m), np.zeros(len(self.items))
-        if not self.of_joints_only:
-            rolling.rates(H, v, self.rolling, values, np.zeros(self.m))
-            sliding.state(H, self.sliding, np.empty(len(self._slides)), values)
-        constraints.violations(H, self.table, values)
-        np.maximum.at(largest, self.owner, np.abs(values))
-        return largest
+        others, places = np.zeros(self.m), np.empty(len(self._slides))
+        rolling.rates(H, v, self.rolling, others, np.zeros(self.m))
+        sliding.state(H, self.sliding, places, others)
+        values[k:] = others[k:]
+        coordinates = np.empty(len(probed) + len(places))
+        coordinates[self._place_probes], coordinates[self._place_slides] = probed, places
+        return forces, coordinates
 
     def info(self) -> tuple[JointInfo, ...]:
         """For results, in the numbering of all nodes."""

@@ -235,6 +235,36 @@ def wrenches(
 
 
 @compiled
+def report(
+    H: Array,
+    v: Array,
+    joints: tuple[Any, ...],
+    probes: tuple[Any, ...],
+    weights: Array,
+    pairs: Indices,
+    side: Indices,
+    forces: Array,
+    coordinates: Array,
+    values: Array,
+) -> None:
+    """:func:`wrenches`, the values of ``probes`` and :func:`violations` in one call.
+
+    The tables come as plain tuples, which makes the call from Python cheaper.
+    """
+    table = joint_table(joints)
+    wrenches(H, v, table, weights, pairs, side, forces)
+    violations(H, joint_table(probes), coordinates)
+    violations(H, table, values)
+
+
+@compiled
+def unwrap_both(H: Array, joints: tuple[Any, ...], probes: tuple[Any, ...]) -> None:
+    """:func:`unwrap` for two tables as plain tuples."""
+    unwrap(H, joint_table(joints))
+    unwrap(H, joint_table(probes))
+
+
+@compiled
 def jacobian(H: Array, table: JointTable, rows: Array) -> None:
     """Add ``∂Φ/∂h`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)

@@ -303,17 +303,19 @@ class System:
 
     def stored_energy(self, H: Array) -> float:
         """Energy of elements and springs."""
-        return self.elastic.energy(H) + float(constraints.spring_energy(H, self.table))
+        springs = constraints.spring_energy(H, self.table) if len(self.table.springs) else 0.0
+        return self.elastic.energy(H) + springs
 
-    def joint_forces(self, H: Array, weights: Array, v: Array | None = None) -> Array:
-        """Force and moment of each joint on its point ``a``, in its axes there, shape (j, 6).
+    def joint_forces(self, H: Array, weights: Array) -> Array:
+        """Force and moment of each joint at rest on its point ``a``, in its axes, shape (j, 6)."""
+        return self.report_joints(H, self._still, weights)[0]
 
-        ``v`` are the twists of the moving nodes, which dampers feel; default: none.
-        """
+    def report_joints(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
+        """See :meth:`~fem_lie.connections.Connections.report`."""
         if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
             measure = np.where(self.connections.angular, 1.0 / self.length, 1.0)
             weights = minimum_norm(self.tangent.jacobian(H), weights, measure)
-        return self.connections.forces(H, self._still if v is None else v, weights)
+        return self.connections.report(H, v, weights)
 
     @property
     def symmetric(self) -> bool:

@@ -201,9 +201,9 @@ class Recorder(History):
         attachment = system.numbering.attachment
         self.frames[row] = attachment.frames(H)
         self.velocities[row] = attachment.twists(v)
-        self.joint_forces[row] = system.joint_forces(H, multipliers, v)
-        self.joint_coordinates[row] = system.connections.coordinates(H)
-        self.joint_violations[row] = system.connections.violations(H, v)
+        forces, coordinates, violations = system.report_joints(H, v, multipliers)
+        self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
+        self.joint_violations[row] = violations
         self.invariants[row] = inertia.invariants(
             H,
             v[:n],
