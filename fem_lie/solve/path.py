@@ -137,7 +137,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
     return EquilibriumPath(
         factors=np.array([state.factor for state in states]),
         frames=np.array([state.frames for state in states]),
-        joint_forces=np.array(forces).reshape(len(states), len(model.system.joints), 6),
+        joint_forces=np.array(forces),
         iterations=np.array([s.iterations for s in found.stations], dtype=np.int64),
         failed_iterations=found.failed_iterations,
         info=run.info,
