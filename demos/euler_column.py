@@ -98,7 +98,9 @@ def study(ends: str, elements: int, imperfection: float, beyond: float) -> dict[
     )
     end = branch.factors[-1], branch.observed["deflection"][-1]
     # the load is referred to the one at which this column buckles
-    exact = elastica(end[0] / point.factor, ends) if ends in GROWS else np.nan
+    error = None
+    if ends in GROWS:
+        error = float(end[1]) / elastica(end[0] / point.factor, ends) - 1.0
     paths = straight, branch, imperfect
     return {
         "linear_buckling": float(modes.factors[0]),
@@ -106,7 +108,7 @@ def study(ends: str, elements: int, imperfection: float, beyond: float) -> dict[
         "bracket": point.bracket,
         "negative_pivots": point.negative_pivots,
         "deflection": float(end[1]),
-        "deflection_error": float(end[1] / exact - 1.0),
+        "deflection_error": error,
         "branch_limit": branch.limits[0].factor if branch.limits else None,
         "branch_end": branch.reason,
         "load_steps": sum(int((path.iterations > 0).sum()) for path in paths),
@@ -129,10 +131,12 @@ def main(
         found = study(ends, elements, imperfection, beyond)
         paths = found.pop("paths")
         record[ends] = found
+        known = found["deflection_error"] is not None
+        error = f"{found['deflection_error']:+.1e}" if known else "none"
         print(
             f"{ends:15}  {found['linear_buckling'] - 1:+.2e}   {found['critical_load'] - 1:+.2e}"
             f"   {found['negative_pivots']}   {found['deflection']:.5f}    "
-            f"{found['deflection_error']:+.1e}   {found['load_steps']:4}  {found['iterations']:4}"
+            f"{error:8}   {found['load_steps']:4}  {found['iterations']:4}"
         )
         if found["branch_limit"]:
             print(f"{'':17}the branch has a limit point at {found['branch_limit']:.4f}")

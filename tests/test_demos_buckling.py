@@ -54,6 +54,18 @@ def test_pulled_cylinder_arrives_in_a_few_steps():
     assert record["iterations"] <= 40
 
 
+@pytest.mark.parametrize("resolution", [0.05, 0.16, 0.3])
+def test_pulled_cylinder_snaps_within_one_step(resolution):
+    """Its load falls by half a per cent only, and both turns may lie between two states."""
+    module = demo("pulled_cylinder")
+    path = module.fl.follow_path(module.cylinder(12, 8), 0.6, resolution=resolution)
+    upper, lower = path.limits
+    assert (upper.negative_pivots, lower.negative_pivots) == ((0, 1), (1, 0))
+    # 16x12 … 48x32: 0.3-0.65 % lower, the more the coarser
+    assert 0.003 <= 1 - lower.factor / upper.factor <= 0.012
+    assert upper.factor == pytest.approx(0.4923, rel=1e-3)
+
+
 def test_strips_and_profiles_tip_over():
     record = demo("lateral_torsional").main(mesh=16, pictures=False)
     assert record["max_error"] <= 1e-3

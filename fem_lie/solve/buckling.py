@@ -23,7 +23,7 @@ from fem_lie.buckling_modes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import _check
 from fem_lie.solve.linear import ConvergenceError
-from fem_lie.solve.spectrum import _padded, _petsc
+from fem_lie.solve.spectrum import padded, to_petsc
 from fem_lie.solve.stability import StableEquilibrium
 
 _TOLERANCE = 1e-10
@@ -108,7 +108,7 @@ def _largest(
     n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
     size = float(np.mean(np.abs(K.diagonal())))
     bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
-    solver.setOperators(_petsc(_padded(-G, B)), _petsc(bordered))
+    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(bordered))
     types = SLEPc.EPS.ProblemType
     solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
     solver.setOptionsPrefix(prefix)

@@ -21,8 +21,6 @@ from fem_lie.solve.walk import LostError, Station, Walker
 
 _TRIALS = 60
 _WIDTH = 1e-3  # of a step: to where a load without slope is located
-_DEPTH = 4
-_FLAT = 0.3  # of the rate of the load at the ends of a step: less between is looked at
 _SLOW = 3  # secants in a row that do not halve the bracket, then it is halved
 
 Mark = Callable[[Station], Any]
@@ -46,45 +44,6 @@ class Bracket:
     arc: Arc
     at: tuple[float, float]
     ends: tuple[Station, Station]
-
-
-def hidden(walker: Walker, whole: Bracket, depth: int = _DEPTH) -> list[tuple[float, Station]]:
-    """States between the ends of a step where the load may turn twice without being seen.
-
-    Between them the load is a cubic of the distance; where that is flat, or turns, a state is put
-    at its flattest place, and so on with the parts.
-    """
-    (a, b), (first, last) = whole.at, whole.ends
-    if depth == 0 or _mark(first) != _mark(last):
-        return []
-    rates = first.direction(whole.arc)[1], last.direction(whole.arc)[1]
-    mean = (last.factor - first.factor) / (b - a)
-    place, least = _flattest(rates, mean)
-    if least * np.sign(rates[0]) > _FLAT * min(map(abs, rates)):
-        return []
-    at = a + place * (b - a)
-    try:
-        station = walker.step(whole.origin, whole.control, at, whole.arc)
-    except LostError:
-        return []
-    left = replace(whole, at=(a, at), ends=(first, station))
-    right = replace(whole, at=(at, b), ends=(station, last))
-    return [*hidden(walker, left, depth - 1), (at, station), *hidden(walker, right, depth - 1)]
-
-
-def _flattest(rates: tuple[float, float], mean: float) -> tuple[float, float]:
-    """Where between 0 and 1 the derivative of a cubic is least in size or past zero, and that."""
-    first, last = rates
-    # the derivative is a parabola with these ends and this mean
-    middle = 1.5 * mean - 0.25 * (first + last)
-    curvature = 2.0 * (first + last) - 4.0 * middle
-    if curvature == 0.0:
-        return 0.5, middle
-    place = float(np.clip((3.0 * first + last - 4.0 * middle) / (2.0 * curvature), 0.0, 1.0))
-    value = first + (4.0 * middle - 3.0 * first - last) * place + curvature * place**2
-    if not 0.1 < place < 0.9:
-        return place, first if place < 0.5 else last
-    return place, value
 
 
 def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:

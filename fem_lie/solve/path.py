@@ -6,6 +6,7 @@ pivots is counted at each state. All defaults are meant to be kept.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from math import inf
 from time import perf_counter
@@ -16,6 +17,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import DisplacementControl, LoadControl
 from fem_lie.solve.follow import _check
+from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.locate import Bracket
 from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath
 from fem_lie.solve.pursuit import Ends, Observer, Pursuit
@@ -24,6 +26,8 @@ from fem_lie.solve.stability import StableEquilibrium
 from fem_lie.solve.walk import Station, Walker
 
 _MODES = 2
+
+_log = logging.getLogger(__name__)
 
 
 def follow_path(
@@ -133,7 +137,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
     return EquilibriumPath(
         factors=np.array([state.factor for state in states]),
         frames=np.array([state.frames for state in states]),
-        joint_forces=np.array(forces).reshape(len(states), len(model.system.connections.items), 6),
+        joint_forces=np.array(forces),
         iterations=np.array([s.iterations for s in found.stations], dtype=np.int64),
         failed_iterations=found.failed_iterations,
         info=run.info,
@@ -155,7 +159,11 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
     """The modes at a critical point, and what kind it is."""
     model, (first, last) = run.model, bracket.ends
     model.restore(first.state)
-    values, shapes = model.critical_modes(first.factor, _MODES, "fem_lie_path_modes_")
+    try:
+        values, shapes = model.critical_modes(first.factor, _MODES, "fem_lie_path_modes_")
+    except ConvergenceError as error:
+        _log.warning("the critical modes at load factor %g: %s", first.factor, error)
+        values, shapes = np.empty(0), np.empty((0, model.system.count, 6))
     # where a path crosses another one symmetrically its load turns, too, but no pivot does
     limit = first.sign != last.sign and first.negative != last.negative
     extremum = max if first.sign > 0 else min

@@ -76,7 +76,8 @@ class CriticalPoint:
         factor: Load factor: the extremum, or the middle of the bracket.
         bracket: Load factors of the states between which it was located.
         negative_pivots: Negative eigenvalues of the tangent before and after.
-        eigenvalues: Smallest eigenvalues of the tangent there, in units of energy.
+        eigenvalues: Smallest eigenvalues of the tangent there, in units of energy; none if SLEPc
+            found none.
         shapes: Their modes: local increments of all nodes, the largest displacement is 1, or the
             largest rotation where there is hardly any displacement, shape (k, n, 6).
         station: The state before it.

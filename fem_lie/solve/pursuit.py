@@ -14,7 +14,7 @@ from math import acos, inf, sqrt
 import numpy as np
 
 from fem_lie.solve.controls import Arc, Control, DisplacementControl, Load, LoadControl
-from fem_lie.solve.locate import Bracket, bisect, critical, hidden
+from fem_lie.solve.locate import Bracket, bisect, critical
 from fem_lie.solve.path_result import PathState
 from fem_lie.solve.walk import LostError, Station, Walker
 
@@ -25,6 +25,7 @@ _BEGIN = 0.25  # of the resolution: the first step
 _TURN = 0.35  # rad: wanted angle between successive tangents
 _SHARP = 1.0  # rad: larger angles are not accepted …
 _CORNER = 1 / 64  # … unless steps are as short as this, over the resolution
+_FLAT = 0.8  # of the smaller rate of the load at the ends of a step: not less between
 _AHEAD = 0.2  # cosine between the tangent and the way of a step: never less
 _SMALLEST = 1e-4  # of the resolution: shorter steps are given up
 
@@ -173,10 +174,18 @@ class Pursuit:
         return new
 
     def _bends(self, here: Station, new: Station, arc: Arc, length: float) -> bool:
-        """Whether a step bends too much; backwards is too much however short it is."""
+        """Whether a step bends too much; backwards is too much however short it is.
+
+        Where the load is much flatter between the states than at them, it may turn twice unseen.
+        """
         way = new.places - here.places, new.factor - here.factor
         ahead = arc.inner(*way, *here.direction(arc)) / arc.norm(*way)
         short = length <= _CORNER * self._resolution
+        rates = here.direction(arc)[1], new.direction(arc)[1]
+        if rates[0] * rates[1] > 0 and here.negative == new.negative:
+            least = _flattest(rates, way[1] / length) * np.sign(rates[0])
+            if least < _FLAT * min(map(abs, rates)):
+                return True
         return ahead < _AHEAD or not (short or self._angle(here, new, arc) <= _SHARP)
 
     def _angle(self, here: Station, new: Station, arc: Arc) -> float:
@@ -206,19 +215,12 @@ class Pursuit:
         return stations[-1]
 
     def _look_between(self, whole: Bracket, tolerance: float) -> None:
-        """Keep the critical points of a step, and the states that were made to find them."""
-        found, (here, new) = self.found, whole.ends
-        between = hidden(self._walker, whole)
-        places = [whole.at[0], *(at for at, _ in between), whole.at[1]]
-        states = [here, *(station for _, station in between), new]
-        for k, state in enumerate(states[1:]):
-            part = replace(whole, at=(places[k], places[k + 1]), ends=(states[k], state))
-            for bracket in critical(self._walker, part, tolerance):
-                if bracket.ends[0] is not states[k]:
-                    found.stations.append(replace(bracket.ends[0], iterations=0))
-                found.critical.append((bracket, len(found.stations) - 1))
-            if state is not new:
-                found.stations.append(replace(state, iterations=0))
+        """Keep the critical points of a step."""
+        found = self.found
+        for bracket in critical(self._walker, whole, tolerance):
+            if bracket.ends[0] is not whole.origin:
+                found.stations.append(replace(bracket.ends[0], iterations=0))
+            found.critical.append((bracket, len(found.stations) - 1))
 
     def _ended(self, whole: Bracket) -> Bracket:
         """The part of a step up to the end of the path, if that is in it."""
@@ -272,3 +274,19 @@ class Pursuit:
         """A state as it is shown to functions of the user."""
         frames = self.attachment.frames(station.state.frames).copy()
         return PathState(station.factor, frames, self.initial, station.negative, self.info)
+
+
+def _flattest(rates: tuple[float, float], mean: float) -> float:
+    """Least derivative of a cubic, in the sense of its end values, that has these and this mean."""
+    first, last = rates
+    # the derivative is a parabola
+    middle = 1.5 * mean - 0.25 * (first + last)
+    curvature = 2.0 * (first + last) - 4.0 * middle
+    ends = min(first, last, key=abs)
+    if curvature == 0.0:
+        return ends
+    place = (3.0 * first + last - 4.0 * middle) / (2.0 * curvature)
+    if not 0.0 < place < 1.0:
+        return ends
+    value = first + (4.0 * middle - 3.0 * first - last) * place + curvature * place**2
+    return min(value, ends) if first > 0 else max(value, ends)

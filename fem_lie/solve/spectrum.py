@@ -103,9 +103,9 @@ class Pencil:
 
     def _linear(self, count: int, shift: float, prefix: str) -> tuple[Complex, Complex]:
         """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
-        K, M = self._bordered(self.K, shift), _padded(self.M, self.B)
+        K, M = self._bordered(self.K, shift), padded(self.M, self.B)
         solver = SLEPc.EPS().create(PETSc.COMM_SELF)
-        solver.setOperators(_petsc(K), _petsc(M))
+        solver.setOperators(to_petsc(K), to_petsc(M))
         asymmetry = abs(self.K - self.K.T).max()
         symmetric = asymmetry <= _SYMMETRIC * abs(self.K).max()
         types = SLEPc.EPS.ProblemType
@@ -119,9 +119,9 @@ class Pencil:
         assert self.C is not None
         shift = 1e-2
         K = self._bordered(self.K, rate**2)
-        C, M = (_padded(rate**k * part, self.B) for k, part in ((1, self.C), (2, self.M)))
+        C, M = (padded(rate**k * part, self.B) for k, part in ((1, self.C), (2, self.M)))
         solver = SLEPc.PEP().create(PETSc.COMM_SELF)
-        solver.setOperators([_petsc(K), _petsc(C), _petsc(M)])
+        solver.setOperators([to_petsc(K), to_petsc(C), to_petsc(M)])
         solver.setTarget(shift)
         _set_up(solver, min(2 * count + _SPARE, K.shape[0]), SLEPc.PEP, prefix)
         s, vectors = _pairs(solver, K, self.M.shape[0])
@@ -148,12 +148,13 @@ class Pencil:
         return np.asarray(np.linalg.norm(total, axis=0) / np.linalg.norm(size, axis=0).clip(1e-300))
 
 
-def _padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
+def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
     """Zero rows and columns for the multipliers."""
     return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
 
 
-def _petsc(A: sp.csr_matrix) -> PETSc.Mat:
+def to_petsc(A: sp.csr_matrix) -> PETSc.Mat:
+    """The same matrix for PETSc, with all of its diagonal."""
     # a direct solver wants a diagonal, even if it is zero
     A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
     A.sort_indices()

@@ -124,7 +124,9 @@ class StableEquilibrium(SceneEquilibrium):
     def all_nodes(self, shapes: Array) -> Array:
         """Increments of leaders (k, n, 6) as normalised increments of all nodes."""
         twists = self.system.numbering.attachment.twists
-        return normalised(np.array([twists(shape) for shape in shapes]), self.diameter)
+        total = self.system.numbering.total
+        moved = np.array([twists(shape) for shape in shapes]).reshape(-1, total, 6)
+        return normalised(moved, self.diameter)
 
     def _csr(self) -> sp.csr_matrix:
         pointers, columns, data = self.system.kkt.matrix.getValuesCSR()
