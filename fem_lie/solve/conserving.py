@@ -14,6 +14,7 @@ from fem_lie import inertia
 from fem_lie._jit import Array, Indices, compiled, inlined
 from fem_lie._lie_tuples import (
     cross,
+    dot,
     load,
     load_row,
     minus,
@@ -27,10 +28,13 @@ from fem_lie.solve import cells as elements
 from fem_lie.solve.between import follow, span
 from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
 from fem_lie.solve.filtered import (
+    ACTIVE,
     LEAK,
     LIMIT,
+    MEMORY,
     REPAID,
     SQUARES,
+    WORKS,
     end_velocities,
     lag_behind,
     velocity_loss,
@@ -85,7 +89,7 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (12,).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (9,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
     """
@@ -148,14 +152,14 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     joints, held, scale, scheme = model[1], model[5], model[7], model[11]
     H, weights, gap, lag = state[0], state[3], state[4], state[10]
     step, rows, change, losses, forces, r = this[0], this[1], this[5], this[6], this[9], this[12]
-    n, χ = step.shape[0], scheme[1] * lag[4]
+    n, χ = step.shape[0], scheme[1] * lag[ACTIVE]
     end, mean, middle, delta = rows[0], rows[1], rows[2], rows[3]
     span(H, step, delta, mean, end, middle)
     losses[:] = 0.0
     _add_momenta(model, state, this)
     _add_loads(model[8], middle, forces)
     _add_from_nodes(model, state, this)
-    losses[0] = add_joints(mean, delta, joints, weights, change, forces)
+    losses[0] += add_joints(mean, delta, joints, weights, change, forces)
     for i in range(n):
         m = middle[i]
         for at in (0, 3):
@@ -255,7 +259,7 @@ def _add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[
         on_all[:] = 0.0
         parts = (nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[5], steps[0])
     _add_cells(model, state, this, parts, on_all)
-    _add_pressure(pressure, parts[2], parts[3], on_all)
+    this[6][0] += _add_pressure(pressure, parts[2], parts[3], parts[4], on_all)
     if not trivial:
         collect(leader, nodes[2], rows[1], on_all, forces)
 
@@ -278,11 +282,11 @@ def _add_cells(  # type: ignore[no-untyped-def]
     )
     lag[SQUARES], lag[REPAID] = squares, repay * squares
     if χ > 0.0:
-        a = 0.5 * χ * lag[4]
-        factors = (a, a * lag[3])
+        a = 0.5 * χ * lag[ACTIVE]
+        factors = (a, a * lag[MEMORY])
         works = add_filtered(cells, (H, end, F, F1), (mean, delta, step), w_F, factors, out)
         losses[2] += factors[0] * works[0] - factors[1] * works[1]
-        lag[6], lag[7] = works
+        lag[WORKS], lag[WORKS + 1] = works
     if viscous:
         for i in range(step.shape[0]):
             m = middle[i]
@@ -322,9 +326,12 @@ def _add_viscous(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_pressure(pressure: tuple[Any, ...], mean: Array, middle: Array, out: Array) -> None:
-    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece."""
+def _add_pressure(  # type: ignore[no-untyped-def]
+    pressure, mean, middle, delta, out
+):
+    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece; returns its work."""
     pairs, across = pressure
+    work = 0.0
     for e in range(pairs.shape[0]):
         i, j = pairs[e, 0], pairs[e, 1]
         push = (0.0, 0.0, 0.0)
@@ -335,6 +342,8 @@ def _add_pressure(pressure: tuple[Any, ...], mean: Array, middle: Array, out: Ar
         force = cross(minus(load_row(mean[j], 0), load_row(mean[i], 0)), push)
         for node in (i, j):
             store(out[node], 0, minus(load(out[node], 0), force))
+            work += dot(force, load_row(delta[node], 0))
+    return work
 
 
 @compiled
