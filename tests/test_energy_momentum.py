@@ -74,7 +74,9 @@ def bars(
 def plate(name: str, cells=(3, 2)) -> tuple[fl.Scene, fl.Shell]:
     """A soft plate that tumbles, bending as it does."""
     cell, degree, formulation = SHELLS[name]
-    mesh = fl.surface(lambda a, b: np.array([0.3 * a, 0.2 * b, 0.02 * a * b]), cells, cell, degree)
+    mesh = fl.surface(
+        lambda a, b: np.array([0.3 * a, 0.2 * b, 0.02 * a * b]), cells, cell=cell, degree=degree
+    )
     section = fl.ShellSection.layer(0.004, fl.Material(2e7, 0.3, 1200.0))
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, section, formulation=formulation))

@@ -11,7 +11,7 @@ from fem_lie.buckling_modes import chosen
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import Along, Arc
-from fem_lie.solve.follow import _check
+from fem_lie.solve.follow import check_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.path_result import CriticalPoint
 from fem_lie.solve.stability import StableEquilibrium
@@ -54,7 +54,7 @@ def branch(
             bifurcation of another scene.
         ConvergenceError: There is no equilibrium with any amplitude down to 1e-5 of the model.
     """
-    _check(scene)
+    check_proportion(scene)
     if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
         raise ValueError(
             f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"

@@ -21,7 +21,7 @@ from fem_lie._compat import slepc_errors
 from fem_lie._jit import Array
 from fem_lie.buckling_modes import BucklingModes
 from fem_lie.scene import Scene
-from fem_lie.solve.follow import _check
+from fem_lie.solve.follow import check_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.spectrum import padded, to_petsc
 from fem_lie.solve.stability import StableEquilibrium
@@ -46,7 +46,7 @@ def buckling(
         ConvergenceError: There are less positive load factors than were asked for; its ``result``
             holds those that were found, if any.
     """
-    _check(scene)
+    check_proportion(scene)
     model = StableEquilibrium(scene, petsc_options_prefix)
     free = int((~model.system.held).sum()) - model.system.m
     if not 1 <= count <= free:

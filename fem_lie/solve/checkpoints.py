@@ -24,7 +24,8 @@ from fem_lie.system import System
 def fingerprint(system: System, scheme: Any) -> str:
     """Of what a run is about: scene and options. A checkpoint is of no use to any other."""
     parts = [system.frames, system.velocities, *system.inertia, *system.table, system.held]
-    digest = hashlib.sha256(repr(scheme).encode())
+    options = vars(scheme) | {"policy": (type(scheme.policy), vars(scheme.policy))}
+    digest = hashlib.sha256(f"{type(scheme)} {options}".encode())
     for part in (*parts, system.conservative):
         digest.update(np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()

@@ -5,13 +5,12 @@ Formulas in :mod:`fem_lie.solve.energy_momentum`.
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem_lie import inertia
-from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._jit import Array, compiled
 from fem_lie._lie_tuples import (
     cross,
     load,
@@ -23,18 +22,9 @@ from fem_lie._lie_tuples import (
     scaled,
     store,
 )
-from fem_lie.solve import cells as elements
-from fem_lie.solve.between import follow, span
-from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
-from fem_lie.solve.filtered import (
-    LEAK,
-    LIMIT,
-    REPAID,
-    SQUARES,
-    end_velocities,
-    lag_behind,
-    velocity_loss,
-)
+from fem_lie.solve.between import span
+from fem_lie.solve.conserving_cells import add_from_nodes
+from fem_lie.solve.filtered import ACTIVE, end_velocities, lag_behind, velocity_loss
 from fem_lie.solve.joints_between import add_joints
 
 
@@ -89,7 +79,7 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (12,).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (9,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
     """
@@ -152,14 +142,15 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     joints, held, scale, scheme = model[1], model[5], model[7], model[11]
     H, weights, gap, lag = state[0], state[3], state[4], state[10]
     step, rows, change, losses, forces, r = this[0], this[1], this[5], this[6], this[9], this[12]
-    n, χ = step.shape[0], scheme[1] * lag[4]
+    n, χ = step.shape[0], scheme[1] * lag[ACTIVE]
     end, mean, middle, delta = rows[0], rows[1], rows[2], rows[3]
     span(H, step, delta, mean, end, middle)
     losses[:] = 0.0
     _add_momenta(model, state, this)
     _add_loads(model[8], middle, forces)
-    _add_from_nodes(model, state, this)
-    losses[0], loss = add_joints(mean, delta, joints, weights, model[13], scheme[0], change, forces)
+    add_from_nodes(model, state, this)
+    work, loss = add_joints(mean, delta, joints, weights, model[13], scheme[0], change, forces)
+    losses[0] += work
     losses[1] += loss
     for i in range(n):
         m = middle[i]
@@ -183,7 +174,7 @@ def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any
     rows, V1, losses, forces, q = this[1], this[2], this[6], this[9], this[10]
     mean, delta = rows[1], rows[3]
     n = V.shape[0]
-    end_velocities(V, V1, delta, w, lag, χ, h)
+    end_velocities(mass, V, V1, delta, w, lag, χ, h, q)
     # what round-off has left over is made up: momenta are compensated sums
     forces[:] = state[11]
     if damping[0].shape[0] > 0:
@@ -229,125 +220,3 @@ def _add_loads(loads: tuple[Any, ...], middle: Array, forces: Array) -> None:
             turned = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(f, at))
             store(forces[i], at, minus(load(forces[i], at), turned))
         store(forces[i], 3, minus(load(forces[i], 3), load(moment[i], 0)))
-
-
-@compiled
-def _add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
-    """Add the forces of the cells and of pressure, which are on all nodes, to the leaders."""
-    leader, offset, trivial = model[4]
-    cells, pressure = model[0], model[9]
-    H, rest = state[0], state[1]
-    step, rows, nodes, steps, forces = this[0], this[1], this[7], this[8], this[9]
-    if cells[4].shape[0] == 0:  # nothing but rigid bodies
-        return
-    for i in range(step.shape[0]):
-        for k in range(4):
-            for j in range(3):
-                nodes[5, i, k, j] = rows[3, i, k, j] + rest[i, k, j]
-    if trivial:
-        on_all = forces
-        parts = (H, rows[0], rows[1], rows[2], rows[3], nodes[5], step)
-    else:
-        this[10][0] = nodes[5, : step.shape[0]]
-        follow(H, leader, offset, nodes[0])
-        for k in range(4):
-            follow(rows[k], leader, offset, nodes[1 + k])
-        follow(this[10][0], leader, offset, nodes[5])
-        for i in range(leader.shape[0]):
-            store(steps[0, i], 0, load_row(nodes[4, i], 0))
-            store(steps[0, i], 3, load(step[leader[i]], 3))
-        on_all = steps[2]
-        on_all[:] = 0.0
-        parts = (nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[5], steps[0])
-    _add_cells(model, state, this, parts, on_all)
-    _add_pressure(pressure, parts[2], parts[3], on_all)
-    if not trivial:
-        collect(leader, nodes[2], rows[1], on_all, forces)
-
-
-@compiled
-def _add_cells(  # type: ignore[no-untyped-def]
-    model, state, this, parts, out
-):
-    """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
-    cells, viscous, h, χ = model[0], model[10], model[11][0], model[11][1]
-    F, W, account, w_F, lag = state[5], state[6], state[7], state[9], state[10]
-    F1, energies, losses, steps = this[3], this[4], this[6], this[8]
-    H, end, mean, middle, delta, more, step = parts
-    elements.evaluate(cells, H, more, F1, energies[0])
-    ends = (H, end, F, F1, W, energies[0])
-    repay = _repayment(lag)
-    typical = lag[SQUARES] / W.shape[0]
-    squares = add_elastic(
-        cells, ends, (mean, delta, step), account, energies[1], repay, typical, out
-    )
-    lag[SQUARES], lag[REPAID] = squares, repay * squares
-    if χ > 0.0:
-        a = 0.5 * χ * lag[4]
-        factors = (a, a * lag[3])
-        works = add_filtered(cells, (H, end, F, F1), (mean, delta, step), w_F, factors, out)
-        losses[2] += factors[0] * works[0] - factors[1] * works[1]
-        lag[6], lag[7] = works
-    if viscous:
-        for i in range(step.shape[0]):
-            m = middle[i]
-            for at in (0, 3):
-                rate = scaled(1.0 / h, load(step[i], at))
-                turned = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), rate)
-                store(steps[1, i], at, turned)
-        losses[1] += h * _add_viscous(cells, middle, steps[1], this[11], out)
-
-
-@inlined
-def _repayment(lag: Array) -> float:
-    """Factor of forces that take back what round-off has brought in, as small as round-off is."""
-    leak, squares = lag[LEAK], lag[SQUARES]
-    if squares == 0.0:
-        return 0.0
-    most = lag[LIMIT] / sqrt(squares)
-    return max(-most, min(most, leak / squares))
-
-
-@compiled
-def _add_viscous(  # type: ignore[no-untyped-def]
-    cells, middle, twists, F, out
-):
-    """Add viscous forces at the half-way frames; returns their power."""
-    first, nodes, power = cells[7], cells[8], 0.0
-    elements.viscous_forces(cells, middle, twists, F)
-    for e in range(first.shape[0] - 1):
-        for a in range(first[e], first[e + 1]):
-            m = middle[nodes[a]]
-            for at in (0, 3):
-                f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(F[a], at))
-                store(out[nodes[a]], at, plus(load(out[nodes[a]], at), f))
-            for k in range(6):
-                power += F[a, k] * twists[nodes[a], k]
-    return power
-
-
-@compiled
-def _add_pressure(pressure: tuple[Any, ...], mean: Array, middle: Array, out: Array) -> None:
-    """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece."""
-    pairs, across = pressure
-    for e in range(pairs.shape[0]):
-        i, j = pairs[e, 0], pairs[e, 1]
-        push = (0.0, 0.0, 0.0)
-        for node in (i, j):
-            m = middle[node]
-            axis = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load_row(across, e))
-            push = plus(push, scaled(0.25, axis))
-        force = cross(minus(load_row(mean[j], 0), load_row(mean[i], 0)), push)
-        for node in (i, j):
-            store(out[node], 0, minus(load(out[node], 0), force))
-
-
-@compiled
-def collect(leader: Indices, all_means: Array, mean: Array, given: Array, forces: Array) -> None:
-    """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
-    for i in range(leader.shape[0]):
-        to = leader[i]
-        f, arm = load(given[i], 0), minus(load_row(all_means[i], 0), load_row(mean[to], 0))
-        store(forces[to], 0, plus(load(forces[to], 0), f))
-        moment = plus(load(given[i], 3), cross(arm, f))
-        store(forces[to], 3, plus(load(forces[to], 3), moment))

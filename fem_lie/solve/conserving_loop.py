@@ -51,7 +51,6 @@ def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...])
     H, V, lag, step, V1 = state[0], state[2], state[10], this[0], this[2]
     V1[:] = V
     this[13][:] = state[3]
-    # a rotation lags behind from step to step as well as from iteration to iteration
     lag[MEMORY] = 1.0
     largest = 0.0
     for i in range(step.shape[0]):

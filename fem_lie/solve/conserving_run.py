@@ -106,7 +106,7 @@ class Run:
             account=z(cells.count),
             w=z((n, 4, 3)),
             w_F=z((cells.places, 6)),
-            lag=z(12),
+            lag=z(9),
             carry=z((n, 6)),
             books=z(3),
         )
@@ -336,13 +336,12 @@ class Run:
         inertia.multiply(*system.inertia, s.V, p)
         history.frames[row] = attachment.frames(s.H)
         history.velocities[row] = attachment.twists(local(s.H[:n], s.V))
-        history.joint_forces[row] = system.joint_forces(s.H, s.weights, local(s.H[:n], s.V))
+        forces, coordinates, violations = system.report_joints(s.H, local(s.H[:n], s.V), s.weights)
+        history.joint_forces[row], history.joint_coordinates[row] = forces, coordinates
+        history.joint_violations[row] = violations
         history.invariants[row, 0] = 0.5 * np.sum(p * s.V)
         history.invariants[row, 1:4] = p[:, 0].sum(axis=0)
         history.invariants[row, 4:] = np.cross(s.H[:n], p).sum(axis=(0, 1))
-        connections, v = system.connections, local(s.H[:n], s.V)
-        history.joint_coordinates[row] = connections.coordinates(s.H)
-        history.joint_violations[row] = connections.violations(s.H, v)
         history.elastic[row] = s.W.sum() + constraints.spring_energy(s.H, system.table)
         history.potential[row] = -np.sum(system.conservative * s.H[:n])
         history.balance[row] = s.books

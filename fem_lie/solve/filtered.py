@@ -27,32 +27,51 @@ import numpy as np
 
 from fem_lie import inertia
 from fem_lie._jit import Array, compiled, inlined
-from fem_lie._lie_tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
+from fem_lie._lie_tuples import Vector, cross, dot, load_row, minus, plus, scaled
 from fem_lie.solve.discrete_gradient import solve_symmetric
 
-SPIN, MEMORY, ACTIVE, REMEMBERS, WORKS = 0, 3, 4, 5, 6
-"""Places in the array of lagged numbers: Ω, β, whether there is dissipation at all and whether
+MEMORY, ACTIVE, REMEMBERS, WORKS = 0, 1, 2, 3
+"""Places in the array of lagged numbers: β, whether there is dissipation at all and whether
 anything is remembered (0 or 1), works of the changes of elastic forces and of the memory."""
-LEAK, SQUARES, LIMIT, REPAID = 8, 9, 10, 11
+LEAK, SQUARES, LIMIT, REPAID = 5, 6, 7, 8
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
-that are below round-off, energy taken back; shape (12,)."""
+that are below round-off, energy taken back; shape (9,)."""
+_TURNS = 30
 
 
 @compiled
-def end_velocities(V: Array, V1: Array, delta: Array, w: Array, lag: Array, χ: float, h: float):  # type: ignore[no-untyped-def]
-    """Velocities ``V₁`` at the end from the increments, with lagged Ω and β; (n, 4, 3)."""
-    Ω = load(lag, SPIN)
-    χ = χ * lag[ACTIVE]
-    for i in range(V.shape[0]):
+def end_velocities(  # type: ignore[no-untyped-def]
+    mass, V, V1, delta, w, lag, χ, h, q
+):
+    """Velocities ``V₁`` at the end from the increments, with the lagged β; (n, 4, 3).
+
+    With ``V̄`` given, ``ΔV = a + χ/(1 + χ) Ω × V̄`` with ``a`` from the increments, and Ω, the
+    rotation that is nearest to ``ΔV − β w``, is 1 + χ times that nearest to ``a − β w``. ``V̄``
+    follows in a few turns. ``q`` (2, n, 4, 3) is work.
+    """
+    χ, β, n = χ * lag[ACTIVE], lag[MEMORY], V.shape[0]
+    a = np.empty_like(V)
+    for i in range(n):
         for k in range(4):
-            v = load_row(V[i], k)
-            change = minus(scaled(1.0 / h, load_row(delta[i], k)), v)
-            if χ > 0.0:
-                mean = scaled(0.5, plus(v, load_row(V1[i], k)))
-                kept = plus(scaled(lag[MEMORY], load_row(w[i], k)), cross(Ω, mean))
-                change = plus(change, scaled(0.5 * χ, kept))
-            change = scaled(2.0 / (1.0 + χ), change)
-            V1[i, k, 0], V1[i, k, 1], V1[i, k, 2] = plus(v, change)
+            for j in range(3):
+                change = delta[i, k, j] / h - V[i, k, j] + 0.5 * χ * β * w[i, k, j]
+                a[i, k, j] = 2.0 / (1.0 + χ) * change
+                V1[i, k, j] = V[i, k, j] + a[i, k, j]
+    if χ == 0.0:
+        return
+    A, before = np.zeros((3, 3)), (0.0, 0.0, 0.0)
+    for _ in range(_TURNS):
+        Ω = scaled(1.0 + χ, _projection(mass, V, V1, a, w, β, q, A))
+        for i in range(n):
+            for k in range(4):
+                turned = scaled(χ / (1.0 + χ), cross(Ω, _mean(V, V1, i, k)))
+                for j in range(3):
+                    q[0, i, k, j] = V[i, k, j] + a[i, k, j] + turned[j]
+        V1[:] = q[0]
+        gap = minus(Ω, before)
+        if dot(gap, gap) <= 1e-32 * dot(Ω, Ω):
+            return
+        before = Ω
 
 
 @compiled
@@ -64,16 +83,16 @@ def lag_behind(
     q: Array,
     lag: Array,
 ) -> None:
-    """Ω and β for the next iteration; ``q`` (2, n, 4, 3) is work."""
+    """β for the next iteration; ``q`` (2, n, 4, 3) is work."""
     A = np.zeros((3, 3))
     turn_change = _projection(mass, V, V1, V1, V, 1.0, q, A)
     turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
     by_change = lag[WORKS] + _loss(mass, V, V1, V1, V, 1.0, turn_change, q)
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
-    β = by_change / by_memory if by_memory > by_change else 1.0
-    lag[MEMORY] = max(β, 0.0)
+    # a hundredth for what β lags behind
+    most = 0.99 * by_change
+    lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
     lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
-    store(lag, SPIN, minus(turn_change, scaled(lag[MEMORY], turn_memory)))
 
 
 @compiled

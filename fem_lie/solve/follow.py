@@ -60,7 +60,7 @@ def follow_loads(
             loads with a history, which are not in proportion to the load factor.
         ConvergenceError: Steps became too small; its ``result`` holds the states before.
     """
-    _check(scene)
+    check_proportion(scene)
     model = SceneEquilibrium(scene, petsc_options_prefix)
     options = ArcLength() if arc_length is None else arc_length
     start = perf_counter()
@@ -89,7 +89,8 @@ def _out_of_proportion(scene: Scene) -> list[str]:
     return loads + [item.label for item in scene.connections if item.history is not None]
 
 
-def _check(scene: Scene) -> None:
+def check_proportion(scene: Scene) -> None:
+    """Raise ``ValueError`` if something does not grow in proportion to the load factor."""
     if scene.motions:
         raise ValueError("an arc length has no time for prescribed motions: use load steps")
     for label in _out_of_proportion(scene):

@@ -145,16 +145,9 @@ def add_joints(
                 store(out[node], 0, plus(load(out[node], 0), f_side))
                 moment = plus(moment, cross(arm, f_side))
                 store(out[node], 3, plus(load(out[node], 3), moment))
-            else:
-                work += dot(f_side, load_row(moved[side], 0))
-                work += 0.5 * dot(moment, _turn(both[side], moved[side]))
+            elif node > out.shape[0]:
+                moved[1 - side] = 0.0
+                _increment(both[0], both[1], moved[0], moved[1], dz)
+                for k in range(12):
+                    work += p[k] * dz[k]
     return work, loss
-
-
-@inlined
-def _turn(mean: Array, delta: Array) -> Vector:
-    """``Σ d̄_k × Δd_k``: twice the rotation, which moments turn by."""
-    total = (0.0, 0.0, 0.0)
-    for k in range(1, 4):
-        total = plus(total, cross(load_row(mean, k), load_row(delta, k)))
-    return total

@@ -16,7 +16,7 @@ import numpy as np
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import DisplacementControl, LoadControl
-from fem_lie.solve.follow import _check
+from fem_lie.solve.follow import check_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.locate import Bracket
 from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath
@@ -76,7 +76,7 @@ def follow_path(
         ValueError: Bad scene or options, no load, loads that are not in proportion to the load
             factor, a start outside of the range or with a singular tangent.
     """
-    _check(scene)
+    check_proportion(scene)
     if until is None and stop is None and not isinstance(control, DisplacementControl):
         until = 1.0
     ends = Ends(until, *load_range, stop, steps, critical_points)

@@ -1,0 +1,92 @@
+"""A stiff pendulum in steps that do not resolve its vibrations: who gains energy, and who fails.
+
+The double pendulum of double_pendulum.py, case 1: bars of aluminium whose waves are a hundred times
+faster than their swinging. Without damping the motion has no force but those of the joints, and its
+energy is constant. In steps of STEP the axial waves are not resolved.
+
+The trapezoidal rule, which is generalised-alpha with the spectral radius 1, is stable for linear
+problems. For nonlinear ones nothing bounds its energy: what the step does not resolve is fed by the
+motion and grows until the iteration fails. Numerical damping (radius 0.8) helps, at the price of
+energy. The energy-momentum scheme is not damped and cannot gain: the work of all forces in a step
+is the change of an energy. The energy-decaying scheme damps the same waves, and loses only them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import fem_lie as fl
+
+try:
+    from demos.double_pendulum import RESULTS, pendulum
+except ModuleNotFoundError:  # started as a script
+    from double_pendulum import RESULTS, pendulum
+
+SCHEMES = {
+    "trapezoidal": fl.GeneralisedAlpha(radius=1.0),
+    "generalised_alpha": fl.GeneralisedAlpha(radius=0.8),
+    "energy_momentum": fl.EnergyMomentum(),
+    "energy_decaying": fl.EnergyDecaying(radius=0.8),
+}
+
+
+def main(
+    step: float = 2e-3, duration: float = 6.0, elements: int = 4, pictures: bool = True
+) -> dict[str, Any]:
+    record: dict[str, Any] = {"step": step, "duration": duration, "elements": elements}
+    histories = {}
+    print(f"{'':20}{'until, s':>10}{'energy, least':>15}{'largest':>12}{'ang. mom.':>12}")
+    for name, scheme in SCHEMES.items():
+        scene, _, _ = pendulum(1, elements)
+        try:
+            result, failed = scheme.run(scene, duration=duration, step=step), False
+        except fl.ConvergenceError as error:
+            result, failed = error.result, True
+        energy = result.total_energy / result.total_energy[0]
+        histories[name] = result.times, energy
+        record |= {
+            f"{name}_failed": failed,
+            f"{name}_until": float(result.times[-1]),
+            f"{name}_energy_least": float(energy.min()),
+            f"{name}_energy_largest": float(energy.max()),
+            f"{name}_angular_momentum_error": result.angular_momentum_error,
+            f"{name}_iterations_per_step": float(
+                result.iterations[-1] / max(1, round(result.times[-1] / step))
+            ),
+        }
+        print(
+            f"{name:20}{result.times[-1]:10.3f}{energy.min():15.12f}{energy.max():12.6f}"
+            f"{result.angular_momentum_error:12.1e}{'   failed' if failed else ''}"
+        )
+    if pictures:
+        draw(histories)
+    return record
+
+
+def draw(histories: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
+    """Leave a diagram of the energies."""
+    from matplotlib.figure import Figure
+
+    from fem_lie.plot import COLOURS
+
+    RESULTS.mkdir(exist_ok=True)
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.subplots()
+    for (name, (times, energy)), colour in zip(histories.items(), COLOURS, strict=False):
+        axes.plot(times, energy, lw=0.9, label=name.replace("_", "-"), color=colour)
+    axes.set_ylim(0.9, 1.2)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("energy over that at the start")
+    axes.legend()
+    path = Path(RESULTS) / "stiff_energy.png"
+    figure.savefig(path, dpi=150)
+    print(f"picture: {path}")
+
+
+if __name__ == "__main__":
+    from command_line import run
+
+    run(main)
