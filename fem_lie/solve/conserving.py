@@ -79,7 +79,7 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (9,).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (10,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
     """

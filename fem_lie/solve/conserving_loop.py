@@ -29,7 +29,7 @@ from fem_lie.constraints import joint_table, unwrap
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.factors import solve
-from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
+from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID, WORKS
 
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
@@ -40,6 +40,10 @@ least of the present step, and the least that round-off lets one expect."""
 DONE, MATRIX, FAILED = 0, 1, 2
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
 """Increments, in lengths of the model, that may be round-off."""
+FINE = 1e-2 * ULPS
+"""Increments that are."""
+_SETTLE_MEMORY = 4
+"""Iteration from which the factor of the memory stays."""
 STALLED = 0.8
 """Ratio of increments that is no progress any more."""
 
@@ -51,7 +55,7 @@ def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...])
     H, V, lag, step, V1 = state[0], state[2], state[10], this[0], this[2]
     V1[:] = V
     this[13][:] = state[3]
-    lag[MEMORY] = 1.0
+    lag[MEMORY], lag[ACTIVE], lag[FREE] = 1.0, lag[REMEMBERS], 1.0
     largest = 0.0
     for i in range(step.shape[0]):
         spin = (0.0, 0.0, 0.0)
@@ -218,7 +222,11 @@ def run(
         residual(model, state, this)
         numbers[INCREMENT] = correction(model, this, factors)
         counters[TOTAL] += 1
+        if iteration == _SETTLE_MEMORY:
+            state[10][FREE] = 0.0
         settled = _settled(counters, numbers)
+        if settled and not _loses(state[10], this[6]):
+            numbers[LEAST], counters[STALLS], settled = np.inf, 0, False
         if settled or _converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not settled:
@@ -242,6 +250,19 @@ def run(
 
 
 @inlined
+def _loses(lag: Array, losses: Array) -> bool:
+    """Whether the step has no numerical gain; if it has, it goes on with less memory, or none."""
+    if lag[ACTIVE] == 0.0 or losses[2] >= -1e-12 * abs(lag[WORKS]):
+        return True
+    lag[FREE] = 0.0
+    if lag[MEMORY] > 0.0:
+        lag[MEMORY] = 0.0
+    else:
+        lag[ACTIVE] = 0.0
+    return False
+
+
+@inlined
 def _settled(counters: Indices, numbers: Array) -> bool:
     """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
     increment, least = numbers[INCREMENT], numbers[LEAST]
@@ -252,7 +273,7 @@ def _settled(counters: Indices, numbers: Array) -> bool:
         # a lucky zero must not make the next steps wait for another
         numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
         return True
-    if counters[STALLS] < 2 or increment > ULPS:
+    if increment > ULPS or counters[STALLS] < (2 if increment < FINE else 6):
         return False
     numbers[FLOOR] = numbers[LEAST]
     return True

@@ -106,7 +106,7 @@ class Run:
             account=z(cells.count),
             w=z((n, 4, 3)),
             w_F=z((cells.places, 6)),
-            lag=z(9),
+            lag=z(10),
             carry=z((n, 6)),
             books=z(3),
         )

@@ -30,12 +30,13 @@ from fem_lie._jit import Array, compiled, inlined
 from fem_lie._lie_tuples import Vector, cross, dot, load_row, minus, plus, scaled
 from fem_lie.solve.discrete_gradient import solve_symmetric
 
-MEMORY, ACTIVE, REMEMBERS, WORKS = 0, 1, 2, 3
+MEMORY, ACTIVE, REMEMBERS, WORKS, FREE = 0, 1, 2, 3, 9
 """Places in the array of lagged numbers: β, whether there is dissipation at all and whether
-anything is remembered (0 or 1), works of the changes of elastic forces and of the memory."""
+anything is remembered (0 or 1), works of the changes of elastic forces and of the memory, and
+whether β may still change in this step."""
 LEAK, SQUARES, LIMIT, REPAID = 5, 6, 7, 8
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
-that are below round-off, energy taken back; shape (9,)."""
+that are below round-off, energy taken back; shape (10,)."""
 _TURNS = 30
 
 
@@ -69,7 +70,7 @@ def end_velocities(  # type: ignore[no-untyped-def]
                     q[0, i, k, j] = V[i, k, j] + a[i, k, j] + turned[j]
         V1[:] = q[0]
         gap = minus(Ω, before)
-        if dot(gap, gap) <= 1e-32 * dot(Ω, Ω):
+        if dot(gap, gap) <= 1e-30 * dot(Ω, Ω):
             return
         before = Ω
 
@@ -89,6 +90,8 @@ def lag_behind(
     turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
     by_change = lag[WORKS] + _loss(mass, V, V1, V1, V, 1.0, turn_change, q)
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
+    if lag[FREE] == 0.0:
+        return
     # a hundredth for what β lags behind
     most = 0.99 * by_change
     lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
