@@ -257,7 +257,9 @@ def test_spectral_radius_at_infinity(radius):
     bar.velocities[1, 0] = 1e-3
     stiffness, mass = SQUARE.stiffness[0, 0] / 0.1, SQUARE.inertia[0, 0] * 0.1 / 3
     step = 1e4 / np.sqrt(stiffness / mass)
-    result = fl.EnergyDecaying(radius=radius).run(scene, duration=30 * step, step=step)
+    # with radius 0 nothing but round-off is left after four steps
+    steps = 4 if radius == 0.0 else 30
+    result = fl.EnergyDecaying(radius=radius).run(scene, duration=steps * step, step=step)
     energy = result.total_energy
     assert (np.diff(energy) <= 1e-12 * energy[0]).all()
     if radius == 0.0:
