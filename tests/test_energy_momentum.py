@@ -99,8 +99,10 @@ def test_beams_and_joints(formulation, joint, scheme):
     """Round-off of 100 steps is some 1e-14; bars bend by a tenth of their length meanwhile."""
     scene, one, two = bars(formulation, joint)
     result = scheme.run(scene, duration=0.2, step=2e-3)
-    assert result.angular_momentum_error <= 1e-12
-    assert result.balance_error <= 1e-12
+    # with memory the iteration comes to a standstill a little earlier
+    bound = 1e-11 if isinstance(scheme, fl.EnergyDecaying) else 1e-12
+    assert result.angular_momentum_error <= bound
+    assert result.balance_error <= bound
     assert result.elastic.max() > 1e-3 * result.kinetic[0]
     if isinstance(scheme, fl.EnergyDecaying):
         assert np.diff(result.total_energy).max() <= 1e-13 * result.kinetic[0]
@@ -130,8 +132,8 @@ def test_decaying_shell_in_flight():
     result = fl.EnergyDecaying(radius=0.5).run(scene, duration=0.05, step=1e-3)
     assert np.diff(result.total_energy).max() <= 1e-13 * result.kinetic[0]
     assert result.balance_error <= 1e-11
-    assert result.momentum_error <= 1e-12
-    assert result.angular_momentum_error <= 1e-12
+    assert result.momentum_error <= 1e-11
+    assert result.angular_momentum_error <= 1e-11
 
 
 def test_rigid_bodies_tumble_and_are_joined():
