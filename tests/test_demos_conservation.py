@@ -49,8 +49,8 @@ def test_stiff_energy():
     record = main("stiff_energy", duration=1.0)
     for scheme in ("energy_momentum", "energy_decaying"):
         assert not record[f"{scheme}_failed"]
-        assert record[f"{scheme}_energy_largest"] <= 1 + 1e-12
-        assert record[f"{scheme}_angular_momentum_error"] <= 1e-12
+        assert record[f"{scheme}_energy_largest"] <= 1 + 1e-10
+        assert record[f"{scheme}_angular_momentum_error"] <= 1e-10
 
 
 def test_conservation_against_time():

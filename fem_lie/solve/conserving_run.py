@@ -21,6 +21,7 @@ from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.cells import Cells, evaluate
 from fem_lie.solve.conserving import Model, State, Step, residual
 from fem_lie.solve.factors import Factors, factorise
+from fem_lie.solve.filtered import ACTIVE
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
@@ -88,8 +89,6 @@ class Run:
         self._plain = tuple(self.model), tuple(self.s), tuple(self.this)
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
         self.counts = np.zeros(2, dtype=np.int64)
-        θ = 1.0 + options.loss
-        self._mass, self._damping = 4.0 / (θ * self.h) ** 2, 2.0 / (θ * self.h)
         self._factors: Factors | None = None
 
     def _state(self) -> State:
@@ -322,10 +321,9 @@ class Run:
             system.elastic.clear_stress()
         ahead = H.copy()
         ahead[:n] = lie.se3_retract(H[:n], (self._index - self.counts[1]) // 2 * self.h * v)
-        still = np.zeros((n, 6))
-        system.fill_matrix(
-            H, twists, a, self.s.weights, scale, still, self._mass, self._damping, ahead
-        )
+        # the first step conserves, see filtered
+        h, still = (1.0 + self.options.loss * self.s.lag[ACTIVE]) * self.h, np.zeros((n, 6))
+        system.fill_matrix(H, twists, a, self.s.weights, scale, still, 4.0 / h**2, 2.0 / h, ahead)
 
     # --- results ---
 
