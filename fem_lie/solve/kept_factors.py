@@ -137,6 +137,8 @@ class OrMissing(Policy):
 
     def __init__(self, inner: Policy, factors: KeptFactors) -> None:
         """Ask ``inner`` where ``factors`` has one."""
+        # factors are kept whole: constraints are not renewed alone
+        inner.bound = False
         self._inner, self._factors, self.rescue = inner, factors, inner.rescue  # type: ignore[misc]
 
     def fresh(self) -> Policy:
@@ -144,7 +146,7 @@ class OrMissing(Policy):
         return OrMissing(self._inner.fresh(), self._factors)
 
     def before_iteration(self, iteration: int) -> bool:
-        """When one of both wants it; factors are kept whole, constraints are not renewed alone."""
+        """When one of both wants it."""
         return bool(self._inner.before_iteration(iteration)) or not self._factors.usable
 
     def after_step(self, iterations: int) -> None:
