@@ -1,4 +1,4 @@
-"""Deployable truss: with local frames the iteration matrix of a large motion hardly changes.
+r"""Deployable truss: with local frames the iteration matrix of a large motion hardly changes.
 
 The example of Figure 23 and Table 1 of the paper on local frames. The layout of its cell is not
 published; this one has the same size and count of bars, 28 per cell, and is stated here in full.
@@ -7,11 +7,11 @@ Cells stand on each other along z, each on the square frame below it, the first 
 of the four side faces of a cell, deployed (left) and at a small angle (right)::
 
     c1 o============o d1   upper frame: 4 battens of 2 m
-       |  \\      /  |
-       |    \\  /    |       c1 o============o d1
+       |  \      /  |
+       |    \  /    |       c1 o============o d1
     m  o     ><     |          |  ' - .  . '|
-       |    /  \\    |          |   . '  ' - o m     m -> the knee, between
-       |  /      \\  |          o============o        c0-m and m-c1 of 2 m
+       |    /  \    |          |   . '  ' - o m     m -> the knee, between
+       |  /      \  |          o============o        c0-m and m-c1 of 2 m
     c0 o............o d0      c0            d0
 
 - 4 battens: the upper frame of 2 m x 2 m, rigidly joined at its corners.
@@ -22,7 +22,7 @@ of the four side faces of a cell, deployed (left) and at a small angle (right)::
 - 16 tubes of 8 telescopes, two crossing in each face: c0-d1 and d0-c1. Each tube is 2.4 m long
   and tied to its corner by a revolute joint with an axis normal to the face; the two are joined
   tip to tip by a prismatic joint along their line. A telescope is 2.03 m long at 5 degrees, where
-  the tubes overlap by 2.77 m and reach past the corners, and 4.47 m at 90 degrees.
+  the tubes reach 0.37 m past the corners, and 4.47 m at 90 degrees, where 0.33 m overlap.
 
 As rigid bodies this would be many times redundant; flexible bars take up all of it, and no
 constraint is redundant. There is no gravity and no contact between bars.
@@ -140,7 +140,9 @@ class Truss:
         return self.scene.add(fl.Revolute(a, b, axis=normal))
 
 
-def bending(result: fl.Result, truss: Truss, radius: float) -> tuple[float, float]:
+def bending(
+    result: fl.Result | fl.StaticResult, truss: Truss, radius: float
+) -> tuple[float, float]:
     """Largest distance of an axis from its chord over the length, and largest strain of a fibre."""
     nodes = np.array([result.info.body(bar.name).nodes for bar in truss.bars])
     x = result.frames[:, nodes, 0]
@@ -157,9 +159,9 @@ def bending(result: fl.Result, truss: Truss, radius: float) -> tuple[float, floa
     return float(deflection.max()), strain
 
 
-def posture_error(result: fl.Result, truss: Truss) -> float:
-    """Largest distance of a corner from where rigid bars would have it, at the end."""
-    height = 2 * HALF * np.sin(angle(float(result.times[-1])))
+def posture_error(result: fl.Result | fl.StaticResult, truss: Truss, time: float) -> float:
+    """Largest distance of a corner at the end, ``time``, from where rigid bars would have it."""
+    height = 2 * HALF * np.sin(angle(time))
     return max(
         float(np.linalg.norm(result.position(point)[-1] - SQUARE[i] - level * height * UP))
         for level, frame in enumerate(truss.corners)
@@ -212,7 +214,7 @@ def main(
         "ms_per_step": 1e3 * result.seconds / steps,
         "max_deflection": deflection,
         "max_strain": strain,
-        "posture_error": posture_error(result, truss),
+        "posture_error": posture_error(result, truss, steps * step),
         "violation": float(result.joint_violations.max()),
     }
     print(f"{cells} cells, {len(truss.bars)} bars, {tubes} tubes, policy {policy}, h = {step:g} s")
