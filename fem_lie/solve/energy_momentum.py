@@ -42,9 +42,6 @@ from fem_lie.solve.step_control import StepChoice
 from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.system import System
 
-PATIENCE = 16
-"""Iterations to round-off are twice as many as to a tolerance."""
-
 
 @dataclass(frozen=True)
 class EnergyMomentum(Integrator):
@@ -61,7 +58,7 @@ class EnergyMomentum(Integrator):
     """
 
     tolerance: float = 0.0
-    policy: Policy = field(default_factory=lambda: Automatic(patience=PATIENCE))
+    policy: Policy = field(default_factory=Automatic)
     max_iterations: int = 50
 
     def __post_init__(self) -> None:

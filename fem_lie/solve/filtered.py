@@ -33,8 +33,8 @@ from fem_lie.solve.discrete_gradient import solve_symmetric
 MEMORY, ACTIVE, REMEMBERS, WORKS, FREE = 0, 1, 2, 3, 9
 """Places in the array of lagged numbers: β, whether there is dissipation at all and whether
 anything is remembered (0 or 1), works of the changes of elastic forces and of the memory, and
-whether β may still change in this step: 1; or stays: 0, and −k after it was found k more times; k + 1
-for the time before."""
+whether β may still change in this step: 1; or stays: 0, and −k after it was found k more times;
+k + 1 for the time before."""
 LEAK, SQUARES, LIMIT, REPAID = 5, 6, 7, 8
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
 that are below round-off, energy taken back; shape (10,)."""
