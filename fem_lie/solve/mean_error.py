@@ -76,7 +76,7 @@ class MeanError:
             r: Shape (size,), overwritten.
         """
         system, size = self._system, self._size
-        A: Array = (end.V - start.V) / h
+        A = np.asarray((end.V - start.V) / h, dtype=np.float64)
         before = self._residual(start, A, weights)[:size].copy()
         r[:] = self._residual(end, A, weights)
         forces = r[:size].reshape(-1, 6)
