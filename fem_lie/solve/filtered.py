@@ -93,8 +93,8 @@ def lag_behind(
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
     if lag[FREE] <= 0.0:
         return
-    # for what β lags behind; it makes an error of first order, so it is small
-    most = (1.0 - 1e-4) * by_change
+    # a hundredth for what β lags behind, and for round-off of stiff elements
+    most = 0.99 * by_change
     lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
     lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
 
