@@ -98,7 +98,8 @@ def test_estimate_over_error_tends_to_one(make, scheme):
         steps = scheme.run(make(), duration=0.2, step=fl.ConstantStep(h, refinement=PARTS)).steps
         # the first steps have what is left of the start
         away.append(np.median(np.abs(MISSING * steps.ratios[5:] - 1.0), axis=0))
-    assert (away[1] < 0.04).all()
+    # the part of first order of the decaying scheme lacks a tenth of itself in ten parts
+    assert (away[1] < (0.04 if scheme is SCHEMES["conserving"] else 0.1)).all()
 
 
 def test_estimate_is_of_third_order():
