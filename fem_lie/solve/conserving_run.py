@@ -132,14 +132,14 @@ class Run:
 
     def _model(self) -> Model:
         system = self.system
-        attachment, table = system.numbering.attachment, system.table
+        attachment = system.numbering.attachment
         turns = system.connections.angular
         lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
         none = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
         pieces = [pressure.pairs for pressure in self._pressures]
         return Model(
             cells=self.cells.table,
-            joints=tuple(table),
+            joints=system.connections.packed,
             inertia=tuple(system.inertia),
             damping=none if system.mass_damping is None else tuple(system.mass_damping),
             attachment=(attachment.leader, attachment.offset, attachment.trivial),
@@ -153,7 +153,7 @@ class Run:
             ),
             viscous=system.elastic.viscous,
             scheme=(self.h, self.options.loss, self.options.learning),
-            probes=tuple(system.connections.probes),
+            probes=system.connections.packed_probes,
             driven=np.zeros(system.m),
         )
 
