@@ -173,10 +173,16 @@ def invariants(H, v, indptr, indices, G, qdot, p):  # type: ignore[no-untyped-de
     ``qdot`` and ``p`` are work arrays (n, 4, 3).
     """
     push(H, v, qdot)
+    return invariants_of_rates(H, qdot, indptr, indices, G, p)
+
+
+@compiled
+def invariants_of_rates(H, qdot, indptr, indices, G, p):  # type: ignore[no-untyped-def]
+    """The same of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
     multiply(indptr, indices, G, qdot, p)
     energy = 0.0
     p0 = p1 = p2 = l0 = l1 = l2 = 0.0
-    for i in range(v.shape[0]):
+    for i in range(qdot.shape[0]):
         p0 += p[i, 0, 0]
         p1 += p[i, 0, 1]
         p2 += p[i, 0, 2]

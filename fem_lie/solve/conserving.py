@@ -33,7 +33,7 @@ class Model(NamedTuple):
 
     Attributes:
         cells: See :class:`~fem_lie.solve.cells.CellTable`.
-        joints: See :class:`~fem_lie.constraints.JointTable`.
+        joints: See :class:`~fem_lie.joint_table.JointTable`, packed.
         inertia: See :class:`~fem_lie.nodal.Inertia`.
         damping: The same of damping that goes with mass; without rows there is none.
         attachment: Leader and offset of each node, and whether all lead themselves.
@@ -45,7 +45,7 @@ class Model(NamedTuple):
         pressure: Pairs of nodes (s, 2), and axes across times pressure (s, 3).
         viscous: Whether cells have viscous forces.
         scheme: Step size, χ and μ of :mod:`fem_lie.solve.filtered`.
-        probes: Table of the coordinates that results report.
+        probes: Table of the coordinates that results report, packed.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
     """
 

@@ -25,7 +25,8 @@ from fem_lie._lie_tuples import (
     store,
     store_row,
 )
-from fem_lie.constraints import joint_table, unwrap
+from fem_lie.constraints import unwrap
+from fem_lie.joint_table import joint_table
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.factors import solve
