@@ -54,8 +54,8 @@ class JointTable(NamedTuple):
 def pack(table: JointTable) -> PackedJoints:
     """The same in two arrays; :func:`views` gives the table back."""
     j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
-    numbers = (table.frames, table.selection, table.functions, table.angle)
-    numbers += (table.turned, table.targets, table.springs)
+    shapes = (table.frames, table.selection, table.functions, table.angle)
+    numbers = (*shapes, table.turned, table.targets, table.springs)
     integers = (table.nodes, table.first, table.rows, table.legs, table.curved)
     sizes = np.array([j, t, m, k], dtype=np.int64)
     return (
