@@ -54,13 +54,13 @@ class JointTable(NamedTuple):
 def pack(table: JointTable) -> PackedJoints:
     """The same in two arrays; :func:`views` gives the table back."""
     j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
-    numbers = [table.frames, table.selection, table.functions, table.angle]
-    numbers += [table.turned, table.targets, table.springs]
+    shapes = (table.frames, table.selection, table.functions, table.angle)
+    numbers = (*shapes, table.turned, table.targets, table.springs)
+    integers = (table.nodes, table.first, table.rows, table.legs, table.curved)
     sizes = np.array([j, t, m, k], dtype=np.int64)
-    integers = [sizes, table.nodes, table.first, table.rows, table.legs, table.curved]
     return (
         np.concatenate([array.ravel() for array in numbers]),
-        np.concatenate([array.ravel() for array in integers]),
+        np.concatenate([sizes, *(array.ravel() for array in integers)]),
     )
 
 

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.steps import correct
 from fem_lie.system import System
 
@@ -58,7 +58,7 @@ def test_start_stands_for_the_acceleration_before_the_first_step(radius, group):
     errors = []
     for step in (2e-2, 1e-2):
         scene, _ = pendulum(angle, speed, group)
-        run = _Run(fl.GeneralisedAlpha(radius=radius), System(scene, dynamics=True), step)
+        run = Run(fl.GeneralisedAlpha(radius=radius), System(scene, dynamics=True), step)
         run.start()
         # time runs backwards: the pendulum with the opposite speed
         before = exact_pendulum(np.array([0.0, (run.p.af - run.p.am) * step]), angle, -speed)
@@ -210,7 +210,7 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
     """At a random state with rotations of half a radian in the step, column by column."""
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
     system = System(mixed_scene(group), dynamics=True, parametrisation=parametrisation)
-    run = _Run(scheme, system, 1e-2)
+    run = Run(scheme, system, 1e-2)
     run.start()
     s, rng, epsilon = run.s, np.random.default_rng(5), 1e-6
     s.motion[:] = rng.normal(size=s.motion.shape)

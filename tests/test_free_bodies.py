@@ -9,7 +9,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.groups import move
 from fem_lie.solve import free_bodies, free_body, scheme
-from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.recorder import Recorder
 from fem_lie.system import System
 
@@ -41,7 +41,7 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
     """The same by the road that all other scenes take."""
     # the compiled loop has all terms in its matrix
     scene.choices = fl.Choices(gyroscopic=True)
-    run = _Run(options, System(scene, dynamics=True), step)
+    run = Run(options, System(scene, dynamics=True), step)
     return run.integrate(Recorder(run.system, steps, step, 1, False))
 
 

@@ -12,7 +12,7 @@ import fem_lie as fl
 from fem_lie import constraints, lie
 from fem_lie.connections import Connections
 from fem_lie.numbering import Numbering
-from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.alpha_run import Run
 from fem_lie.system import System
 
 seeds = st.integers(0, 2**32 - 1)
@@ -301,7 +301,7 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         else:
             body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.2), (0.5, 0, 0)))
             scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0)))
-        run = _Run(fl.GeneralisedAlpha(), System(scene, dynamics=True), step)
+        run = Run(fl.GeneralisedAlpha(), System(scene, dynamics=True), step)
         run.start()
         s = run.s
         run.system.residual(s.H, s.twist1, s.rate1, run.weights, run.scale, run.r)

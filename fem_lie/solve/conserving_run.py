@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie.choices import Redundant
 from fem_lie.frames import push
 from fem_lie.groups import Group
 from fem_lie.loads import StrainLoad
@@ -19,15 +17,17 @@ from fem_lie.pressure import Pressure
 from fem_lie.results import Array, Result
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.cells import Cells, evaluate
-from fem_lie.solve.conserving import Model, State, Step, residual
+from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.conserving import residual
+from fem_lie.solve.conserving_memory import across, model_of, room_for_step, start_state
 from fem_lie.solve.factors import Factors, factorise
 from fem_lie.solve.filtered import ACTIVE
-from fem_lie.solve.linear import ConvergenceError, DirectSolver, SingularMatrixError
+from fem_lie.solve.integration import Integration
+from fem_lie.solve.linear import DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
-from fem_lie.solve.scheme import ROTATION, failure
+from fem_lie.solve.scheme import failure
 from fem_lie.solve.start import accelerations, check_velocities
-from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
@@ -55,7 +55,7 @@ class Options:
     learning: float = 1.0
 
 
-class Run:
+class Run(Integration[History]):
     """State of one integration.
 
     Attributes:
@@ -71,96 +71,33 @@ class Run:
             system: The equations.
             step: Step size.
         """
-        _refuse(system)
-        self.options, self.system, self.h = options, system, float(step)
+        super().__init__(options.policy, system, step)
+        self.options, self.rule = options, options.policy.rule()
         self._pressures = [p for p in system.pressures if isinstance(p, Pressure)]
-        self.policy, self.rule = options.policy.fresh(), options.policy.rule()
         # translations are global, so the derivatives in velocities are those of R³×SO(3)
         system.kinds = np.full(system.count, int(Group.R3xSO3), dtype=np.int64)
-        spin = float(np.abs(system.velocities[:, 3:]).max())
-        system.choices = system.scene.choices.resolve(spin * step)
-        _log.info("%s; matrix: %s", system.describe(), type(options.policy).__name__)
         self.cells = Cells(system.numbering.assemblies)
         self._strained = any(
             isinstance(load, StrainLoad) and load.history is not None for load in system.scene.loads
         )
-        self.s, self.this = self._state(), self._step()
-        self.model = self._model()
+        self.s, self.this = start_state(system, self.cells), room_for_step(system, self.cells)
+        scheme = (self.h, options.loss, options.learning)
+        self.model = model_of(system, self.cells, self._pressures, scheme)
         self._plain = tuple(self.model), tuple(self.s), tuple(self.this)
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
         self.counts = np.zeros(2, dtype=np.int64)
         self._factors: Factors | None = None
 
-    def _state(self) -> State:
-        system, cells, z = self.system, self.cells, np.zeros
-        n, m = system.count, system.m
-        return State(
-            H=system.frames.copy(),
-            rest=z((n, 4, 3)),
-            V=z((n, 4, 3)),
-            weights=z(m),
-            gap=z(m),
-            F=z((cells.places, 6)),
-            W=z(cells.count),
-            account=z(cells.count),
-            w=z((n, 4, 3)),
-            w_F=z((cells.places, 6)),
-            lag=z(10),
-            carry=z((n, 6)),
-            books=z(3),
-        )
+    def history(
+        self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
+    ) -> History:
+        """See the base class."""
+        return History(self.system.info(), steps, self.h, save_every, progress, store)
 
-    def _step(self) -> Step:
-        system, cells, z = self.system, self.cells, np.zeros
-        n, m, total = system.count, system.m, system.numbering.total
-        return Step(
-            step=z((n, 6)),
-            rows=np.stack([*[system.frames] * 3, z(system.frames.shape)]),
-            V1=z((n, 4, 3)),
-            F1=z((cells.places, 6)),
-            energies=z((2, cells.count)),
-            change=z(m),
-            losses=z(3),
-            nodes=z((6, total, 4, 3)),
-            steps=z((3, total, 6)),
-            forces=z((n, 6)),
-            q=z((2, n, 4, 3)),
-            F_viscous=z((cells.places, 6)),
-            r=z((3, 6 * n + m)),
-            weights=z(m),
-        )
-
-    def _model(self) -> Model:
-        system = self.system
-        attachment = system.numbering.attachment
-        turns = system.connections.angular
-        lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
-        none = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
-        pieces = [pressure.pairs for pressure in self._pressures]
-        return Model(
-            cells=self.cells.table,
-            joints=system.connections.packed,
-            inertia=tuple(system.inertia),
-            damping=none if system.mass_damping is None else tuple(system.mass_damping),
-            attachment=(attachment.leader, attachment.offset, attachment.trivial),
-            held=system.held,
-            measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),
-            scale=np.ones(system.m),
-            loads=(*(array.copy() for array in system.loads), system.conservative),
-            pressure=(
-                np.concatenate([np.zeros((0, 2), dtype=np.int64), *pieces]),
-                self._across(),
-            ),
-            viscous=system.elastic.viscous,
-            scheme=(self.h, self.options.loss, self.options.learning),
-            probes=system.connections.packed_probes,
-            driven=np.zeros(system.m),
-        )
-
-    def _across(self) -> Array:
-        """Axes across the pieces under pressure, times the present pressure, shape (s, 3)."""
-        parts = [pressure.across for pressure in self._pressures]
-        return np.concatenate([np.zeros((0, 3)), *parts])
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return int(self.counters[loop.STEPS])
 
     # --- start ---
 
@@ -189,49 +126,24 @@ class Run:
 
     # --- steps ---
 
-    def integrate(self, history: History) -> Result:
-        """All steps from the present one on."""
-        if history.row == 0:
-            self.start()
-            self._record(history)
-        begin = clock.perf_counter() - history.seconds
-        with history:
-            while self._index < history.steps:
-                self._advance(history)
-                index = self._index
-                history.seconds = clock.perf_counter() - begin
-                if index % history.every == 0 or index == history.steps:
-                    self._record(history)
-                history.update_if_due(index, int(self.counters[loop.TOTAL]))
-                if history.checkpoint_due(index):
-                    history.write_checkpoint(self.memory())
-        return history.result(int(self.counts[0]), history.seconds)
-
-    @property
-    def _index(self) -> int:
-        return int(self.counters[loop.STEPS])
-
-    def _advance(self, history: History) -> None:
-        """Go on to the next step at which there is something to do."""
-        last, single = history.next_stop(self._index), self.rule is None
+    def _advance(self, history: History) -> bool:
+        last, single = history.next_stop(self.index), self.rule is None
         if single or self.system.time_dependent:
-            last = self._index + 1
+            last = self.index + 1
         if self.system.time_dependent:
             self._set_time()
         rule = (1, 0.0) if self.rule is None else self.rule
         code = self._go(last, rule)
         if code == loop.FAILED and self.options.policy.rescue:
-            _log.info("step %d: kept matrix diverges, full iteration", self._index + 1)
+            _log.info("step %d: kept matrix diverges, full iteration", self.index + 1)
             code = self._again()
-        if code == loop.FAILED:
-            result = history.result(int(self.counts[0]), history.seconds)
-            raise ConvergenceError(self._failure(history.steps), result)
+        return code != loop.FAILED
 
     def _again(self) -> int:
         """The step that failed from its start, with a new matrix in each iteration."""
         self.s.weights[:] = self.this.weights
         self.counters[loop.ITERATION] = self.counters[loop.ASKED] = 0
-        return self._go(self._index + 1, (1, 0.0), always=True)
+        return self._go(self.index + 1, (1, 0.0), always=True)
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         options, counters = self.options, self.counters
@@ -263,14 +175,14 @@ class Run:
         increment = float(self.numbers[loop.INCREMENT])
         largest = float(np.abs(self.this.r[0]).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
-        return failure(self._index + 1, steps, self.h, limit, increment, largest, tolerance)
+        return failure(self.index + 1, steps, self.h, limit, increment, largest, tolerance)
 
     # --- loads ---
 
     def _set_time(self) -> None:
         """Loads in the middle of the next step, prescribed motions at its end."""
         system, rows, n = self.system, self.this.rows, self.system.count
-        start, end = self._index * self.h, (self._index + 1) * self.h
+        start, end = self.index * self.h, (self.index + 1) * self.h
         self._set_loads(0.5 * (start + end))
         connections = system.connections
         if connections.driven:
@@ -286,7 +198,7 @@ class Run:
         self.system.set_time(time)
         for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
             array[:] = value
-        self.model.pressure[1][:] = self._across()
+        self.model.pressure[1][:] = across(self._pressures)
         if self._strained:
             before = self.s.W.copy()
             self.cells.pack()
@@ -305,7 +217,7 @@ class Run:
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         self._fill(H, v, a)
         self._factors = factorise(self.system.kkt)
-        self.counts[:] = self.counts[0] + 1, self._index
+        self.counts[:] = self.counts[0] + 1, self.index
         self.counters[loop.BEST], self.numbers[loop.EXCESS] = 0, 0.0
 
     def _fill(self, H: Array, v: Array, a: Array) -> None:
@@ -320,7 +232,7 @@ class Run:
         else:
             system.elastic.clear_stress()
         ahead = H.copy()
-        ahead[:n] = lie.se3_retract(H[:n], (self._index - self.counts[1]) // 2 * self.h * v)
+        ahead[:n] = lie.se3_retract(H[:n], (self.index - self.counts[1]) // 2 * self.h * v)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[ACTIVE]) * self.h, np.zeros((n, 6))
         system.fill_matrix(H, twists, a, self.s.weights, scale, still, 4.0 / h**2, 2.0 / h, ahead)
@@ -328,6 +240,16 @@ class Run:
     # --- results ---
 
     def _record(self, history: History) -> None:
+        index = self.index
+        if index % history.every == 0 or index == history.steps:
+            self._keep(history)
+        if index:
+            history.update_if_due(index, int(self.counters[loop.TOTAL]))
+
+    def _result(self, history: History) -> Result:
+        return history.result(int(self.counts[0]), history.seconds)
+
+    def _keep(self, history: History) -> None:
         """Keep the present state."""
         system, s, n, row = self.system, self.s, self.system.count, history.row
         attachment, p = system.numbering.attachment, np.empty_like(s.V)
@@ -343,7 +265,7 @@ class Run:
         history.elastic[row] = s.W.sum() + constraints.spring_energy(s.H, system.table)
         history.potential[row] = -np.sum(system.conservative * s.H[:n])
         history.balance[row] = s.books
-        history.keep(np.array([self._index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
+        history.keep(np.array([self.index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
 
     # --- checkpoints ---
 
@@ -353,9 +275,7 @@ class Run:
         kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
         kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
         kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
-        carried = self.system.elastic.carried()
-        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
-        return kept | {"matrix": self.system.kkt.csr[0], "joints": self.system.connections.memory}
+        return super().memory() | kept
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
@@ -365,16 +285,13 @@ class Run:
         self.model.scale[:] = kept["scale"]
         self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
         self.counts[:] = kept["counts"]
-        self.system.connections.memory = kept["joints"]
         if self.system.time_dependent:
-            self.system.set_time(max(self._index - 0.5, 0.0) * self.h)
+            self.system.set_time(max(self.index - 0.5, 0.0) * self.h)
             self.cells.pack()
             for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
                 array[:] = value
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
-        carried = self.system.elastic.carried()
-        self.system.elastic.restore([kept[f"carried.{k}"] for k in range(len(carried))])
-        self.system.kkt.csr[0][:] = kept["matrix"]
+        super().restore(kept)
         self._factors = factorise(self.system.kkt)
 
 
@@ -385,20 +302,3 @@ def local(H: Array, V: Any) -> Array:
     turned = np.einsum("nkj,naj->nak", H[:, 1:], V[:, 1:])
     out[:, 3:] = 0.5 * np.cross(np.eye(3), turned).sum(axis=1)
     return out
-
-
-def _refuse(system: System) -> None:
-    """Raise ``ValueError`` for what these schemes cannot do."""
-    connections = system.connections
-    drilling = [body.label for body in system.scene.bodies if body.uncoupled and body.drills]
-    reasons = {
-        "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
-        "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,
-        "supports along axes fixed in space (Shell.guide)": bool(system.supports),
-        "redundant constraints": system.scene.redundant is not Redundant.REFUSE,
-        "pressure on shells": any(isinstance(p, SurfacePushes) for p in system.pressures),
-        f"shells with six parameters ({', '.join(drilling)})": bool(drilling),
-    }
-    for what, given in reasons.items():
-        if given:
-            raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")

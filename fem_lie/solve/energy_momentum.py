@@ -29,22 +29,21 @@ Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 
-import numpy as np
-
+from fem_lie.choices import Redundant
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.checkpoints import Checkpoints, fingerprint
 from fem_lie.solve.conserving_run import Options, Run
+from fem_lie.solve.integrator import Integrator
 from fem_lie.solve.policies import Automatic, Policy
-from fem_lie.solve.recorder import History
+from fem_lie.solve.step_control import StepChoice
+from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.system import System
 
 
 @dataclass(frozen=True)
-class EnergyMomentum:
+class EnergyMomentum(Integrator):
     """Options of the scheme; :meth:`run` integrates.
 
     ``result.balance`` follows the work of loads and drives, and the loss by damping;
@@ -69,85 +68,40 @@ class EnergyMomentum:
                 f"{self.tolerance}, {self.max_iterations}"
             )
 
-    def run(
+    def _system(self, scene: Scene) -> System:
+        system = System(scene, dynamics=True)
+        _refuse(system)
+        return system
+
+    def _integration(self, system: System, step: float) -> Run:
+        return Run(self._told(), system, step)
+
+    def _follow(
         self,
         scene: Scene,
-        *,
         duration: float,
-        step: float,
-        save_every: int = 1,
-        progress: bool | None = None,
-        file: str | os.PathLike[str] | None = None,
-        checkpoint_every: int | None = None,
+        choice: StepChoice,
+        save_every: int,
+        progress: bool | None,
     ) -> Result:
-        """Integrate from the bodies' initial frames and velocities.
-
-        Args:
-            scene: What there is.
-            duration: End time; a multiple of ``step``.
-            step: Step size h.
-            save_every: Keep every so many steps.
-            progress: Show a bar; default: if standard error is a terminal.
-            file: Where results go as they are made, instead of into memory; the result reads them
-                from there. With it :meth:`resume` can go on after an interruption.
-            checkpoint_every: Steps between two checkpoints; default: a hundredth of all.
-
-        Raises:
-            ValueError: Bad options or scene, before anything is computed.
-            ConvergenceError: A step failed; its ``result`` holds what was computed.
-        """
-        steps = number_of_steps(duration, step, save_every)
-        if file is None and checkpoint_every is not None:
-            raise ValueError("checkpoint_every needs a file to which results go")
-        system = System(scene, dynamics=True)
-        store = None
-        if file is not None:
-            every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
-            store = Checkpoints(file, every, (steps, step, save_every), fingerprint(system, self))
-        history = History(system.info(), steps, step, save_every, progress, store)
-        return Run(self._told(), system, step).integrate(history)
-
-    def resume(
-        self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
-    ) -> Result:
-        """Go on from the last checkpoint of an interrupted run, to the same end.
-
-        Args:
-            scene: The scene as it was given to :meth:`run`.
-            file: The file that was given.
-            progress: Show a bar; default: if standard error is a terminal.
-
-        Returns:
-            To the last bit what :meth:`run` would have returned, but for the seconds.
-
-        Raises:
-            FileNotFoundError: There is no such file, or no checkpoint yet.
-            ValueError: The checkpoint belongs to another scene or other options.
-        """
-        system = System(scene, dynamics=True)
-        store = Checkpoints.resume(file, fingerprint(system, self))
-        steps, step, save_every = store.plan
-        history = History(system.info(), steps, step, save_every, progress, store)
-        run = Run(self._told(), system, step)
-        run.restore(store.memory)
-        return run.integrate(history)
+        raise ValueError("conserving schemes have constant steps, given as a number")
 
     def _told(self) -> Options:
         return Options(self.tolerance, self.policy, self.max_iterations)
 
 
-def number_of_steps(duration: float, step: float, save_every: int) -> int:
-    """How many steps there are.
-
-    Raises:
-        ValueError: They are not positive, the duration is no multiple of the step, or less than
-            every step is to be kept.
-    """
-    if not (np.isfinite(step) and step > 0 and np.isfinite(duration) and duration > 0):
-        raise ValueError(f"step and duration must be positive, got {step} and {duration}")
-    steps = round(duration / step)
-    if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
-        raise ValueError(f"duration {duration} is not a multiple of the step {step}")
-    if save_every < 1:
-        raise ValueError(f"save_every must be at least 1, got {save_every}")
-    return steps
+def _refuse(system: System) -> None:
+    """Raise ``ValueError`` for what these schemes cannot do."""
+    connections = system.connections
+    drilling = [body.label for body in system.scene.bodies if body.uncoupled and body.drills]
+    reasons = {
+        "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
+        "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,
+        "supports along axes fixed in space (Shell.guide)": bool(system.supports),
+        "redundant constraints": system.scene.redundant is not Redundant.REFUSE,
+        "pressure on shells": any(isinstance(p, SurfacePushes) for p in system.pressures),
+        f"shells with six parameters ({', '.join(drilling)})": bool(drilling),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")

@@ -24,8 +24,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.results import Result
-from fem_lie.scene import Scene
-from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.growing_recorder import GrowingRecorder, StepLog
 from fem_lie.solve.kept_factors import KeptFactors, OrMissing
 from fem_lie.solve.linear import ConvergenceError
@@ -61,30 +60,26 @@ REJECTIONS = 2
 
 def run(
     options: GeneralisedAlpha,
-    scene: Scene,
+    system: System,
     duration: float,
     choice: StepChoice,
     save_every: int,
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
-    if not (np.isfinite(duration) and duration > 0):
-        raise ValueError(f"duration must be positive, got {duration}")
-    choice.check(duration)
-    system = System(scene, dynamics=True, parametrisation=options.parametrisation)
     control = choice.control(duration, system.length, ORDER)
     recorder = GrowingRecorder(system, duration, save_every, progress)
     return _VariableRun(options, system, control, choice.refinement).integrate_all(recorder)
 
 
-class _VariableRun(_Run):
+class _VariableRun(Run):
     """State of one integration with steps that change."""
 
     def __init__(
         self, options: GeneralisedAlpha, system: System, control: Control, refinement: int = 1
     ) -> None:
         super().__init__(options, system, control.size)
-        self.control, self._h = control, control.size
+        self.control = control
         self._starter = self.solver
         self.factors = KeptFactors(self._starter, rigid=not system.numbering.assemblies)
         self.solver = self.factors
@@ -92,7 +87,7 @@ class _VariableRun(_Run):
         self.policy = OrMissing(self.policy, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
         self._rejections = 0
-        self._last: tuple[float, StepError | None, float] = self._h, None, np.inf
+        self._last: tuple[float, StepError | None, float] = self.h, None, np.inf
         self._error, self._log = TimeError(system), StepLog(system)
         self._finer: _VariableRun | None = None
         if refinement > 1:
@@ -111,13 +106,13 @@ class _VariableRun(_Run):
         self._starter.factorisations = 0
 
     def _set_parameters(self, h: float) -> None:
-        self._h, self.p = h, parameters(self.options.radius, h, self.system.length)
+        self.h, self.p = h, parameters(self.options.radius, h, self.system.length)
         self._plain = tuple(self.p), tuple(self.s)
         self.system.velocity_factor = 1.0 / self.p.damping
 
     def _set_step(self, time: float, h: float) -> None:
         """Make the state at ``time`` that of the start of a step of size h."""
-        s, r = self.s, h / self._h
+        s, r = self.s, h / self.h
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
             if self.system.m and self.factors.usable:
@@ -135,9 +130,9 @@ class _VariableRun(_Run):
         system, s, n = self.system, self.s, self.system.count
         v = system.velocities.copy()
         v[:n] = s.twist1
-        v, _ = with_driven(system, v, time, self._h)
+        v, _ = with_driven(system, v, time, self.h)
         wanted = constraint_rates(system, s.H, v)
-        wanted -= system.connections.target_rates(time, self._h)[0]
+        wanted -= system.connections.target_rates(time, self.h)[0]
         across = np.zeros_like(v)
         self.r[: 6 * n] = 0.0
         for _ in range(SWEEPS):
@@ -158,17 +153,17 @@ class _VariableRun(_Run):
         s.H[system.count + 1 :] = system.prescribed_frames(time)
         v = system.velocities.copy()
         v[: system.count] = s.twist1
-        v = allowed_velocities(system, self._starter, s.H, v, time, self._h)
+        v = allowed_velocities(system, self._starter, s.H, v, time, self.h)
         self.weights[:] = set_start(system, self._starter, self.p, s, v, time)
 
     def _side(self, time: float) -> float:
-        return max(SIDE * self._h, 8.0 * np.spacing(time))
+        return max(SIDE * self.h, 8.0 * np.spacing(time))
 
     # --- steps ---
 
     def integrate_all(self, recorder: GrowingRecorder) -> Result:
         """All steps to the end."""
-        check_velocities(self.system, self._h)
+        check_velocities(self.system, self.h)
         self._begin(self.control.size)
         self._warm_up()
         system, s, control = self.system, self.s, self.control
@@ -176,7 +171,7 @@ class _VariableRun(_Run):
         begin, index, time = clock.perf_counter(), 0, 0.0
         with recorder:
             while not control.finished:
-                ended, iterations = self._advance(time, index)
+                ended, iterations = self._attempt(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
                     result = self._completed(recorder, clock.perf_counter() - begin)
                     raise ConvergenceError(self._log.underflow(control, time, *self._last), result)
@@ -197,7 +192,7 @@ class _VariableRun(_Run):
         made = self.factors.factorisations + self._starter.factorisations
         return self._log.complete(recorder.result(made, seconds))
 
-    def _advance(self, time: float, index: int) -> tuple[float, int]:
+    def _attempt(self, time: float, index: int) -> tuple[float, int]:
         """Try one step; its end and its iterations, 0 if it was rejected."""
         control = self.control
         h, event = control.fitted(time), control.next_event
@@ -240,10 +235,10 @@ class _VariableRun(_Run):
             seen = end - self._side(end) if lands else end
             system.set_time(seen)
             s.H1[system.count + 1 :] = system.prescribed_frames(seen)
-        self._motion = self._speed * self._h
+        self._motion = self._speed * self.h
         iterations = self._step()
         if iterations:
-            self._speed = max(self._speed, self._motion / self._h)
+            self._speed = max(self._speed, self._motion / self.h)
         return iterations
 
     def _saved(self) -> tuple[Array, ...]:
@@ -257,7 +252,7 @@ class _VariableRun(_Run):
 
     def _estimate(self, before: tuple[Array, ...]) -> StepError:
         s, m = self.s, self.factors.mass
-        self._error.load(self._h, before[2], s.H, s.d, s.vdot, m, self.r)
+        self._error.load(self.h, before[2], s.H, s.d, s.vdot, m, self.r)
         super()._solve()
         return self._error.of(self.dx)
 
@@ -269,7 +264,7 @@ class _VariableRun(_Run):
         if finer is None:
             return np.nan, np.nan
         finer._restore(before)
-        finer._h, finer._index, finer._speed = self._h, self._index, self._speed
+        finer.h, finer._index, finer._speed = self.h, self._index, self._speed
         h = (end - time) / self._parts
         finer._set_step(time, h)
         for k in range(1, self._parts + 1):
@@ -283,7 +278,7 @@ class _VariableRun(_Run):
     def _tolerance(self) -> float:
         control = self.control
         allowed = min(control.tolerance / self.system.length, ROTATION * control.rotation_tolerance)
-        return max(min(super()._tolerance(), ITERATION * self._h * allowed), ROUND_OFF)
+        return max(min(super()._tolerance(), ITERATION * self.h * allowed), ROUND_OFF)
 
     def _solve(self) -> None:
         super()._solve()

@@ -1,0 +1,295 @@
+"""A run of generalised-α with constant steps: prediction, iteration with a kept matrix.
+
+Formulas in :mod:`fem_lie.solve.generalised_alpha`.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._jit import Array
+from fem_lie.groups import turn_all, turn_all_back, twists
+from fem_lie.results import Result
+from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.integration import Integration
+from fem_lie.solve.linear import DirectSolver, SingularMatrixError, methods_in_time
+from fem_lie.solve.options import Components, Index
+from fem_lie.solve.policies import EveryIteration, Policy, Update
+from fem_lie.solve.projection import project
+from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.scheme import (
+    DIVERGED,
+    ROTATION,
+    ROUND_OFF,
+    UNMEASURED,
+    estimate,
+    failure,
+    parameters,
+)
+from fem_lie.solve.start import check_velocities, set_start
+from fem_lie.solve.steps import WRITTEN_LOCALLY, State, accept, correct, predict
+from fem_lie.system import System
+
+if TYPE_CHECKING:
+    from fem_lie.solve.generalised_alpha import GeneralisedAlpha
+
+_log = logging.getLogger(__name__)
+
+_STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
+
+
+class Run(Integration[Recorder]):
+    """State of one integration.
+
+    Attributes:
+        options: Of the scheme.
+        p: Its parameters.
+        s: Start and end of a step.
+        weights: Multipliers.
+        solver: Of the iteration.
+    """
+
+    def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            system: The equations.
+            step: Step size.
+        """
+        super().__init__(options.policy, system, step)
+        self.options, self.p = options, parameters(options.radius, step, system.length)
+        system.velocity_factor = 1.0 / self.p.damping
+        self.policy.bound = system.m > 0
+        self.s = State.start(system.frames, system.kinds)
+        self._projects = options.index == Index.STABILISED_TWO and system.m > 0
+        self._turned = options.components == Components.INERTIAL
+        if self._turned and system.supports:
+            raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
+        self._plain = tuple(self.p), tuple(self.s)
+        self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
+        turns = system.connections.angular
+        self.measure = np.where(turns, ROTATION, 1.0 / system.length)
+        methods = methods_in_time(system)
+        self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
+        self.r, self.dx = self.solver.right_hand_side, self.solver.solution
+        self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
+        self._end, self._iterations = 0.0, 0
+
+    def history(
+        self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return Recorder(self.system, steps, self.h, save_every, progress, store)
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._index
+
+    # --- start ---
+
+    def start(self) -> None:
+        """Consistent accelerations and multipliers; scaling of the constraints."""
+        system, p, s = self.system, self.p, self.s
+        check_velocities(system, p.h)
+        self.weights[:] = set_start(system, self.solver, p, s)
+        system.set_time(0.0)
+        system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
+        self._fill(s.H, s.H, turned=False)
+        self.scale[:] = system.tangent.constraint_scale(s.H)
+        self._warm_up()
+        self.solver.factorisations = self.solver.refreshes = 0
+
+    def _warm_up(self) -> None:
+        """Compile what a step needs on a copy of the state: compilation is not integration."""
+        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
+        predict(scheme, state)
+        zero, weights = np.zeros_like(self.dx), self.weights.copy()
+        correct(scheme, state, zero, self.scale, self.measure, weights)
+        accept(scheme, state)
+        estimate(1.0, np.inf, 1.0)
+        if self._turned:
+            self._fill(self.s.H, self.s.H, turned=True)
+            turn_all(self.s.H, zero, self.system.count)
+            turn_all_back(self.s.H, zero, self.system.count)
+
+    # --- steps ---
+
+    def _advance(self, history: Recorder) -> bool:
+        system, s = self.system, self.s
+        self._index += 1
+        self._end = self._index * self.h
+        if system.time_dependent:
+            system.set_time(self._end)
+            s.H1[system.count + 1 :] = system.prescribed_frames(self._end)
+        self._iterations = self._step()
+        if self._iterations:
+            system.connections.accept(s.H)
+        return self._iterations > 0
+
+    def _record(self, history: Recorder) -> None:
+        s = self.s
+        history.record(self._index, s.H, s.twist1, self.weights, self._iterations)
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        numbers = [self._last_ratio, self._motion, self._index, self._born]
+        counts = [self.solver.factorisations, self.solver.refreshes]
+        kept = {"H": self.s.H, "H1": self.s.H1, "motion": self.s.motion, "weights": self.weights}
+        kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
+        kept |= {"blocks": self.system.tangent.A, "counts": np.array(counts)}
+        kept |= {f"policy.{name}": np.array(x) for name, x in vars(self.policy).items()}
+        return super().memory() | kept
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        s, system = self.s, self.system
+        s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
+        self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self._last_ratio, self._motion = (float(x) for x in kept["numbers"][:2])
+        self._index, self._born = (int(x) for x in kept["numbers"][2:])
+        if system.time_dependent:
+            system.set_time(self._index * self.h)
+        for name, value in vars(self.policy).items():
+            setattr(self.policy, name, type(value)(kept[f"policy.{name}"]))
+        system.tangent.A[:] = kept["blocks"]
+        super().restore(kept)
+        system.kkt.matrix.stateIncrease()
+        system.kkt.matrix.assemble()
+        self.solver.factorise()
+        self.solver.factorisations, self.solver.refreshes = (int(x) for x in kept["counts"])
+
+    def _failure(self, steps: int) -> str:
+        limit, tolerance = self.options.max_iterations, self.options.tolerance
+        residual = float(np.abs(self.r).max())
+        return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
+
+    def _step(self) -> int:
+        """One step; returns its iterations, 0 if it failed.
+
+        A step that diverges with the kept matrix is done again with a new one in every iteration
+        and with the stress as an iterate.
+        """
+        weights = self.weights.copy()
+        count = self._iterate(self.policy, carried=False)
+        if count == 0 and self.policy.rescue:
+            _log.info("step %d: kept matrix diverges, full iteration", self._index)
+            self.weights[:] = weights
+            # the predicted end of the step may be far off: its stress is no start
+            self.system.elastic.reset_stress(self.s.H)
+            count = self._iterate(EveryIteration(), carried=True)
+        return count
+
+    def _iterate(self, policy: Policy, *, carried: bool) -> int:
+        """Predict, and correct until it converges; returns the iterations, 0 on failure."""
+        try:
+            return self._newton(policy, carried)
+        except SingularMatrixError:
+            self._increment = np.inf
+            return 0
+
+    def _newton(self, policy: Policy, carried: bool) -> int:
+        system, s = self.system, self.s
+        self._motion = max(predict(*self._plain), self._motion)
+        tolerance = self._tolerance()
+        previous, ratio = np.inf, self._last_ratio
+        for iteration in range(1, self.options.max_iterations + 1):
+            if not carried:
+                system.elastic.settle(s.H1)
+            system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
+            update = policy.before_iteration(iteration)
+            if self.solver.factorisations == 0 or update == Update.ALL or update is True:
+                self._factorise(None if carried else s.H1)
+            elif update == Update.CONSTRAINTS:
+                self._refresh()
+            self._solve()
+            if carried:
+                h = np.empty_like(s.d)
+                twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
+                system.elastic.carry(s.H1, h.ravel())
+            self._increment = correct(*self._plain, self.dx, self.scale, self.measure, self.weights)
+            ratio, remaining = estimate(self._increment, previous, ratio)
+            stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
+            if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
+                self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
+                policy.after_step(iteration)
+                if self._projects:
+                    project(system, self.solver, s, self.scale, self._end, self.p.h)
+                accept(*self._plain)
+                if system.carried_drilling:
+                    system.carried_drilling.turn_motion(s.H, s.motion, s.kinds, WRITTEN_LOCALLY)
+                return iteration
+            if not self._increment < DIVERGED:
+                return 0
+            previous = self._increment
+        return 0
+
+    def _tolerance(self) -> float:
+        """Error that the iteration of a step may leave, see :data:`~.scheme.ROTATION`."""
+        return max(self.options.tolerance * self._motion, ROUND_OFF)
+
+    def _solve(self) -> None:
+        """Solve; the residual and the solution are in local components."""
+        system, H1, n = self.system, self.s.H1, self.system.count
+        if self._turned:
+            turn_all(H1, self.r, n)
+        self.solver.solve()
+        if self._turned:
+            turn_all_back(H1, self.dx, n)
+        if system.supports:
+            system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
+
+    def _factorise(self, stressed: Array | None) -> None:
+        """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
+        self._fill(stressed, self._ahead(), turned=self._turned)
+        self.solver.factorise()
+
+    def _refresh(self) -> None:
+        """The constraints anew in the kept matrix."""
+        if self._turned:
+            self._factorise(self.s.H1)
+            return
+        tangent, s = self.system.tangent, self.s
+        tangent.refill_border(self._ahead(), s.kinds, s.d, self.scale)
+        self.solver.refresh()
+
+    def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
+        if not self.system.choices.geometric:
+            self.system.elastic.clear_stress()
+        elif stressed is not None:
+            self.system.elastic.reset_stress(stressed)
+        s = self.s
+        self.system.fill_matrix(
+            s.H1,
+            s.twist1,
+            s.rate1,
+            self.weights,
+            self.scale,
+            s.d,
+            self.p.mass,
+            self.p.damping,
+            joint_frames,
+            inertial=turned,
+        )
+
+    def _ahead(self) -> Array:
+        """Frames in the middle of the time for which the matrix is likely to be kept.
+
+        Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
+        """
+        steps = (self._index - self._born) // 2
+        self._born = self._index
+        s, frames = self.s, self.s.H1.copy()
+        n = len(s.kinds)
+        # along a screw motion on either group: joints stay closed
+        frames[:n] = lie.se3_retract(s.H1[:n], steps * self.p.h * s.twist1)
+        return frames

@@ -1,0 +1,115 @@
+"""The steps of one run with a constant step, and what the next ones depend on.
+
+What all schemes have in common: the clock, results, checkpoints. How a step is made is theirs.
+"""
+
+from __future__ import annotations
+
+import logging
+import time as clock
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from fem_lie.results import Array, Result
+from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.linear import ConvergenceError
+from fem_lie.solve.policies import Policy
+from fem_lie.solve.recorder import History
+from fem_lie.system import System
+
+_log = logging.getLogger(__name__)
+
+Kept = TypeVar("Kept", bound=History)
+
+
+class Integration(ABC, Generic[Kept]):
+    """State of one integration, whose results go into a history of the kind ``Kept``.
+
+    Attributes:
+        system: The equations.
+        h: Step size.
+        policy: When to factorise.
+    """
+
+    def __init__(self, policy: Policy, system: System, step: float) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            policy: When to factorise; a fresh one is kept.
+            system: The equations.
+            step: Step size.
+        """
+        self.system, self.h, self.policy = system, float(step), policy.fresh()
+        spin = float(np.abs(system.velocities[:, 3:]).max())
+        system.choices = system.scene.choices.resolve(spin * step)
+        _log.info("%s; matrix: %s", system.describe(), type(policy).__name__)
+
+    @abstractmethod
+    def history(
+        self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
+    ) -> Kept:
+        """Where results go; see :class:`~fem_lie.solve.recorder.History`."""
+
+    @abstractmethod
+    def start(self) -> None:
+        """Make the state consistent at time 0."""
+
+    @property
+    @abstractmethod
+    def index(self) -> int:
+        """Steps made, and the one that is being made."""
+
+    @abstractmethod
+    def _advance(self, history: Kept) -> bool:
+        """Go on to the next step at which there is something to do; whether it was reached."""
+
+    @abstractmethod
+    def _record(self, history: Kept) -> None:
+        """Keep the present state, if it is one to be kept."""
+
+    @abstractmethod
+    def _result(self, history: Kept) -> Result:
+        """What was kept so far."""
+
+    @abstractmethod
+    def _failure(self, steps: int) -> str:
+        """What to say when the present one of ``steps`` has failed."""
+
+    def integrate(self, history: Kept) -> Result:
+        """All steps from the present one on.
+
+        Raises:
+            ConvergenceError: A step failed; its ``result`` holds what was computed.
+        """
+        if history.row == 0:
+            self.start()
+            self._record(history)
+        begin = clock.perf_counter() - history.seconds
+        with history:
+            while self.index < history.steps:
+                done = self._advance(history)
+                history.seconds = clock.perf_counter() - begin
+                if not done:
+                    raise ConvergenceError(self._failure(history.steps), self._result(history))
+                self._record(history)
+                if history.checkpoint_due(self.index):
+                    history.write_checkpoint(self.memory())
+        return self._result(history)
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        system = self.system
+        kept = {"matrix": system.kkt.csr[0], "joints": system.connections.memory}
+        carried = system.elastic.carried()
+        return kept | {f"carried.{k}": part for k, part in enumerate(carried)}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        system = self.system
+        system.connections.memory = kept["joints"]
+        carried = range(len(system.elastic.carried()))
+        system.elastic.restore([kept[f"carried.{k}"] for k in carried])
+        system.kkt.csr[0][:] = kept["matrix"]

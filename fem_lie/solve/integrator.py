@@ -1,0 +1,133 @@
+"""What the schemes in time offer: a run, and to go on with one that was interrupted.
+
+Arguments are checked here, before any work; how steps are made is in the modules of the schemes.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.solve.checkpoints import Checkpoints, fingerprint
+from fem_lie.solve.integration import Integration
+from fem_lie.solve.step_control import StepChoice
+from fem_lie.system import System
+
+
+class Integrator(ABC):
+    """Options of a scheme; :meth:`run` integrates."""
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        duration: float,
+        step: float | StepChoice,
+        save_every: int = 1,
+        progress: bool | None = None,
+        file: str | os.PathLike[str] | None = None,
+        checkpoint_every: int | None = None,
+    ) -> Result:
+        """Integrate from the bodies' initial frames and velocities.
+
+        Args:
+            scene: What there is.
+            duration: End time; a multiple of ``step``.
+            step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
+                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too.
+            save_every: Keep every so many steps.
+            progress: Show a bar; default: if standard error is a terminal.
+            file: Where results go as they are made, instead of into memory; the result reads them
+                from there. With it :meth:`resume` can go on after an interruption.
+            checkpoint_every: Steps between two checkpoints; default: a hundredth of all.
+
+        Raises:
+            ValueError: Bad options or scene, before anything is computed.
+            ConvergenceError: A step failed; its ``result`` holds what was computed.
+        """
+        if save_every < 1:
+            raise ValueError(f"save_every must be at least 1, got {save_every}")
+        if isinstance(step, StepChoice):
+            if file is not None or checkpoint_every is not None:
+                raise ValueError("results go to a file as they are made with constant steps only")
+            if not (np.isfinite(duration) and duration > 0):
+                raise ValueError(f"duration must be positive, got {duration}")
+            step.check(duration)
+            return self._follow(scene, duration, step, save_every, progress)
+        steps = _number_of_steps(duration, step)
+        if file is None:
+            if checkpoint_every is not None:
+                raise ValueError("checkpoint_every needs a file to which results go")
+            result = self._compiled(scene, steps, step, save_every, progress)
+            if result is not None:
+                return result
+        system, store = self._system(scene), None
+        run = self._integration(system, step)
+        if file is not None:
+            every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
+            store = Checkpoints(file, every, (steps, step, save_every), fingerprint(system, self))
+        return run.integrate(run.history(steps, save_every, progress, store))
+
+    def resume(
+        self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
+    ) -> Result:
+        """Go on from the last checkpoint of an interrupted run, to the same end.
+
+        Args:
+            scene: The scene as it was given to :meth:`run`.
+            file: The file that was given.
+            progress: Show a bar; default: if standard error is a terminal.
+
+        Returns:
+            To the last bit what :meth:`run` would have returned, but for the seconds.
+
+        Raises:
+            FileNotFoundError: There is no such file, or no checkpoint yet.
+            ValueError: The checkpoint belongs to another scene or other options.
+        """
+        system = self._system(scene)
+        store = Checkpoints.resume(file, fingerprint(system, self))
+        steps, step, save_every = store.plan
+        run = self._integration(system, step)
+        history = run.history(steps, save_every, progress, store)
+        run.restore(store.memory)
+        return run.integrate(history)
+
+    @abstractmethod
+    def _system(self, scene: Scene) -> System:
+        """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
+
+    @abstractmethod
+    def _integration(self, system: System, step: float) -> Integration[Any]:
+        """The state of a run with constant steps."""
+
+    @abstractmethod
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        save_every: int,
+        progress: bool | None,
+    ) -> Result:
+        """A run with the steps of ``choice``."""
+
+    def _compiled(
+        self, scene: Scene, steps: int, step: float, save_every: int, progress: bool | None
+    ) -> Result | None:
+        """The result for a scene that needs no matrix, if the scheme has a loop for such."""
+        return None
+
+
+def _number_of_steps(duration: float, step: float) -> int:
+    if not (np.isfinite(step) and step > 0 and np.isfinite(duration) and duration > 0):
+        raise ValueError(f"step and duration must be positive, got {step} and {duration}")
+    steps = round(duration / step)
+    if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
+        raise ValueError(f"duration {duration} is not a multiple of the step {step}")
+    return steps
