@@ -12,7 +12,7 @@ from copy import copy
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._jit import Array
+from fem_lie._jit import Array, Indices
 from fem_lie.beam import Beam, BeamAssembly
 from fem_lie.orientation import middle_frames
 
@@ -70,7 +70,7 @@ class ElementForces:
         return np.asarray(stress.x.array.reshape(-1, 6)[points], dtype=np.float64)
 
 
-def in_the_middle(elements: Array, frames: Array, ends: Array) -> Array:
+def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
     """Mean of what both ends carry to the middle of each element, shape (T, m, 6).
 
     There is one value for elements of two nodes: loads act on nodes, so that between them force and

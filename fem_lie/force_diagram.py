@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_lie.beam_quantities import unit
 from fem_lie.plot import COLOURS, Units, figure_of_rows, saved
 
 if TYPE_CHECKING:
@@ -48,12 +49,3 @@ def diagrams(
         ax.set_ylabel(f"{name} [{unit(name, units)}]")
     axes[-1].set_xlabel(f"arc length [{units.length}]")
     return saved(figure, path)
-
-
-def unit(name: str, units: Units) -> str:
-    """Unit of a quantity."""
-    if name in ("N", "Vy", "Vz", "V"):
-        return units.force
-    if name.startswith("stress"):
-        return f"{units.force}/{units.length}²"
-    return f"{units.force} {units.length}"

@@ -17,12 +17,13 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     Those of joints, springs, links, supports and point loads, and of kinks and branches.
     """
     points: list[Point] = [load.point for load in scene.loads if isinstance(load, PointLoad)]
-    points += [support.point for support in (*scene.clamps, *scene.motions)]
+    points += [clamp.point for clamp in scene.clamps]
+    points += [motion.point for motion in scene.motions]
     for link in scene.links:
         points += [link.a, link.b]
     for connection in (*scene.joints, *scene.connections):
-        for tie in (*connection.ties(), *connection.velocity_ties()):
-            points += [tie.a, tie.b]
+        points += [point for tie in connection.ties() for point in (tie.a, tie.b)]
+        points += [point for tie in connection.velocity_ties() for point in (tie.a, tie.b)]
     nodes = [point.node for point in points if point.body is beam]
     following = np.flatnonzero(beam.leaders != np.arange(len(beam.leaders)))
     return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)

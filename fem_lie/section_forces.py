@@ -24,6 +24,7 @@ import numpy as np
 
 from fem_lie._jit import Array, Indices
 from fem_lie.beam import Beam
+from fem_lie.beam_quantities import COMPONENTS, of_forces
 from fem_lie.bodies import Point
 from fem_lie.element_forces import ElementForces, in_the_middle
 from fem_lie.joined_forces import single_forces, without_jumps
@@ -32,13 +33,9 @@ from fem_lie.plot import SI, Units
 from fem_lie.resultants import States
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.section import Section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-COMPONENTS = ("N", "Vy", "Vz", "T", "My", "Mz")
-QUANTITIES = (*COMPONENTS, "V", "M", "stress max", "stress min")
 
 
 class LoadStates(States, Protocol):
@@ -194,21 +191,22 @@ class SectionForces:
 
         Args:
             name: A component, "V" or "M" (the amounts of shear and of bending), "stress max" or
-                "stress min" (see :meth:`outer_stress`).
+                "stress min" (largest and smallest axial stress at the corners of the outline, see
+                :meth:`fem_lie.section.Section.axial_stress`).
 
         Raises:
             ValueError: There is no such quantity, or no such stress; likewise in the following
                 methods.
         """
-        return self._of(name, self.ends)
+        return of_forces(name, self.ends, self.beam.sections)
 
     def mean(self, name: str) -> Array:
         """A quantity in the middle of each element, shape (T, m)."""
-        return self._of(name, self.middle[:, :, np.newaxis])[:, :, 0]
+        return of_forces(name, self.middle[:, :, np.newaxis], self.beam.sections)[:, :, 0]
 
     def smooth(self, name: str) -> Array:
         """As :meth:`raw`, of :attr:`smooth_ends`."""
-        return self._of(name, self.smooth_ends)
+        return of_forces(name, self.smooth_ends, self.beam.sections)
 
     def at(self, point: Point, name: str) -> Array:
         """A quantity at a node of the beam over time, shape (T,): that of the only element there.
@@ -230,40 +228,6 @@ class SectionForces:
                 "from raw(), smooth() or mean()"
             )
         return self.smooth(name)[:, elements[0], ends[0]]
-
-    def _of(self, name: str, values: Array) -> Array:
-        """A quantity of values (T, m, e, 6), shape (T, m, e)."""
-        if name not in QUANTITIES:
-            raise ValueError(
-                f"there is no section force {name!r}; there are: {', '.join(QUANTITIES)}"
-            )
-        if name in COMPONENTS:
-            return values[..., COMPONENTS.index(name)]
-        if name in ("V", "M"):
-            first = 1 if name == "V" else 4
-            return np.hypot(values[..., first], values[..., first + 1])
-        return self.outer_stress(values)[..., 0 if name == "stress max" else 1]
-
-    def outer_stress(self, values: Array) -> Array:
-        """Largest and smallest axial stress at the corners of the outline, shape (T, m, e, 2).
-
-        ``σ = N/A + (y, z)·I⁻¹ (−M_z, M_y)`` about the centroid, of a homogeneous section. In a
-        composite it is the strain times the mean of Young's modulus.
-
-        Args:
-            values: Forces and moments of each element, shape (T, m, e, 6).
-
-        Raises:
-            ValueError: A section has no properties or no outline.
-        """
-        cells: dict[Section, list[int]] = {}
-        for cell, section in enumerate(self.beam.sections):
-            cells.setdefault(section, []).append(cell)
-        found = np.empty((*values.shape[:-1], 2))
-        for section, which in cells.items():
-            stress = values[:, which][..., [0, 4, 5]] @ section.axial_stress().T
-            found[:, which] = np.stack([stress.max(axis=-1), stress.min(axis=-1)], axis=-1)
-        return found
 
     # --- pictures and files ---
 
