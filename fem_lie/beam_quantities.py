@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem_lie._jit import Array
+from fem_lie._lines import Array
 from fem_lie.plot import Units
 from fem_lie.section import Section
 

@@ -12,7 +12,7 @@ from copy import copy
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._jit import Array, Indices
+from fem_lie._lines import Array, Indices
 from fem_lie.beam import Beam, BeamAssembly
 from fem_lie.orientation import middle_frames
 

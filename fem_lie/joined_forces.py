@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._jit import Array, Indices
+from fem_lie._lines import Array, Indices
 from fem_lie.beam import Beam
 from fem_lie.bodies import Point
 from fem_lie.loads import PointLoad
@@ -29,36 +29,49 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)
 
 
-def without_jumps(elements: Indices, lengths: Array, ends: Array, single: Indices) -> Array:
+def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
     """Values at the ends of elements that go on without a jump, shape (T, m, 2, 6).
 
     What acts along the line is, in part, at the nodes. The jump at a node between two elements
-    belongs to both by their lengths. At the other end of an element that has no such neighbour, its
-    value is wrong by as much in the opposite direction. So values are of second order everywhere,
-    and change nothing where nothing jumps.
+    belongs to both by their lengths; at the other end of an element that has no such neighbour, its
+    value is wrong by as much in the opposite direction. Moments of elements with a bowed axis are
+    right in the mean: a load ``−ΔV/ℓ`` makes them quadratic, and adds ``ℓ ΔV/12`` at both ends.
+
+    So values are of second order everywhere, exact for a constant load on a straight line, and as
+    they were where nothing jumps.
 
     Args:
-        elements: Nodes of each element, shape (m, k).
-        lengths: Of the elements, shape (m,).
+        beam: The beam.
         ends: Shape (T, m, 2, 6).
         single: Nodes at which values may jump.
     """
+    before, behind = _neighbours(beam.elements, single)
+    lengths, found = beam.lengths, ends.copy()
+    share = (lengths[before] / (lengths[before] + lengths[behind]))[:, np.newaxis]
+    jump = ends[:, before, 1] - ends[:, behind, 0]
+    left, right = share * jump, (1.0 - share) * jump
+    found[:, before, 1] -= left
+    found[:, behind, 0] += right
+    free_start, free_end = np.ones((2, len(lengths)), dtype=bool)
+    free_start[behind] = free_end[before] = False
+    at_start, at_end = free_start[before], free_end[behind]
+    found[:, before[at_start], 0] += left[:, at_start]
+    found[:, behind[at_end], 1] -= right[:, at_end]
+    if beam.formulation.bows:
+        moved = (found - ends)[..., 1:3]
+        change = lengths[:, np.newaxis] * (moved[:, :, 1] - moved[:, :, 0]) / 12
+        found[..., 4] += change[..., np.newaxis, 1]
+        found[..., 5] -= change[..., np.newaxis, 0]
+    return found
+
+
+def _neighbours(elements: Indices, single: Indices) -> tuple[Indices, Indices]:
+    """Pairs of elements that go on from one to the next: two at a node, head to tail."""
     count = elements.max() + 1
     meeting = np.bincount(elements[:, :2].ravel(), minlength=count) == 2
     meeting[single] = False
     after = np.full(count, -1)
     after[elements[:, 0]] = np.arange(len(elements))
-    # two elements that share a frame meet head to tail
-    before = np.flatnonzero(meeting[elements[:, 1]] & (after[elements[:, 1]] >= 0))
-    behind = after[elements[before, 1]]
-    share = (lengths[before] / (lengths[before] + lengths[behind]))[:, np.newaxis]
-    jump = ends[:, before, 1] - ends[:, behind, 0]
-    found = ends.copy()
-    found[:, before, 1] -= share * jump
-    found[:, behind, 0] += (1.0 - share) * jump
-    free_start, free_end = np.ones((2, len(elements)), dtype=bool)
-    free_start[behind] = free_end[before] = False
-    at_start, at_end = free_start[before], free_end[behind]
-    found[:, before[at_start], 0] += (share * jump)[:, at_start]
-    found[:, behind[at_end], 1] -= ((1.0 - share) * jump)[:, at_end]
-    return found
+    node = elements[:, 1]
+    before = np.flatnonzero(meeting[node] & (after[node] >= 0))
+    return before, after[node[before]]

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from fem_lie._jit import Array, Indices
+from fem_lie._lines import Array, Indices
 from fem_lie.beam import Beam
 from fem_lie.beam_quantities import COMPONENTS, of_forces
 from fem_lie.bodies import Point
@@ -147,7 +147,7 @@ class SectionForces:
 
         See :func:`fem_lie.joined_forces.without_jumps`.
         """
-        return without_jumps(self.beam.elements, self.beam.lengths, self.ends, self.single)
+        return without_jumps(self.beam, self.ends, self.single)
 
     @property
     def components(self) -> tuple[str, ...]:
