@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fem_lie.section_forces import SectionForces
 
 _PALEST = 0.25
+_HEIGHT = 1.5  # of a diagram, inches
 
 
 def diagrams(
@@ -33,6 +34,7 @@ def diagrams(
     :meth:`fem_lie.section_forces.SectionForces.plot`.
     """
     figure, axes = figure_of_rows(len(names), f"Section forces of {found.beam.label}", units)
+    figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(names))
     chains = found.beam.chains
     pieces = np.split(chains.order, chains.first[1:])
     strengths = np.linspace(_PALEST, 1.0, len(steps)) if len(steps) > 1 else [1.0]
