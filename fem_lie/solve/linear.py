@@ -119,6 +119,9 @@ class DirectSolver:
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
+        # packages that met what is not finite fail on all that comes after
+        if not np.isfinite(self._matrix.norm()):
+            raise SingularMatrixError("the matrix is not finite")
         for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
@@ -133,7 +136,7 @@ class DirectSolver:
             # what was indefinite once will be so again, and each failure costs a factorisation
             self._methods = self._methods[tried:]
             return
-        raise SingularMatrixError("the matrix is singular or not finite") from failure
+        raise SingularMatrixError("the matrix is singular") from failure
 
     def refresh(self) -> None:
         """Factorise because the border has changed; errors as :meth:`factorise`."""
