@@ -40,7 +40,7 @@ def order(results: Sequence[npt.ArrayLike]) -> float:
     """
     if len(results) < 3:
         return float("nan")
-    a, b, c = (np.asarray(result, dtype=np.float64) for result in results[-3:])
+    a, b, c = (np.atleast_1d(np.asarray(x, dtype=np.float64)) for x in results[-3:])
     coarse, fine = np.abs(a - b), np.abs(b - c)
     counts = coarse > 0.01 * coarse.max(axis=0)
     return float(np.median(np.log2(coarse[counts] / fine[counts])))

@@ -26,7 +26,7 @@ from fem_lie.tables import Border
 
 Flags = npt.NDArray[np.bool_]
 
-SOFTNESS = 1e-7
+SOFTNESS = 1e-9
 """By how much redundant constraints yield in one iteration, over what they would without others.
 
 The matrix is regular with it, and the iteration still ends where all constraints are met."""

@@ -18,9 +18,9 @@ def test_extrapolation_removes_the_powers_that_are_there():
     results = [limit + h**2 * np.array([3.0, 5.0]) + 7.0 * h**3 - h**4 for h in steps]
     np.testing.assert_allclose(extrapolation.extrapolated(results), limit, atol=1e-14)
     left = extrapolation.extrapolated(results[:3]) - limit
-    np.testing.assert_allclose(left, 0.1**4 / 8, rtol=1e-9)
+    np.testing.assert_allclose(left, -(0.1**4) / 56, rtol=1e-6)
     assert extrapolation.order([h**2 for h in steps]) == pytest.approx(2.0)
-    assert extrapolation.order(results[:1]) != extrapolation.order(results[:1])
+    assert np.isnan(extrapolation.order(results[:2]))
     with pytest.raises(ValueError, match="wanted 1 to 4 results, got 5"):
         extrapolation.extrapolated([1.0] * 5)
 
@@ -37,9 +37,9 @@ def test_slider_crank():
 
 
 def test_slider_crank_with_a_flexible_rod():
-    """Converged in elements and steps: 1.975134 and 4.365714 rad at 0.25 and 0.4 s."""
-    soft = main("slider_crank", elements=8, step=5e-4, runs=2, duration=0.25)
-    # elements leave 1.5e-5, steps what unresolved waves do
+    """Converged in elements and steps: 1.975134 rad at 0.25 s."""
+    soft = main("slider_crank", elements=8, step=2.5e-4, runs=2, duration=0.25)
+    # elements leave 1.5e-5, unresolved waves as much
     assert soft["angles"]["0.25"] == pytest.approx(1.975134, abs=5e-5)
     assert soft["angles"]["0.25"] - 1.949259478 > 0.02
     assert 0.01 < soft["deflection"] < 0.02
