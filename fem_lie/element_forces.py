@@ -59,13 +59,17 @@ class ElementForces:
 
         Args:
             frames: Of the beam's nodes, shape (n, 4, 3).
+
+        Raises:
+            ValueError: The element is a user's own whose energy is not strain and law.
         """
         assembly = self._assembly
+        stress = assembly.forms.stress
+        if stress is None:
+            raise ValueError("the energy of this element is no StrainEnergy: it has no stress")
         H = np.empty((assembly.count, 4, 3))
         H[assembly.order] = frames[self._elements].reshape(-1, 4, 3)
         assembly.reset_stress(H)
-        stress = assembly.forms.stress
-        assert stress is not None
         points = stress.function_space.dofmap.list[assembly.cell_order]
         return np.asarray(stress.x.array.reshape(-1, 6)[points], dtype=np.float64)
 

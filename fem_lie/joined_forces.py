@@ -7,6 +7,7 @@ import numpy as np
 from fem_lie._lines import Array, Indices
 from fem_lie.beam import Beam
 from fem_lie.bodies import Point
+from fem_lie.joints import Sliding
 from fem_lie.loads import PointLoad
 from fem_lie.scene import Scene
 
@@ -14,11 +15,16 @@ from fem_lie.scene import Scene
 def single_forces(scene: Scene, beam: Beam) -> Indices:
     """Nodes of a beam at which something other than loads along the line may act.
 
-    Those of joints, springs, links, supports and point loads, and of kinks and branches.
+    Those of joints, springs, links, supports and point loads, and of kinks and branches; all of
+    them if something slides along it.
     """
+    sliding = [item for item in (*scene.joints, *scene.connections) if isinstance(item, Sliding)]
+    if any(item.beam is beam for item in sliding):
+        return np.arange(len(beam.frames))
     points: list[Point] = [load.point for load in scene.loads if isinstance(load, PointLoad)]
     points += [clamp.point for clamp in scene.clamps]
     points += [motion.point for motion in scene.motions]
+    points += [item.b for item in sliding]
     for link in scene.links:
         points += [link.a, link.b]
     for connection in (*scene.joints, *scene.connections):

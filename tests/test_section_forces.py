@@ -56,9 +56,9 @@ def twisted_arc(formulation, section=SECTION) -> tuple[fl.Scene, fl.Beam]:
 
 
 def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionForces:
-    """Those of the scene's only body in given frames of its nodes."""
+    """Those of one beam of a scene in given frames of its nodes."""
     info = System(scene, dynamics=False).info()
-    placed = np.empty_like(frames)
+    placed = np.zeros((sum(len(body.nodes) for body in info.bodies), 4, 3))
     placed[info.body(beam.name).nodes] = frames
     result = fl.StaticResult(
         np.ones(1),
@@ -315,6 +315,16 @@ def test_a_single_force_stays_a_jump():
     with pytest.raises(ValueError, match="belong to 2 ends"):
         found.at(beam.node(3), "Vz")
     np.testing.assert_allclose(found.at(beam.node(1), "Vz")[-1], expected[0, 1], atol=1e-6 * q)
+
+
+def test_nothing_is_smooth_where_something_slides():
+    """Its force is on the nodes of the element where it is."""
+    scene, beam = cantilever(4)
+    body = scene.add(fl.RigidBody(1.0, (1, 1, 1), (0.6 * LENGTH, 0, 0)))
+    scene.add(fl.Sliding(beam, body.centre))
+    found = in_frames(scene, beam, lie.se3_retract(beam.frames, 0.1 * np.ones((5, 6))))
+    np.testing.assert_array_equal(found.smooth_ends, found.ends)
+    assert set(found.single) == set(range(5))
 
 
 @every_formulation
