@@ -196,6 +196,25 @@ def invariants_of_rates(H, qdot, indptr, indices, G, p):  # type: ignore[no-unty
     return energy, p0, p1, p2, l0, l1, l2
 
 
+@compiled
+def local_twists(H, qdot, out):  # type: ignore[no-untyped-def]
+    """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
+
+    ``(Rᵀẋ, ½ Σ e_k × Rᵀḋ_k)``.
+    """
+    turned = np.empty((4, 3))
+    for i in range(qdot.shape[0]):
+        for k in range(4):
+            for a in range(3):
+                turned[k, a] = 0.0
+                for j in range(3):
+                    turned[k, a] += H[i, 1 + a, j] * qdot[i, k, j]
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            out[i, a] = turned[0, a]
+            out[i, 3 + a] = 0.5 * (turned[1 + b, c] - turned[1 + c, b])
+
+
 def gram_from_rigid(
     mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
 ) -> Array:

@@ -121,6 +121,18 @@ def report(
 
 
 @compiled
+def report_rates(
+    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+) -> float:
+    """:func:`report` of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
+    indptr, indices, blocks = mass
+    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
+    for k in range(7):
+        invariants[k] = values[k]
+    return load_potential(H, dead)
+
+
+@compiled
 def add_mass_damping(
     H: Array, v: Array, D: tuple[Any, ...], work: Array, f: Array, r: Array
 ) -> None:
