@@ -54,6 +54,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
@@ -75,6 +77,8 @@ DEPLOYMENT = 20.0
 SQUARE = SIDE * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 AXIS, UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 DRIVEN_FIRST = (0, 2, 1, 3)
+OBLIQUE = np.array([[1.0, 0.0], [0.4, 0.25], [0.0, 1.0]])  # side view, y into the depth
+COLOURS = 8 * ["#888888"] + 4 * ["#D55E00"] + 16 * ["#56B4E9"]  # of the bars of a cell
 
 
 def angle(t: float) -> float:
@@ -211,6 +215,22 @@ def posture_error(truss: Truss, time: float) -> float:
     return off_posture(fl.statics(truss.scene, levels=np.linspace(0.0, time, 21)[1:]), truss, time)
 
 
+def picture(result: fl.Result, truss: Truss, file: Path) -> None:
+    """Figure 23: the truss at six times, longerons, battens and telescopes in a colour each."""
+    figure = Figure(figsize=(15.0, 6.0), layout="constrained")
+    panels = figure.subplots(1, 6, sharex=True, sharey=True)
+    nodes = np.array([result.info.body(bar.name).nodes for bar in truss.bars])
+    for panel, time in zip(panels, np.linspace(0.0, result.times[-1], 6), strict=True):
+        axes = result.frames[result.index(time), nodes, 0] @ OBLIQUE
+        colours = COLOURS * (len(axes) // len(COLOURS))
+        panel.add_collection(LineCollection(list(axes), colors=colours, linewidths=1.2))
+        panel.set(title=f"t = {time:g} s", aspect="equal", xlabel="x [m]")
+        panel.autoscale_view()
+        panel.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylabel("z [m]")
+    figure.savefig(file, dpi=120)
+
+
 def _check(cells: int, tubes: str, policy: str, driven: int) -> None:
     if tubes not in DIAMETERS or policy not in POLICIES:
         raise ValueError(
@@ -253,7 +273,6 @@ def main(
     tolerance: float = fl.GeneralisedAlpha.tolerance,
     inertial: bool = False,
     pictures: bool = True,
-    animation: bool = False,
     table: bool = False,
 ) -> dict[str, Any]:
     """``table``: all policies, each with ``step`` and half of it, without pictures."""
@@ -298,14 +317,12 @@ def main(
         "violation": float(result.joint_violations.max()),
     }
     report(record)
-    if pictures or animation:
-        RESULTS.mkdir(exist_ok=True)
     if pictures:
-        file = RESULTS / f"truss_deployment_{tubes}.png"
-        result.picture(file, title=f"Deployable truss, {cells} cells")
-        print(f"picture: {file}")
-    if animation:
-        result.animate(RESULTS / f"truss_deployment_{tubes}.gif", title="Deployable truss")
+        RESULTS.mkdir(exist_ok=True)
+        name = RESULTS / f"truss_deployment_{tubes}"
+        picture(result, truss, name.with_suffix(".png"))
+        result.animate(name.with_suffix(".gif"), title=f"Deployable truss, {tubes} tubes")
+        print(f"pictures: {name}.png, {name}.gif")
     return record
 
 
