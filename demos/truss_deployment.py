@@ -217,7 +217,7 @@ def posture_error(truss: Truss, time: float) -> float:
 
 def picture(result: fl.Result, truss: Truss, file: Path) -> None:
     """Figure 23: the truss at six times, longerons, battens and telescopes in a colour each."""
-    figure = Figure(figsize=(15.0, 6.0), layout="constrained")
+    figure = Figure(figsize=(15.0, 4.5), layout="constrained")
     panels = figure.subplots(1, 6, sharex=True, sharey=True)
     nodes = np.array([result.info.body(bar.name).nodes for bar in truss.bars])
     for panel, time in zip(panels, np.linspace(0.0, result.times[-1], 6), strict=True):
