@@ -33,7 +33,7 @@ from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 
-_PREFIX = "fem_lie_dynamics_"
+PREFIX = "fem_lie_dynamics_"
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Run(Integration[History]):
         system, s, n = self.system, self.s, self.system.count
         check_velocities(system, self.h)
         push(system.frames[:n], system.velocities[:n], s.V)
-        solver = DirectSolver(system.kkt.matrix, _PREFIX)
+        solver = DirectSolver(system.kkt.matrix, PREFIX)
         v = system.velocities
         vdot, s.weights[:] = accelerations(system, solver, s.H, v, 0.0, self.h)
         self._set_loads(0.0)
@@ -128,11 +128,15 @@ class Run(Integration[History]):
     # --- steps ---
 
     def _advance(self, history: History) -> bool:
-        last, single = history.next_stop(self.index), self.rule is None
-        if single or self.system.time_dependent:
+        last = history.next_stop(self.index)
+        if self.rule is None or self.system.time_dependent:
             last = self.index + 1
+        return self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
+
+    def _go_to(self, last: int, start: float, end: float) -> bool:
+        """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
         if self.system.time_dependent:
-            self._set_time()
+            self._set_time(start, end)
         rule = (1, 0.0) if self.rule is None else self.rule
         code = self._go(last, rule)
         if code == loop.FAILED and self.options.policy.rescue:
@@ -155,8 +159,10 @@ class Run(Integration[History]):
                 code = loop.MATRIX
                 if counters[loop.ITERATION] == 0:
                     counters[loop.ITERATION], counters[loop.ASKED] = 1, 1
-                    self.numbers[loop.MOTION] = loop.begin(*self._plain)
+                    motion = loop.begin(*self._plain)
+                    self.numbers[loop.MOTION] = max(motion, self.numbers[loop.MOTION])
                     self.numbers[loop.PREVIOUS] = self.numbers[loop.LEAST] = np.inf
+                    counters[loop.STALLS] = 0
             else:
                 code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
             if code == loop.DONE and self.rule is None:
@@ -180,10 +186,9 @@ class Run(Integration[History]):
 
     # --- loads ---
 
-    def _set_time(self) -> None:
+    def _set_time(self, start: float, end: float) -> None:
         """Loads in the middle of the next step, prescribed motions at its end."""
         system, rows, n = self.system, self.this.rows, self.system.count
-        start, end = self.index * self.h, (self.index + 1) * self.h
         self._set_loads(0.5 * (start + end))
         connections = system.connections
         if connections.driven:
@@ -211,15 +216,19 @@ class Run(Integration[History]):
 
     def _factorise(self) -> None:
         """New matrix at the present end of the step."""
+        self._fill_here()
+        self._factors = factorise(self.system.kkt)
+        self.counts[:] = self.counts[0] + 1, self.index
+        self.counters[loop.BEST], self.numbers[loop.EXCESS] = 0, 0.0
+
+    def _fill_here(self) -> None:
+        """The matrix at the present end of the step, not yet factorised."""
         s, this, n = self.s, self.this, self.system.count
         residual(*self._plain)
         H = this.rows[0]
         v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         self._fill(H, v, a)
-        self._factors = factorise(self.system.kkt)
-        self.counts[:] = self.counts[0] + 1, self.index
-        self.counters[loop.BEST], self.numbers[loop.EXCESS] = 0, 0.0
 
     def _fill(self, H: Array, v: Array, a: Array) -> None:
         """The matrix at frames ``H``, its constraints in the middle of its likely life."""
@@ -243,14 +252,14 @@ class Run(Integration[History]):
     def _record(self, history: History) -> None:
         index = self.index
         if index % history.every == 0 or index == history.steps:
-            self._keep(history)
+            self.keep(history)
         if index:
             history.update_if_due(index, int(self.counters[loop.TOTAL]))
 
     def _result(self, history: History) -> Result:
         return history.result(int(self.counts[0]), history.seconds)
 
-    def _keep(self, history: History) -> None:
+    def keep(self, history: History) -> None:
         """Keep the present state."""
         system, s, row = self.system, self.s, history.row
         attachment, v = system.numbering.attachment, local(s.H, s.V)

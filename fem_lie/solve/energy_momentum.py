@@ -34,6 +34,7 @@ from dataclasses import dataclass, field
 from fem_lie.choices import Redundant
 from fem_lie.results import Result
 from fem_lie.scene import Scene
+from fem_lie.solve import conserving_steps
 from fem_lie.solve.conserving_run import Options, Run
 from fem_lie.solve.integrator import Integrator
 from fem_lie.solve.policies import Automatic, Policy
@@ -84,7 +85,8 @@ class EnergyMomentum(Integrator):
         save_every: int,
         progress: bool | None,
     ) -> Result:
-        raise ValueError("conserving schemes have constant steps, given as a number")
+        system, options = self._system(scene), self._told()
+        return conserving_steps.run(options, system, duration, choice, save_every, progress)
 
     def _told(self) -> Options:
         return Options(self.tolerance, self.policy, self.max_iterations)

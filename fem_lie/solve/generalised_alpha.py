@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from fem_lie.groups import Parametrisation
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve import free_bodies, variable_steps
+from fem_lie.solve import alpha_steps, free_bodies
 from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.integrator import Integrator
 from fem_lie.solve.options import Components, Index
@@ -83,7 +83,7 @@ class GeneralisedAlpha(Integrator):
         save_every: int,
         progress: bool | None,
     ) -> Result:
-        return variable_steps.run(self, self._system(scene), duration, choice, save_every, progress)
+        return alpha_steps.run(self, self._system(scene), duration, choice, save_every, progress)
 
     def _compiled(
         self, scene: Scene, steps: int, step: float, save_every: int, progress: bool | None

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from tqdm import tqdm
 
-from fem_lie._jit import Array
+from fem_lie.info import SceneInfo
 from fem_lie.results import Result
-from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.recorder import History, Recorder
 from fem_lie.solve.step_control import Control
 from fem_lie.solve.time_error import StepError
 from fem_lie.step_history import StepHistory
@@ -19,39 +19,28 @@ _ROWS = 256
 _PERCENT = 100
 
 
-class GrowingRecorder(Recorder):
-    """A recorder for steps of any number and size; its bar shows the time."""
+class Growing(History):
+    """A history for steps of any number and size; its bar shows the time."""
 
-    def __init__(
-        self, system: System, duration: float, save_every: int, progress: bool | None
-    ) -> None:
-        """For a run of the given duration; see :class:`~fem_lie.solve.recorder.History`."""
-        super().__init__(system, _ROWS, 1.0, 1, False)
+    def _grow_with(self, duration: float, save_every: int, progress: bool | None) -> None:
         self._duration, self._wanted = duration, save_every
         # ``None``: not where there is no terminal
         hidden = None if progress is None else not progress
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
 
-    def record_at(
-        self,
-        time: float,
-        index: int,
-        H: Array,
-        v: Array,
-        multipliers: Array,
-        iterations: int,
-        event: bool,
-    ) -> None:
-        """Keep the step ``index``, which ends at ``time``, if it is one to be kept.
+    def wants(self, index: int, iterations: int, event: bool) -> bool:
+        """Whether the step ``index`` is one to be kept; then there is room for it.
 
         Events are: with two rows, of the sides before and after, and so are start and end.
         """
         if index % self._wanted and not event:
-            self._count += iterations
-            return
+            return False
         if self.row == len(self.times):
             self._grow()
-        self.record(index, H, v, multipliers, iterations)
+        return True
+
+    def stamp(self, time: float) -> None:
+        """Say at what time the last row is."""
         self.times[self.row - 1] = time
         self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
 
@@ -60,6 +49,35 @@ class GrowingRecorder(Recorder):
         for name, old in vars(self).items():
             if isinstance(old, np.ndarray) and len(old) == rows:
                 setattr(self, name, np.concatenate([old, np.empty_like(old)]))
+
+
+class GrowingHistory(Growing):
+    """Of a scheme that fills the rows itself."""
+
+    def __init__(
+        self, info: SceneInfo, duration: float, save_every: int, progress: bool | None
+    ) -> None:
+        """For a run of the given duration; see :class:`~fem_lie.solve.recorder.History`."""
+        super().__init__(info, _ROWS, 1.0, 1, False)
+        self._grow_with(duration, save_every, progress)
+
+
+class GrowingRecorder(Growing, Recorder):
+    """That takes what it keeps from the equations of a scene."""
+
+    def __init__(
+        self, system: System, duration: float, save_every: int, progress: bool | None
+    ) -> None:
+        """As :class:`GrowingHistory`, for the equations ``system``."""
+        Recorder.__init__(self, system, _ROWS, 1.0, 1, False)
+        self._grow_with(duration, save_every, progress)
+
+    def wants(self, index: int, iterations: int, event: bool) -> bool:
+        """See the base class; iterations are counted in any case."""
+        wanted = super().wants(index, iterations, event)
+        if not wanted:
+            self._count += iterations
+        return wanted
 
 
 @dataclass

@@ -10,12 +10,15 @@ is best for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver
 from fem_lie.solve.policies import Policy
+
+Kept = TypeVar("Kept")
 
 KEPT = 4
 """Step sizes whose factorisations are kept at the same time."""
@@ -35,55 +38,42 @@ class _Factors(DirectSolver):
 
 
 @dataclass(eq=False)
-class _Slot:
-    solver: _Factors
+class _Slot(Generic[Kept]):
+    kept: Kept
     mass: float
     scale: Array
     age: int
 
 
-class KeptFactors(DirectSolver):
-    """A solver that keeps factorisations of several step sizes.
+class Levels(Generic[Kept]):
+    """Factorisations for several step sizes, of any kind, and which of them serves.
 
     Attributes:
-        mass: ``m`` of the present factorisation.
         factor: What a solution is to be multiplied with for the present step.
-        usable: Whether there is a factorisation that serves the present step.
+        count: How many were made.
     """
 
-    def __init__(self, like: DirectSolver, *, rigid: bool) -> None:
-        """Nothing is factorised yet.
-
-        Args:
-            like: A solver for the same matrix.
-            rigid: Whether no body of the scene is elastic.
-        """
-        self._args = like._matrix, like._prefix, like._methods
-        super().__init__(*self._args)
+    def __init__(self, *, rigid: bool) -> None:
+        """Nothing is kept yet; ``rigid``: whether no body of the scene is elastic."""
         self._rigid = rigid
-        self._slots: list[_Slot] = []
-        self._now: _Slot | None = None
-        self._wanted, self._count = 1.0, 0
+        self._slots: list[_Slot[Kept]] = []
+        self._now: _Slot[Kept] | None = None
+        self._wanted, self.count = 1.0, 0
         self.factor = 1.0
 
     @property
-    def usable(self) -> bool:
-        """See the class."""
-        return self._now is not None
+    def present(self) -> Kept | None:
+        """What serves the present step, if anything does."""
+        return None if self._now is None else self._now.kept
 
     @property
     def mass(self) -> float:
-        """See the class."""
+        """``m`` of what serves the present step."""
         assert self._now is not None
         return self._now.mass
 
-    def clear(self) -> None:
-        """Forget everything."""
-        self._slots, self._now = [], None
-        self.factorisations = 0
-
     def use(self, mass: float) -> None:
-        """Choose the factorisation for a step with ``m = mass``."""
+        """Choose for a step with ``m = mass``."""
         self._wanted = mass
         near = [slot for slot in self._slots if _near(slot.mass, mass)]
         reach = np.inf if self._rigid else REACH
@@ -100,28 +90,61 @@ class KeptFactors(DirectSolver):
         assert self._now is not None
         return np.asarray(self._now.scale / self.factor)
 
+    def make_room(self) -> Kept | None:
+        """Forget what the next one will replace: that of this level, or else the oldest of all."""
+        old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
+        if not old and len(self._slots) == KEPT:
+            old = [min(self._slots, key=lambda slot: slot.age)]
+        if not old:
+            return None
+        self._slots = [other for other in self._slots if other is not old[0]]
+        return old[0].kept
+
+    def keep(self, kept: Kept, scale: Array) -> None:
+        """Keep it for this step; its constraints are times ``scale``."""
+        self.count += 1
+        self._now, self.factor = _Slot(kept, self._wanted, scale.copy(), self.count), 1.0
+        self._slots.append(self._now)
+
+
+class KeptFactors(DirectSolver):
+    """A solver that keeps factorisations of several step sizes.
+
+    Attributes:
+        levels: Those.
+    """
+
+    def __init__(self, like: DirectSolver, *, rigid: bool) -> None:
+        """Nothing is factorised yet.
+
+        Args:
+            like: A solver for the same matrix.
+            rigid: Whether no body of the scene is elastic.
+        """
+        self._args = like._matrix, like._prefix, like._methods
+        super().__init__(*self._args)
+        self.levels = Levels[_Factors](rigid=rigid)
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a factorisation that serves the present step."""
+        return self.levels.present is not None
+
     def keep(self, scale: Array) -> None:
         """Factorise the matrix as it is now, with constraints times ``scale``, for this step.
 
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
-        old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
-        if not old and len(self._slots) == KEPT:
-            old = [min(self._slots, key=lambda slot: slot.age)]
-        slot = old[0] if old else _Slot(_Factors(*self._args), 0.0, scale, 0)
-        self._slots = [other for other in self._slots if other is not slot]
-        slot.solver.factorise()
-        self._count += 1
+        solver = self.levels.make_room() or _Factors(*self._args)
+        solver.factorise()
         self.factorisations += 1
-        slot.mass, slot.scale, slot.age = self._wanted, scale.copy(), self._count
-        self._slots.append(slot)
-        self._now, self.factor = slot, 1.0
+        self.levels.keep(solver, scale)
 
     def solve(self) -> None:
-        """Solve with the factorisation that is in use, not yet scaled by ``factor``."""
-        assert self._now is not None
-        solver = self._now.solver
+        """Solve with the factorisation that is in use, not yet scaled by ``levels.factor``."""
+        solver = self.levels.present
+        assert solver is not None
         solver.right_hand_side[:] = self.right_hand_side
         solver.solve()
         self.solution[:] = solver.solution
