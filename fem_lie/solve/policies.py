@@ -1,7 +1,7 @@
 """When to build and factorise the iteration matrix anew: the gift of local frames is that it keeps.
 
-A policy sees the iterations of every step and decides. Decisions depend on iteration counts only,
-never on measured time, so that a run repeats bit for bit.
+A policy sees the iterations of every step and decides. Decisions depend on iteration counts and
+sizes of corrections only, never on measured time, so that a run repeats bit for bit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,10 @@ from typing import ClassVar
 
 NEVER = 2**31
 """More iterations than any step is given."""
+
+
+SHARE = 0.5
+"""Of the rate of convergence: what old mass and stiffness must be worth to be made anew."""
 
 
 class Update(IntEnum):
@@ -58,6 +62,20 @@ class Policy(ABC):
 
     def after_step(self, iterations: int) -> None:  # noqa: B027 - most policies have no memory
         """Learn how many iterations the step took."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether it wants to know what old mass and stiffness cost before it makes all anew."""
+        return False
+
+    def answer(self, rate: float, staleness: float) -> None:  # noqa: B027 - most do not ask
+        """Learn it, at the end of a step after :meth:`after_step`.
+
+        Args:
+            rate: At which the iteration has converged.
+            staleness: At which it would converge if only mass and stiffness were old, see
+                :mod:`fem_lie.solve.staleness`.
+        """
 
 
 class EveryIteration(Policy):
@@ -146,8 +164,9 @@ class Automatic(Policy):
 
     The iterations that steps take beyond those of the first steps with fresh constraints add up;
     when they reach the cost of a refreshment, that is made at the start of the next step. What is
-    lost in spite of fresh constraints adds up likewise, until all is made anew. Within a step that
-    converges badly the constraints are refreshed, and if that does not help all is made anew.
+    lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
+    stiffness would bring: they are made anew if they are to blame, see :data:`SHARE`. Within a step
+    that converges badly the constraints are refreshed, and if that does not help all is made anew.
     """
 
     def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 40.0) -> None:
@@ -202,6 +221,18 @@ class Automatic(Policy):
         self._base = self._best if self._base == 0 else min(self._base, self._best)
         self._excess += counted - self._best
         self._lost += self._best - self._base
+
+
+    @property
+    def asks(self) -> bool:
+        """When it would make all anew at the start of the next step."""
+        return (self._lost if self.bound else self._excess) >= self.cost
+
+    def answer(self, rate: float, staleness: float) -> None:
+        """Keep all, and be content with the iterations of late, if age is not to blame."""
+        if staleness < SHARE * rate:
+            self._best = self._base = 0
+            self._excess = self._lost = 0.0
 
 
 def _within_step(iteration: int, patience: int, bound: bool) -> Update:
