@@ -349,7 +349,7 @@ class _Run:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
                 if policy.asks and not self._turned:
-                    policy.answer(ratio, self._staleness())
+                    policy.answer(iteration, ratio, self._staleness())
                 if self._projects:
                     project(system, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)

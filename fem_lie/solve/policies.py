@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import IntEnum
-from math import inf
+from math import inf, log
 from typing import ClassVar
 
 NEVER = 2**31
@@ -16,7 +16,7 @@ NEVER = 2**31
 
 
 SHARE = 0.5
-"""Of the rate of convergence: what old mass and stiffness must be worth to be made anew."""
+"""Part of the lost iterations that new mass and stiffness must be expected to save."""
 
 
 class Update(IntEnum):
@@ -68,10 +68,13 @@ class Policy(ABC):
         """Whether it wants to know what old mass and stiffness cost before it makes all anew."""
         return False
 
-    def answer(self, rate: float, staleness: float) -> None:  # noqa: B027 - most do not ask
+    def answer(  # noqa: B027 - most do not ask
+        self, iterations: int, rate: float, staleness: float
+    ) -> None:
         """Learn it, at the end of a step after :meth:`after_step`.
 
         Args:
+            iterations: Of the step.
             rate: At which the iteration has converged.
             staleness: At which it would converge if only mass and stiffness were old, see
                 :mod:`fem_lie.solve.staleness`.
@@ -165,7 +168,7 @@ class Automatic(Policy):
     The iterations that steps take beyond those of the first steps with fresh constraints add up;
     when they reach the cost of a refreshment, that is made at the start of the next step. What is
     lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
-    stiffness would bring: they are made anew if they are to blame, see :data:`SHARE`. Within a step
+    stiffness would bring: they are made anew if they are to blame, see :meth:`answer`. Within a step
     that converges badly the constraints are refreshed, and if that does not help all is made anew.
     """
 
@@ -228,9 +231,16 @@ class Automatic(Policy):
         """When it would make all anew at the start of the next step."""
         return (self._lost if self.bound else self._excess) >= self.cost
 
-    def answer(self, rate: float, staleness: float) -> None:
-        """Keep all, and be content with the iterations of late, if age is not to blame."""
-        if staleness < SHARE * rate:
+    def answer(self, iterations: int, rate: float, staleness: float) -> None:
+        """Keep all, and be content with the iterations of late, if age is not to blame.
+
+        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
+        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
+        """
+        fresh = max(rate - staleness, rate**2)
+        saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
+        lost = iterations - (self._base if self.bound else self._best)
+        if saved < SHARE * max(lost, 1):
             self._best = self._base = 0
             self._excess = self._lost = 0.0
 
