@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
@@ -76,8 +77,8 @@ def meshed(kkt: KKT) -> bool:
 
     Of chains, trees and single loops none is left, of a truss or a net its knots.
     """
-    rows = np.split(kkt.indices, kkt.indptr[1:-1])
-    near = [set(row.tolist()) - {i} for i, row in enumerate(rows)]
+    ends, columns = kkt.indptr.tolist(), kkt.indices.tolist()
+    near = [set(columns[a:b]) - {i} for i, (a, b) in enumerate(pairwise(ends))]
     due = [i for i, others in enumerate(near) if len(others) <= 2]
     gone = set[int]()
     while due:

@@ -168,11 +168,12 @@ class Automatic(Policy):
     The iterations that steps take beyond those of the first steps with fresh constraints add up;
     when they reach the cost of a refreshment, that is made at the start of the next step. What is
     lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
-    stiffness would bring: they are made anew if they are to blame, see :meth:`answer`. Within a step
-    that converges badly the constraints are refreshed, and if that does not help all is made anew.
+    stiffness would bring: they are made anew if they are to blame, see :meth:`answer`. Within a
+    step that converges badly the constraints are refreshed, and if that does not help all is made
+    anew.
     """
 
-    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 40.0) -> None:
+    def __init__(self, cost: float = 20.0, patience: int = 8, refresh: float = 8.0) -> None:
         """Set the costs.
 
         Args:
@@ -224,7 +225,6 @@ class Automatic(Policy):
         self._base = self._best if self._base == 0 else min(self._base, self._best)
         self._excess += counted - self._best
         self._lost += self._best - self._base
-
 
     @property
     def asks(self) -> bool:

@@ -53,7 +53,7 @@ def staleness(
     probe = PROBE / max(_size(system, x, measure), TINY)
 
     def moved(factor: float) -> Array:
-        there = State(*(part.copy() for part in state))
+        there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
         held, r = weights.copy(), np.empty_like(x)
         correct(scheme, tuple(there), -factor * x, scale, measure, held)
         system.elastic.settle(there.H1)
