@@ -31,6 +31,7 @@ from fem_lie.solve.scheme import (
     failure,
     parameters,
 )
+from fem_lie.solve.staleness import back_to_local, staleness
 from fem_lie.solve.start import check_velocities, set_start
 from fem_lie.solve.steps import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.system import System
@@ -222,6 +223,8 @@ class Run(Integration[Recorder]):
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
+                if policy.asks and not self._turned:
+                    policy.answer(iteration, ratio, self._staleness())
                 if self._projects:
                     project(system, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)
@@ -232,6 +235,15 @@ class Run(Integration[Recorder]):
                 return 0
             previous = self._increment
         return 0
+
+    def _staleness(self) -> float:
+        """See :mod:`fem_lie.solve.staleness`; in the direction of the last correction."""
+        x = self.dx.copy()
+        back_to_local(self.s.H1, self.s.kinds, x)
+        weights, scale, measure = self.weights, self.scale, self.measure
+        return staleness(
+            self.system, self.solver, self._plain[0], self.s, weights, scale, measure, x
+        )
 
     def _tolerance(self) -> float:
         """Error that the iteration of a step may leave, see :data:`~.scheme.ROTATION`."""
