@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.generalised_alpha import _Run
+from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.linear import CHAINS, MOTION, methods_in_time
 from fem_lie.solve.policies import Update
 from fem_lie.solve.recorder import Recorder
@@ -154,7 +154,7 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4, group=group))
     bar.turn((1, 2, 3), about=(0, 0, 0))
     system = System(scene, dynamics=True)
-    run = _Run(fl.GeneralisedAlpha(), system, 1e-3)
+    run = Run(fl.GeneralisedAlpha(), system, 1e-3)
     run.start()
     s, rng = run.s, np.random.default_rng(3)
     system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, run.r)
