@@ -9,12 +9,14 @@ Where all bars lie flat, twice per turn or swing, the constraints lose rank: eac
 to its crossed branch, and the joint forces there are not unique. Only the velocity says how it goes
 on. A step that ends near the flat posture, at an angle of d from it, has an iteration matrix with
 an eigenvalue of d^2, so round-off counts as 1/d^2: an iteration that is to converge to 1e-10 may
-find no end there, and then one on another branch. --tolerance is 1e-8 for that reason.
+find no end there with hinges. --tolerance is 1e-8 for that reason; what that leaves adds up, so
+steps below 2e-3 want less of it.
 
 Two ways to write it: five hinges for each loop of bars, of which six constraints too many in all
 (Redundant.MINIMUM_NORM; they are planar), or at one end of each upper bar a pin, a point that stays
 in two planes of the next upright bar (InPlane), with nothing redundant but in the flat posture.
-The conserving scheme takes the second only.
+The conserving scheme takes the second only, and does not pass: it iterates to round-off, which is
+not reached next to a flat posture, and says so.
 """
 
 from __future__ import annotations
