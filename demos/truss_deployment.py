@@ -7,16 +7,18 @@ stated here in full.
 Cells stand on each other. Seen along y, two cells at some angle of deployment q, and the eight
 tubes of telescopes in the side face of a cell and in the face that leans with the longerons::
 
-        o------o                c1         d1            e1         c1
-         \      \   cell 2        o---------o              o--------o
-          \      \               /' .   . '/               |\      /|
-           o======o              /   .'.  /                |  \  /  |     o  corner
-          /      /              / . '   '/                 |   \/   |     telescopes cross
-         /      /   cell 1     /. '    ./                  |  /  \  |     without touching
-    ----o------o----          o---------o                  o--------o
-      lower frame             c0         d0                e0        c0
-    z                         z                            along the longeron
-    '-- x                     '-- x                        '-- y
+            o------o                    c1         d1       c1        e1
+             \      \   cell 2          o----------o        o----------o
+              \      \                 /  '    '  /         |  \    /  |
+               o======o               /     X    /          |    \/    |
+              /      /               /   .   .  /           |  /    \  |
+             /      /   cell 1      o----------o            o----------o
+        ----o------o----            c0         d0           c0        e0
+          lower frame              a side face              a leaning face
+        z                          z                        along c0-c1
+        '-- x                      '-- x                    '-- y
+
+Telescopes cross without touching.
 
 - 8 battens: a lower and an upper frame of 2 m x 2 m, rigidly joined at the corners. The upper frame
   of a cell and the lower one of the next are bolted together (===), the lowest is clamped.
