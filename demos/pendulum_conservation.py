@@ -18,6 +18,9 @@ round-off leaves over in a step is made up in the next.
 --decaying RADIUS takes fem_lie.EnergyDecaying with that spectral radius instead: the energy falls
 in every step by what the step does not resolve, and momenta stay.
 
+--tolerance TOL chooses the steps by that error per time, m/s, for the time of --steps steps: energy
+and momenta stay, because they are numbers of one instant and every step conserves them.
+
 --file FILE writes results as they are made, with checkpoints; after an interruption --resume goes
 on from the last one, to the same numbers bit for bit.
 """
@@ -50,6 +53,7 @@ def main(
     step: float | None = None,
     save_every: int = 0,
     decaying: float | None = None,
+    tolerance: float | None = None,
     file: str | None = None,
     resume: bool = False,
     pictures: bool = True,
@@ -69,9 +73,14 @@ def main(
             raise ValueError("--resume needs the --file of the run that is to go on")
         result = scheme.resume(scene, file)
     else:
-        result = scheme.run(scene, duration=steps * h, step=h, save_every=every, file=file)
+        choice = h if tolerance is None else fl.AdaptiveStep(tolerance, first=h)
+        result = scheme.run(scene, duration=steps * h, step=choice, save_every=every, file=file)
     record = {"case": case, "elements": elements, "step": h, "save_every": every}
-    record |= numbers(result, one, two, scene, steps)
+    made = steps if result.steps is None else len(result.steps.times)
+    record |= numbers(result, one, two, scene, made)
+    if result.steps is not None:
+        record["different_steps"] = len(np.unique(result.steps.sizes.round(12)))
+        record["rejected"] = len(result.steps.rejected)
     report(record, decaying)
     if pictures:
         draw(result, case)

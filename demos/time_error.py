@@ -30,6 +30,9 @@ millisecond.
 
 --case tolerance. The rigid pendulum with tolerances of 1e-2, 1e-3, ... --tolerance m/s: the error
 of the tip follows them.
+
+--scheme energy_momentum or energy_decaying takes a scheme that conserves (its estimate is derived
+in fem_lie/solve/mean_error.py). Energy then stays, or falls, whatever the steps.
 """
 
 from __future__ import annotations
@@ -44,6 +47,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie.plot import COLOURS
+from fem_lie.solve.integrator import Integrator
 
 RESULTS = Path(__file__).parents[1] / "results"
 TIP = np.array([-0.58577183066, 0.0, -0.01018573161])  # Pinocchio, at 1 s
@@ -53,6 +57,7 @@ SIZES, PHASES = (50e3, 52e3, 50e3), (0.0, pi / 3, pi / 2)
 
 def main(
     case: str = "body",
+    scheme: str = "generalised_alpha",
     step: float = 1e-3,
     duration: float = 1.0,
     radius: float = 0.8,
@@ -62,23 +67,44 @@ def main(
 ) -> dict[str, Any]:
     if case not in (*CASES, "tolerance"):
         raise ValueError(f"case must be {', '.join(CASES)} or tolerance, got {case!r}")
-    scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
+    if scheme not in SCHEMES:
+        raise ValueError(f"scheme must be {', '.join(SCHEMES)}, got {scheme!r}")
+    rough, fine = SCHEMES[scheme](radius)
     if case == "tolerance":
-        return follow_tolerance(fl.GeneralisedAlpha(radius=radius), tolerance, pictures)
+        return follow_tolerance(rough, tolerance, pictures)
     scene = CASES[case]()
     steps = fl.ConstantStep(step, refinement=refinement)
-    result = scheme.run(scene, duration=duration, step=steps)
+    result = fine.run(scene, duration=duration, step=steps)
     assert result.steps is not None
-    record: dict[str, Any] = {"case": case, "step": step, "radius": radius}
+    record: dict[str, Any] = {"case": case, "scheme": scheme, "step": step, "radius": radius}
     record |= body_numbers(result.steps) if case == "body" else joint_numbers(result.steps)
     if case == "pendulum":
-        record |= against_solver(scheme, tolerance)
-    print(f"{case}, {duration:g} s, h = {step:g} s: estimate over the error of {refinement} parts")
+        record |= against_solver(fine, tolerance)
+    print(f"{case}, {scheme}, {duration:g} s, h = {step:g} s:")
+    print(f"estimate over the error of {refinement} parts")
     for name, value in record.items():
         print(f"  {name} {value:.12g}" if isinstance(value, float) else f"  {name} {value}")
     if pictures:
         draw(result.steps, case)
     return record
+
+
+# --- schemes: for whole runs, and for errors of single steps -------------------------------------
+
+
+def generalised_alpha(radius: float) -> tuple[Integrator, Integrator]:
+    return fl.GeneralisedAlpha(radius=radius), fl.GeneralisedAlpha(radius=radius, tolerance=1e-10)
+
+
+def energy_momentum(radius: float) -> tuple[Integrator, Integrator]:
+    return fl.EnergyMomentum(), fl.EnergyMomentum()
+
+
+def energy_decaying(radius: float) -> tuple[Integrator, Integrator]:
+    return fl.EnergyDecaying(radius=radius), fl.EnergyDecaying(radius=radius)
+
+
+SCHEMES = {f.__name__: f for f in (generalised_alpha, energy_momentum, energy_decaying)}
 
 
 # --- scenes -------------------------------------------------------------------------------------
@@ -187,7 +213,7 @@ def joint_numbers(steps: fl.StepHistory) -> dict[str, Any]:
     }
 
 
-def against_solver(scheme: fl.GeneralisedAlpha, tolerance: float) -> dict[str, Any]:
+def against_solver(scheme: Integrator, tolerance: float) -> dict[str, Any]:
     """The tip after 1 s, by steps that a tolerance chooses."""
     result = scheme.run(rigid_pendulum(), duration=1.0, step=fl.AdaptiveStep(tolerance))
     assert result.steps is not None
@@ -198,20 +224,21 @@ def against_solver(scheme: fl.GeneralisedAlpha, tolerance: float) -> dict[str, A
         "steps": len(result.steps.times),
         "rejected": len(result.steps.rejected),
         "factorisations": result.factorisations,
+        "energy_error": result.energy_error,
     }
 
 
-def follow_tolerance(
-    scheme: fl.GeneralisedAlpha, tightest: float, pictures: bool
-) -> dict[str, Any]:
+def follow_tolerance(scheme: Integrator, tightest: float, pictures: bool) -> dict[str, Any]:
     """Error of the tip over the tolerance."""
     tolerances = 10.0 ** np.arange(-2, round(np.log10(tightest)) - 1, -1)
     runs = [against_solver(scheme, value) for value in tolerances]
-    print("tolerance [m/s]   steps  rejected  factorisations per 100   error of the tip [m]")
+    print(
+        "tolerance [m/s]   steps  rejected  factorisations per 100   error of the tip [m]   energy"
+    )
     for value, run in zip(tolerances, runs, strict=True):
         share = 100 * run["factorisations"] / run["steps"]
         print(f"{value:15.0e} {run['steps']:7} {run['rejected']:9} {share:23.2f} ", end="")
-        print(f"{run['tip_error']:22.2e}")
+        print(f"{run['tip_error']:22.2e} {run['energy_error']:8.1e}")
     errors = [run["tip_error"] for run in runs]
     slope = float(np.polyfit(np.log(tolerances), np.log(errors), 1)[0])
     print(f"error ~ tolerance^{slope:.3f}")

@@ -43,8 +43,10 @@ ULPS = 1e3 * float(np.finfo(np.float64).eps)
 """Increments, in lengths of the model, that may be round-off."""
 FINE = 1e-2 * ULPS
 """Increments that are."""
-_SETTLE_MEMORY = 4
-"""Iteration from which the factor of the memory stays."""
+_SETTLE_MEMORY, _LATEST_MEMORY = 1e-6, 20
+"""Increment over the largest motion, and iteration, from which the factor of the memory stays."""
+_AGAIN = 6
+"""How often it is found once more."""
 STALLED = 0.8
 """Ratio of increments that is no progress any more."""
 
@@ -223,8 +225,7 @@ def run(
         residual(model, state, this)
         numbers[INCREMENT] = correction(model, this, factors)
         counters[TOTAL] += 1
-        if iteration == _SETTLE_MEMORY:
-            state[10][FREE] = 0.0
+        _settle_memory(state[10], numbers, iteration)
         settled = _settled(counters, numbers)
         if settled and not _loses(state[10], this[6]):
             numbers[LEAST], counters[STALLS], settled = np.inf, 0, False
@@ -251,11 +252,27 @@ def run(
 
 
 @inlined
+def _settle_memory(lag: Array, numbers: Array, iteration: int) -> None:
+    """Let its factor be where it hardly changes any more: the iteration must come to an end."""
+    if lag[FREE] > 1.0:
+        lag[FREE] = 1.0 - lag[FREE]
+    elif lag[FREE] == 1.0 and (
+        iteration >= _LATEST_MEMORY or numbers[INCREMENT] < _SETTLE_MEMORY * numbers[MOTION]
+    ):
+        lag[FREE] = 0.0
+
+
+@inlined
 def _loses(lag: Array, losses: Array) -> bool:
-    """Whether the step has no numerical gain; if it has, it goes on with less memory, or none."""
+    """Whether the step has no numerical gain.
+
+    If it has, it goes on with the memory that fits what was found, then with less, then with none.
+    """
     if lag[ACTIVE] == 0.0 or losses[2] >= -1e-12 * abs(lag[WORKS]):
         return True
-    lag[FREE] = 0.0
+    if lag[FREE] > -_AGAIN:
+        lag[FREE] = 2.0 - min(lag[FREE], 0.0)
+        return False
     if lag[MEMORY] > 0.0:
         lag[MEMORY] = 0.0
     else:

@@ -33,7 +33,8 @@ from fem_lie.solve.discrete_gradient import solve_symmetric
 MEMORY, ACTIVE, REMEMBERS, WORKS, FREE = 0, 1, 2, 3, 9
 """Places in the array of lagged numbers: β, whether there is dissipation at all and whether
 anything is remembered (0 or 1), works of the changes of elastic forces and of the memory, and
-whether β may still change in this step."""
+whether β may still change in this step: 1; or stays: 0, and −k after it was found k more times;
+k + 1 for the time before."""
 LEAK, SQUARES, LIMIT, REPAID = 5, 6, 7, 8
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
 that are below round-off, energy taken back; shape (10,)."""
@@ -90,10 +91,10 @@ def lag_behind(
     turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
     by_change = lag[WORKS] + _loss(mass, V, V1, V1, V, 1.0, turn_change, q)
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
-    if lag[FREE] == 0.0:
+    if lag[FREE] <= 0.0:
         return
-    # a hundredth for what β lags behind
-    most = 0.99 * by_change
+    # for what β lags behind; it makes an error of first order, so it is small
+    most = (1.0 - 1e-4) * by_change
     lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
     lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
 
