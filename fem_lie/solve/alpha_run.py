@@ -80,7 +80,7 @@ class Run(Integration[Recorder]):
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
-        self._end, self._iterations = 0.0, 0
+        self._end, self._iterations, self._made = 0.0, 0, 0
 
     def history(
         self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
@@ -175,7 +175,7 @@ class Run(Integration[Recorder]):
         return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
 
     def _step(self) -> int:
-        """One step; returns its iterations, 0 if it failed.
+        """One step; returns its iterations, those that failed, too; 0 if all has failed.
 
         A step that diverges with the kept matrix is done again with a new one in every iteration
         and with the stress as an iterate.
@@ -183,11 +183,13 @@ class Run(Integration[Recorder]):
         weights = self.weights.copy()
         count = self._iterate(self.policy, carried=False)
         if count == 0 and self.policy.rescue:
+            in_vain = self._made
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
             self.system.elastic.reset_stress(self.s.H)
             count = self._iterate(EveryIteration(), carried=True)
+            count += in_vain if count else 0
         return count
 
     def _iterate(self, policy: Policy, *, carried: bool) -> int:
@@ -204,6 +206,7 @@ class Run(Integration[Recorder]):
         tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
+            self._made = iteration
             if not carried:
                 system.elastic.settle(s.H1)
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
