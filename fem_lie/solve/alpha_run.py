@@ -115,10 +115,15 @@ class Run(Integration[Recorder]):
         correct(scheme, state, zero, self.scale, self.measure, weights)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
-        if self._turned:
-            self._fill(self.s.H, self.s.H, turned=True)
-            turn_all(self.s.H, zero, self.system.count)
-            turn_all_back(self.s.H, zero, self.system.count)
+        # the first iteration makes the matrix that counts
+        s, d, turned = self.s, state[2][3], self._turned
+        given = s.H1, s.twist1, s.rate1, self.weights, self.scale, d, self.p.mass, self.p.damping
+        self.system.fill_matrix(*given, self._ahead(), inertial=turned)
+        if turned:
+            turn_all(s.H, zero, self.system.count)
+            turn_all_back(s.H, zero, self.system.count)
+        else:
+            self.system.tangent.refill_border(self._ahead(), s.kinds, d, self.scale)
 
     # --- steps ---
 

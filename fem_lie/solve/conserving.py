@@ -82,6 +82,7 @@ class State(NamedTuple):
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (10,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
+        trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
     """
 
     H: Array
@@ -97,6 +98,7 @@ class State(NamedTuple):
     lag: Array
     carry: Array
     books: Array
+    trend: Array
 
 
 class Step(NamedTuple):

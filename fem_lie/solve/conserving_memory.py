@@ -32,6 +32,7 @@ def start_state(system: System, cells: Cells) -> State:
         lag=z(10),
         carry=z((n, 6)),
         books=z(3),
+        trend=z((n, 6)),
     )
 
 
