@@ -60,10 +60,11 @@ def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...])
     V1[:] = V
     this[13][:] = state[3]
     lag[MEMORY], lag[ACTIVE], lag[FREE] = 1.0, lag[REMEMBERS], 1.0
-    largest = 0.0
+    # β of dissipation is settled in the first iterations, and depends on where they begin
+    ahead, largest = 0.0 if model[11][1] > 0.0 else h * h, 0.0
     for i in range(step.shape[0]):
-        u = combined(h, load_row(V[i], 0), h * h, load(trend[i], 0))
-        ψ = combined(h, _spin(H[i], V[i]), h * h, load(trend[i], 3))
+        u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
+        ψ = combined(h, _spin(H[i], V[i]), ahead, load(trend[i], 3))
         _hold(H[i], held[i], u, ψ, step[i])
         for k in range(6):
             largest = max(largest, abs(step[i, k]) * measure[6 * i + k])

@@ -61,7 +61,7 @@ def end_velocities(  # type: ignore[no-untyped-def]
                 V1[i, k, j] = V[i, k, j] + a[i, k, j]
     if χ == 0.0:
         return
-    A, before, last = np.zeros((3, 3)), (0.0, 0.0, 0.0), np.inf
+    A, before = np.zeros((3, 3)), (0.0, 0.0, 0.0)
     for _ in range(_TURNS):
         Ω = scaled(1.0 + χ, _projection(mass, V, V1, a, w, β, q, A))
         for i in range(n):
@@ -71,11 +71,9 @@ def end_velocities(  # type: ignore[no-untyped-def]
                     q[0, i, k, j] = V[i, k, j] + a[i, k, j] + turned[j]
         V1[:] = q[0]
         gap = minus(Ω, before)
-        size = dot(gap, gap)
-        # what is small beside the velocities has fewer digits, and stands still before
-        if size <= 1e-30 * dot(Ω, Ω) or size >= 0.25 * last:
+        if dot(gap, gap) <= 1e-30 * dot(Ω, Ω):
             return
-        before, last = Ω, size
+        before = Ω
 
 
 @compiled
