@@ -15,8 +15,8 @@ NEVER = 2**31
 """More iterations than any step is given."""
 
 
-SHARE = 0.5
-"""Part of the lost iterations that new mass and stiffness must be expected to save."""
+GAIN = 1.0
+"""Iterations per step, of which new mass and stiffness must be expected to save more."""
 
 
 class Update(IntEnum):
@@ -239,7 +239,7 @@ class Automatic(Policy):
         """
         fresh = max(rate - staleness, rate**2)
         saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
-        if saved < SHARE * max(iterations - self._base, 1):
+        if saved <= GAIN:
             self._base, self._lost = 0, 0.0
 
 
