@@ -53,13 +53,12 @@ class EnergyMomentum(Integrator):
     Attributes:
         tolerance: 0: iterate until only round-off changes, which conserves to round-off. Otherwise
             the predicted error of the iteration in each step over the largest motion in a step.
-        policy: When to factorise. A matrix costs more iterations than in other schemes, for these
-            are one compiled loop.
+        policy: When to factorise.
         max_iterations: More in one step are a failure.
     """
 
     tolerance: float = 0.0
-    policy: Policy = field(default_factory=lambda: Automatic(cost=40.0))
+    policy: Policy = field(default_factory=Automatic)
     max_iterations: int = 50
 
     def __post_init__(self) -> None:

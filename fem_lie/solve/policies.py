@@ -15,8 +15,8 @@ NEVER = 2**31
 """More iterations than any step is given."""
 
 
-SHARE = 0.5
-"""Part of the lost iterations that new mass and stiffness must be expected to save."""
+GAIN = 1.0
+"""Iterations per step, of which new mass and stiffness must be expected to save more."""
 
 
 class Update(IntEnum):
@@ -173,7 +173,7 @@ class Automatic(Policy):
     anew.
     """
 
-    def __init__(self, cost: float = 20.0, patience: int = 8, refresh: float = 8.0) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 8.0) -> None:
         """Set the costs.
 
         Args:
@@ -228,8 +228,8 @@ class Automatic(Policy):
 
     @property
     def asks(self) -> bool:
-        """When it would make all anew at the start of the next step."""
-        return (self._lost if self.bound else self._excess) >= self.cost
+        """When it would make all anew at the next step, and might do with the constraints."""
+        return self.bound and self._lost >= self.cost
 
     def answer(self, iterations: int, rate: float, staleness: float) -> None:
         """Keep all, and be content with the iterations of late, if age is not to blame.
@@ -239,10 +239,8 @@ class Automatic(Policy):
         """
         fresh = max(rate - staleness, rate**2)
         saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
-        lost = iterations - (self._base if self.bound else self._best)
-        if saved < SHARE * max(lost, 1):
-            self._best = self._base = 0
-            self._excess = self._lost = 0.0
+        if saved <= GAIN:
+            self._base, self._lost = 0, 0.0
 
 
 def _within_step(iteration: int, patience: int, bound: bool) -> Update:
