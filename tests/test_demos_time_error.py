@@ -36,6 +36,14 @@ def test_estimates_of_a_flexible_pendulum():
     assert record["share_within_5"] >= 0.9
 
 
+def test_conserving_schemes_estimate_likewise():
+    record = main("time_error", case="flexible", scheme="energy_decaying", duration=0.05)
+    assert record["share_within_5"] >= 0.9
+    record = main("time_error", case="tolerance", scheme="energy_momentum", tolerance=1e-4)
+    assert 0.8 <= record["slope"] <= 1.2
+    assert record["energy_error"] <= 1e-11
+
+
 def test_error_follows_the_tolerance():
     record = main("time_error", case="tolerance", tolerance=1e-6)
     assert 0.8 <= record["slope"] <= 1.2
@@ -55,3 +63,5 @@ def test_variable_steps_through_a_violent_moment():
 def test_bad_case():
     with pytest.raises(ValueError, match="case must be body, pendulum, flexible or tolerance"):
         main("time_error", case="none")
+    with pytest.raises(ValueError, match="scheme must be generalised_alpha, energy_momentum"):
+        main("time_error", scheme="none")

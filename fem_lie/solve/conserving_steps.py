@@ -115,6 +115,8 @@ class ConservingSteps(Run):
         if abs(r - 1.0) > 1e-12:
             s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
             self.numbers[loop.MOTION] *= r
+            # round-off of a larger step is none of a smaller one
+            self.numbers[loop.FLOOR] = 0.0
             self._set_size(h)
         self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
         self._factors = self.levels.present
