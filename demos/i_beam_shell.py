@@ -6,7 +6,7 @@ of its own there, which follow those of the flange. A rotation that tilts the di
 the drilling of the other, so all nodes have six parameters. The end is welded to a rigid plate, a
 rigid body to which all nodes of the end are linked; the loads act on its centre.
 
-Three loads, each compared with a beam that this script computes, too:
+Four cases, each compared with a beam that this script computes, too:
 
 * across the flanges (strong axis) and along them (weak axis, through 6 % of the length): the beam
   has the I as its section, with shear. The shells count the pieces of the web within the flanges
@@ -15,6 +15,13 @@ Three loads, each compared with a beam that this script computes, too:
   angle of V. Z. Vlasov, *Thin-walled elastic beams* (1961), with GJ of the section and
   ``I_w = t b³ h²/24``: ``θ = T/GJ (ℓ − 2/k tanh(kℓ/2))``, ``k² = GJ/EI_w``. Free to warp
   it would be six times as large.
+* twice as long, it tips over under a force across its flanges (``fl.buckling``). With the distance
+  x from the force and the weak stiffness ``EI_z`` of the flanges
+
+      EI_w θ'''' − GJ θ'' = (P x)²/EI_z θ,   θ' = θ''' = 0 at the plate, θ = θ' = 0 at the clamp
+
+  (S. P. Timoshenko & J. M. Gere, *Theory of elastic stability* (1961), ch. 6). On a path the load
+  would be higher by the bending before, see lateral_torsional.py; linear buckling has none.
 """
 
 from __future__ import annotations
@@ -23,34 +30,38 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_bvp
 
 import fem_lie as fl
 from fem_lie import lie
 
 HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
-LENGTH, HEIGHT, WIDTH = 2.0, 0.2, 0.1  # height between the mid-surfaces of the flanges
+LENGTH, LONG = 2.0, 4.0  # the long one buckles
+HEIGHT, WIDTH = 0.2, 0.1  # height between the mid-surfaces of the flanges
 FLANGE, WEB = 0.006, 0.003
 STEEL = fl.Material(E=210e9, nu=0.3, density=7850)
 FORCES = {"strong": (0.0, 0.0, 1e4), "weak": (0.0, 1e4, 0.0)}
 TORQUE = 50.0
 
 
-def of_shells(along: int, force: tuple[float, ...], torque: float) -> fl.StaticResult:
+def of_shells(along: int, length: float, force: tuple[float, ...], torque: float = 0.0) -> fl.Scene:
     """Cantilever of shells with a rigid plate at its end."""
-    mesh = fl.read_gmsh_surface(HERE.parent / "meshes" / "i_beam.geo", {"along": along})
+    mesh = fl.read_gmsh_surface(
+        HERE.parent / "meshes" / "i_beam.geo", {"along": along, "length": length}
+    )
     thickness = {"flanges": FLANGE, "web": WEB}
     layers = {name: fl.ShellSection.layer(t, STEEL) for name, t in thickness.items()}
     scene = fl.Scene()
     beam = scene.add(fl.Shell(mesh, layers, name="beam"))
     beam.clamp("root")
     inertia = np.array([HEIGHT**2 + WIDTH**2, HEIGHT**2, WIDTH**2]) / 12
-    plate = scene.add(fl.RigidBody(1.0, inertia, position=(LENGTH, 0, 0), name="plate"))
+    plate = scene.add(fl.RigidBody(1.0, inertia, position=(length, 0, 0), name="plate"))
     ends = {p.node: p for name in ("top end", "bottom end", "web end") for p in beam.points(name)}
     for point in ends.values():
         scene.add(fl.RigidLink(plate["centre"], point))
     scene.add(fl.PointLoad(plate["centre"], force=force, moment=(torque, 0, 0)))
-    return fl.follow_loads(scene)
+    return scene
 
 
 def of_beam(shape: fl.SectionShape, force: tuple[float, ...]) -> fl.StaticResult:
@@ -72,20 +83,42 @@ def vlasov(shape: fl.SectionShape) -> float:
     return float(TORQUE / GJ * (LENGTH - 2 / k * np.tanh(k * LENGTH / 2)))
 
 
+def tipping_load(shape: fl.SectionShape) -> float:
+    """Force at the end at which the long beam buckles laterally, with warping."""
+    GJ = STEEL.G * shape.warping(STEEL).properties.torsion_constant
+    EI = STEEL.E * FLANGE * WIDTH**3 / 6
+    EI_w, x = EI * HEIGHT**2 / 4, np.linspace(0, LONG, 50)
+
+    def rates(x: np.ndarray, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return np.array([y[1], y[2], y[3], (GJ * y[2] + (p[0] * x) ** 2 / EI * y[0]) / EI_w])
+
+    def ends(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return np.array([a[0] - 1, a[1], a[3], b[0], b[1]])
+
+    wave = np.pi * x / (2 * LONG)
+    guess = np.array([np.cos(wave) ** 2, -np.pi / (2 * LONG) * np.sin(2 * wave), 0 * x, 0 * x])
+    found = solve_bvp(rates, ends, x, guess, p=[4 * np.sqrt(EI * GJ) / LONG**2], tol=1e-6)
+    return float(found.p[0])
+
+
 def main(along: int = 40, pictures: bool = True) -> dict[str, Any]:
     shape = fl.SectionShape.i_section(WIDTH, HEIGHT + FLANGE, WEB, FLANGE)
     record: dict[str, Any] = {"along": along}
     for name, force in FORCES.items():
-        result, line = of_shells(along, force, 0.0), of_beam(shape, force)
+        result = fl.follow_loads(of_shells(along, LENGTH, force))
+        line = of_beam(shape, force)
         moved = result.position("plate.centre")[-1] - [LENGTH, 0, 0]
         wanted = line.position("beam.end")[-1] - [LENGTH, 0, 0]
         record[f"deflection_{name}"] = float(np.linalg.norm(moved))
         record[f"deflection_{name}_beam"] = float(np.linalg.norm(wanted))
         record[f"iterations_{name}"] = int(result.iterations.sum()) + result.failed_iterations
-    twisted = of_shells(along, (0.0, 0.0, 0.0), TORQUE)
+    twisted = fl.follow_loads(of_shells(along, LENGTH, (0.0, 0.0, 0.0), TORQUE))
     record["twist"] = float(lie.so3_log(twisted.rotation("plate.centre")[-1])[0])
     record["twist_beam"] = vlasov(shape)
-    for name in ("deflection_strong", "deflection_weak", "twist"):
+    modes = fl.buckling(of_shells(along, LONG, (0.0, 0.0, -1.0)), 1)
+    record["buckling_load"] = float(modes.factors[0])
+    record["buckling_load_beam"] = tipping_load(shape)
+    for name in ("deflection_strong", "deflection_weak", "twist", "buckling_load"):
         record[f"error_{name}"] = record[name] / record[f"{name}_beam"] - 1.0
         print("{}: {:.5g}, beam {:.5g}, {:+.2%}".format(
             name.replace("_", " "), record[name], record[f"{name}_beam"], record[f"error_{name}"]
@@ -93,10 +126,12 @@ def main(along: int = 40, pictures: bool = True) -> dict[str, Any]:
     print("linear solutions: {iterations_strong} and {iterations_weak}".format(**record))
     if pictures:
         RESULTS.mkdir(exist_ok=True)
-        far = of_shells(along, FORCES["weak"], 20 * TORQUE)
+        far = fl.follow_loads(of_shells(along, LENGTH, FORCES["weak"], 20 * TORQUE))
         path = RESULTS / "i_beam_shell.png"
         far.picture(path, title="I-beam of shells, pushed along its flanges and twisted")
-        print(f"picture: {path}")
+        mode = RESULTS / "i_beam_shell_buckling.png"
+        modes.picture(mode, amplitude=0.05 * LONG, title="I-beam of shells that tips over")
+        print(f"pictures: {path}, {mode}")
     return record
 
 

@@ -1,40 +1,53 @@
 r"""Deployable truss: with local frames the iteration matrix of a large motion hardly changes.
 
 The example of Figure 23 and Table 1 of the paper on local frames. The layout of its cell is not
-published; this one has the same size and count of bars, 28 per cell, and is stated here in full.
+published; this one has the same size, count of bars, kinds of joints and law of deployment, and is
+stated here in full.
 
-Cells stand on each other along z, each on the square frame below it, the first on the ground. One
-of the four side faces of a cell, deployed (left) and at a small angle (right)::
+Cells stand on each other. Seen along y, two cells at some angle of deployment q, and the eight
+tubes of telescopes in the side face of a cell and in the face that leans with the longerons::
 
-    c1 o============o d1   upper frame: 4 battens of 2 m
-       |  \      /  |
-       |    \  /    |       c1 o============o d1
-    m  o     ><     |          |  ' - .  . '|
-       |    /  \    |          |   . '  ' - o m     m -> the knee, between
-       |  /      \  |          o============o        c0-m and m-c1 of 2 m
-    c0 o............o d0      c0            d0
+            o------o                    c1         d1       c1        e1
+             \      \   cell 2          o----------o        o----------o
+              \      \                 /  '    '  /         |  \    /  |
+               o======o               /     X    /          |    \/    |
+              /      /               /   .   .  /           |  /    \  |
+             /      /   cell 1      o----------o            o----------o
+        ----o------o----            c0         d0           c0        e0
+          lower frame              a side face              a leaning face
+        z                          z                        along c0-c1
+        '-- x                      '-- x                    '-- y
 
-- 4 battens: the upper frame of 2 m x 2 m, rigidly joined at its corners.
-- 8 halves of the 4 longerons: c0-m and m-c1, of 2 m each. Revolute joints at c0, m and c1, axes
-  normal to the face. At the angle of deployment q both halves are inclined by q to the horizontal,
-  the knee m points towards the next corner d, and the cell is 4 sin q high. Longeron i folds
-  in face i, so that the faces follow each other around the cell.
-- 16 tubes of 8 telescopes, two crossing in each face: c0-d1 and d0-c1. Each tube is 2.4 m long
-  and tied to its corner by a revolute joint with an axis normal to the face; the two are joined
-  tip to tip by a prismatic joint along their line. A telescope is 2.03 m long at 5 degrees, where
-  the tubes reach 0.37 m past the corners, and 4.47 m at 90 degrees, where 0.33 m overlap.
+Telescopes cross without touching.
+
+- 8 battens: a lower and an upper frame of 2 m x 2 m, rigidly joined at the corners. The upper frame
+  of a cell and the lower one of the next are bolted together (===), the lowest is clamped.
+- 4 longerons of 4 m from the lower to the upper frame, parallel to each other and at the angle q to
+  the horizontal. The next cell leans the other way, so that the package folds onto itself.
+- 16 tubes of 8 telescopes, two crossing in each face. Two tubes are joined tip to tip by a
+  prismatic joint along their line. In the side faces c0-d1 closes from 6.0 m to 4.47 m (tubes of
+  3.2 m) and d0-c1 opens from 2.03 m, where the tubes reach past the corners, to 4.47 m (tubes of
+  2.4 m). In the leaning faces the length stays 4.47 m (tubes of 2.4 m).
+- All longerons and telescopes end in revolute joints at the corners, with axes along y.
 
 As rigid bodies this would be many times redundant; flexible bars take up all of it, and no
 constraint is redundant. There is no gravity and no contact between bars.
 
-The knees of --driven longerons of each cell are driven: q follows a cosine law from 5 to 90 degrees
-in 20 s, the knee turns by twice that. The other longerons are carried along by the frame. At 90
-degrees a longeron is straight, a singular posture: a knee that is not driven could then turn either
-way. (Drives at the feet do not work with thin tubes: the square frame is soft about z, and at 5
-degrees a small turn of it lets the corners fall by eleven times as much.)
+The first and then every second cell is driven at the foot of --driven longerons (default: one, all
+four of more than two cells): q follows a cosine law from 5 to 90 degrees in 20 s. A pair of gears
+on the corner above turns the longeron of the next cell by the same angle the other way. The other
+longerons are carried along by the frames. So all that is accelerated hangs on one bar, which bends.
+The law starts and ends with its full acceleration, as if struck, and the thin truss swings by a
+metre.
 
 Hollow round steel bars, inner and outer diameter 0.055/0.08 m (stiff) or 0.023/0.024 m (thin). With
 the stiff ones geometric stiffness is left out of the iteration matrix.
+
+The numbers: k_updates and phi_updates count every matrix of mass and stiffness and every Jacobian
+of the constraints, the first included; max_deflection is the largest distance of a bar's axis from
+its chord over the bar's length, max_strain that of a fibre; posture_error is the largest distance
+of a corner from where rigid bars have it, in the equilibrium at the end of the law (statics along
+the law, without inertia), off_at_end the same at the end of the motion, while the truss swings.
 """
 
 from __future__ import annotations
@@ -43,6 +56,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
@@ -57,11 +72,15 @@ POLICIES: dict[str, fl.Policy] = {
     "frozen": fl.ConstraintsOnly(4),
     "auto": fl.Automatic(),
 }
-SIDE, HALF, TUBE = 2.0, 2.0, 2.4
+SIDE, LONGERON = 2.0, 4.0
+TUBES = {"closing": 3.2, "opening": 2.4}
 START, END = np.radians([5.0, 90.0])
 DEPLOYMENT = 20.0
 SQUARE = SIDE * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-UP = np.array([0.0, 0.0, 1.0])
+AXIS, UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+DRIVEN_FIRST = (0, 2, 1, 3)
+OBLIQUE = np.array([[1.0, 0.0], [0.4, 0.25], [0.0, 1.0]])  # side view, y into the depth
+COLOURS = 8 * ["#888888"] + 4 * ["#D55E00"] + 16 * ["#56B4E9"]  # of the bars of a cell
 
 
 def angle(t: float) -> float:
@@ -70,33 +89,42 @@ def angle(t: float) -> float:
 
 
 def turned(t: float) -> float:
-    """What the driven knees follow: rotation of the upper half against the lower one."""
-    return 2 * (START - angle(t))
+    """What the driven feet follow: rotation of the longeron about y."""
+    return START - angle(t)
+
+
+def corners(level: int, q: float) -> Array:
+    """The corners of a frame, 0 being the clamped one, if bars were rigid."""
+    return SQUARE + LONGERON * np.array([level % 2 * np.cos(q), 0.0, level * np.sin(q)])
 
 
 class Truss:
     """The scene of some cells at 5 degrees, and its bars.
 
     Attributes:
-        scene: With all bars, joints and drives.
+        scene: With all bars, joints, gears and drives.
         section: Of all bars.
         elements: Of each bar.
+        driven: Longerons whose foot is driven, in every second cell.
         bars: 28 for each cell.
-        corners: Of the frames, from the lowest (ground) to the highest, four each.
+        frames: Corners of the frames, from the lowest (ground) to the highest, four each.
     """
 
     def __init__(
         self, cells: int, section: fl.Section, elements: int, driven: int, choices: fl.Choices
     ) -> None:
         self.scene, self.section, self.elements = fl.Scene(choices=choices), section, elements
+        self.driven = DRIVEN_FIRST[:driven]
         self.bars: list[fl.Beam] = []
-        self.corners = [[fl.ground()] * 4]
-        height = 2 * HALF * np.sin(START)
+        self.frames = [[fl.ground()] * 4]
+        tops: dict[int, fl.Revolute] = {}
         for cell in range(cells):
-            below, above = cell * height * UP, (cell + 1) * height * UP
-            self.corners.append(self._frame(above))
+            self._lower_frame(cell)
+            self.frames.append(self._frame(cell + 1))
+            tops = self._longerons(cell, tops)
             for face in range(4):
-                self._face(face, below, above, driven=face < driven)
+                self._telescope(cell, face, (face + 1) % 4)
+                self._telescope(cell, (face + 1) % 4, face)
 
     def _bar(self, start: Array, end: Array, up: Array) -> fl.Beam:
         name = f"bar {len(self.bars)}"
@@ -104,40 +132,55 @@ class Truss:
         self.bars.append(self.scene.add(bar))
         return bar
 
-    def _frame(self, level: Array) -> list[fl.Point]:
-        places = SQUARE + level
-        battens = [self._bar(places[i], places[(i + 1) % 4], UP) for i in range(4)]
+    def _battens(self, level: int) -> list[fl.Beam]:
+        places = corners(level, START)
+        return [self._bar(places[i], places[(i + 1) % 4], UP) for i in range(4)]
+
+    def _frame(self, level: int) -> list[fl.Point]:
+        battens = self._battens(level)
         for i in range(4):
             self.scene.add(fl.RigidLink(battens[i - 1].end, battens[i].start))
-        return [battens[i - 1].end for i in range(4)]
+        return [batten.start for batten in battens]
 
-    def _face(self, face: int, below: Array, above: Array, *, driven: bool) -> None:
-        """Longeron and two telescopes between the corners ``face`` and the next."""
-        following = (face + 1) % 4
-        c, d = SQUARE[face], SQUARE[following]
-        normal = np.cross((d - c) / SIDE, UP)
-        (c0, d0), (c1, d1) = ((f[face], f[following]) for f in self.corners[-2:])
-        knee = below + c + HALF * (np.cos(START) * (d - c) / SIDE + np.sin(START) * UP)
-        lower = self._bar(c + below, knee, normal)
-        upper = self._bar(knee, c + above, normal)
-        self._hinge(c0, lower.start, normal)
-        middle = self._hinge(lower.end, upper.start, normal)
-        self._hinge(c1, upper.end, normal)
-        if driven:
-            self.scene.add(fl.Drive(middle.angle, turned))
-        self._telescope(c0, d1, c + below, d + above, normal)
-        self._telescope(d0, c1, d + below, c + above, normal)
+    def _lower_frame(self, cell: int) -> None:
+        for i, batten in enumerate(self._battens(cell)):
+            for corner, end in ((i, batten.start), ((i + 1) % 4, batten.end)):
+                on = self.frames[cell][corner]
+                self.scene.add(fl.Clamp(end) if on.is_ground else fl.RigidLink(on, end))
 
-    def _telescope(self, a: fl.Point, b: fl.Point, start: Array, end: Array, normal: Array) -> None:
-        along = (end - start) / np.linalg.norm(end - start)
-        one = self._bar(start, start + TUBE * along, normal)
-        two = self._bar(end, end - TUBE * along, normal)
-        self._hinge(a, one.start, normal)
-        self._hinge(b, two.start, normal)
+    def _longerons(self, cell: int, below: dict[int, fl.Revolute]) -> dict[int, fl.Revolute]:
+        """All four; takes and returns the hinges at the tops of the driven ones."""
+        lower, upper = (corners(cell + k, START) for k in range(2))
+        tops = {}
+        for i in range(4):
+            bar = self._bar(lower[i], upper[i], AXIS)
+            foot = self._hinge(self.frames[cell][i], bar.start)
+            top = self._hinge(self.frames[cell + 1][i], bar.end)
+            if i not in self.driven:
+                continue
+            tops[i] = top
+            if cell % 2:
+                self.scene.add(fl.Gear(below[i].angle, foot.angle, ratio=1.0))
+            else:
+                self.scene.add(fl.Drive(foot.angle, turned))
+        return tops
+
+    def _telescope(self, cell: int, i: int, j: int) -> None:
+        """From corner i of the lower frame to corner j of the upper one."""
+        start, end = corners(cell, START)[i], corners(cell + 1, START)[j]
+        length = float(np.linalg.norm(end - start))
+        along = (end - start) / length
+        closing = length > np.hypot(SIDE, LONGERON) + 1e-9
+        tube = TUBES["closing" if closing else "opening"]
+        across = np.cross(AXIS, along)
+        one = self._bar(start, start + tube * along, across)
+        two = self._bar(end, end - tube * along, across)
+        self._hinge(self.frames[cell][i], one.start)
+        self._hinge(self.frames[cell + 1][j], two.start)
         self.scene.add(fl.Prismatic(one.end, two.end, at=one.end.position, axis=along))
 
-    def _hinge(self, a: fl.Point, b: fl.Point, normal: Array) -> fl.Revolute:
-        return self.scene.add(fl.Revolute(a, b, axis=normal))
+    def _hinge(self, a: fl.Point, b: fl.Point) -> fl.Revolute:
+        return self.scene.add(fl.Revolute(a, b, axis=AXIS))
 
 
 def bending(
@@ -159,14 +202,65 @@ def bending(
     return float(deflection.max()), strain
 
 
-def posture_error(result: fl.Result | fl.StaticResult, truss: Truss, time: float) -> float:
+def off_posture(result: fl.Result | fl.StaticResult, truss: Truss, time: float) -> float:
     """Largest distance of a corner at the end, ``time``, from where rigid bars would have it."""
-    height = 2 * HALF * np.sin(angle(time))
     return max(
-        float(np.linalg.norm(result.position(point)[-1] - SQUARE[i] - level * height * UP))
-        for level, frame in enumerate(truss.corners)
-        for i, point in enumerate(frame)
+        float(np.linalg.norm(result.position(point)[-1] - place))
+        for level, frame in enumerate(truss.frames)
+        for point, place in zip(frame, corners(level, angle(time)), strict=True)
         if not point.is_ground
+    )
+
+
+def posture_error(truss: Truss, time: float) -> float:
+    """The same in the equilibrium that statics along the law reaches at ``time``."""
+    return off_posture(fl.statics(truss.scene, levels=np.linspace(0.0, time, 21)[1:]), truss, time)
+
+
+def picture(result: fl.Result, truss: Truss, file: Path) -> None:
+    """Figure 23: the truss at six times, longerons, battens and telescopes in a colour each."""
+    figure = Figure(figsize=(15.0, 4.5), layout="constrained")
+    panels = figure.subplots(1, 6, sharex=True, sharey=True)
+    nodes = np.array([result.info.body(bar.name).nodes for bar in truss.bars])
+    for panel, time in zip(panels, np.linspace(0.0, result.times[-1], 6), strict=True):
+        axes = result.frames[result.index(time), nodes, 0] @ OBLIQUE
+        colours = COLOURS * (len(axes) // len(COLOURS))
+        panel.add_collection(LineCollection(list(axes), colors=colours, linewidths=1.2))
+        panel.set(title=f"t = {time:g} s", aspect="equal", xlabel="x [m]")
+        panel.autoscale_view()
+        panel.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylabel("z [m]")
+    figure.savefig(file, dpi=120)
+
+
+def _check(cells: int, tubes: str, policy: str, driven: int) -> None:
+    if tubes not in DIAMETERS or policy not in POLICIES:
+        raise ValueError(
+            f"tubes must be one of {', '.join(DIAMETERS)} and policy one of {', '.join(POLICIES)}, "
+            f"got {tubes!r} and {policy!r}"
+        )
+    if cells < 1 or not 1 <= driven <= 4:
+        raise ValueError(f"wanted cells ≥ 1 and 1 to 4 driven longerons, got {cells}, {driven}")
+
+
+def report(record: dict[str, Any]) -> None:
+    """Print a record as rows of Table 1."""
+    print(
+        "{cells} cells, {bars} bars, {tubes} tubes, policy {policy}, h = {step:g} s".format(
+            **record
+        )
+    )
+    print("steps   iterations (per step)   updates of K   of constraints   ms per step")
+    print(
+        f"{record['steps']:5} {record['iterations']:12} "
+        f"({record['iterations'] / record['steps']:.2f})"
+        f"{record['k_updates']:17}{record['phi_updates']:17}{record['ms_per_step']:14.2f}"
+    )
+    print(
+        f"largest deflection {100 * record['max_deflection']:.3f} % of the length, strain "
+        f"{record['max_strain']:.1e}, corners off by {record['off_at_end']:.1e} m at the end "
+        f"and by {record['posture_error']:.1e} m in equilibrium",
+        flush=True,
     )
 
 
@@ -176,24 +270,30 @@ def main(
     step: float = 2e-3,
     policy: str = "auto",
     elements: int = 10,
-    driven: int = 1,
+    driven: int | None = None,
     duration: float = DEPLOYMENT,
+    tolerance: float = fl.GeneralisedAlpha.tolerance,
     inertial: bool = False,
     pictures: bool = True,
-    animation: bool = False,
+    table: bool = False,
 ) -> dict[str, Any]:
-    if tubes not in DIAMETERS or policy not in POLICIES:
-        raise ValueError(
-            f"tubes must be one of {', '.join(DIAMETERS)} and policy one of {', '.join(POLICIES)}, "
-            f"got {tubes!r} and {policy!r}"
-        )
-    if cells < 1 or not 1 <= driven <= 4:
-        raise ValueError(f"wanted cells ≥ 1 and 1 to 4 driven longerons, got {cells}, {driven}")
+    """``table``: all policies, each with ``step`` and half of it, without pictures."""
+    if table:
+        options = (elements, driven, duration, tolerance, inertial, False)
+        rows = [
+            main(cells, tubes, h, name, *options) for h in (step, 0.5 * step) for name in POLICIES
+        ]
+        return {"rows": rows}
+    driven = (1 if cells <= 2 else 4) if driven is None else driven
+    _check(cells, tubes, policy, driven)
     inner, outer = (0.5 * diameter for diameter in DIAMETERS[tubes])
     section = fl.Section.tube(inner, outer, STEEL)
     truss = Truss(cells, section, elements, driven, fl.Choices(geometric=tubes == "thin"))
     scheme = fl.GeneralisedAlpha(
-        radius=0.8, policy=POLICIES[policy], components=fl.Components(int(inertial))
+        radius=0.8,
+        tolerance=tolerance,
+        policy=POLICIES[policy],
+        components=fl.Components(int(inertial)),
     )
     steps = round(duration / step)
     result = scheme.run(
@@ -214,27 +314,17 @@ def main(
         "ms_per_step": 1e3 * result.seconds / steps,
         "max_deflection": deflection,
         "max_strain": strain,
-        "posture_error": posture_error(result, truss, steps * step),
+        "off_at_end": off_posture(result, truss, steps * step),
+        "posture_error": posture_error(truss, steps * step),
         "violation": float(result.joint_violations.max()),
     }
-    print(f"{cells} cells, {len(truss.bars)} bars, {tubes} tubes, policy {policy}, h = {step:g} s")
-    print("steps   iterations (per step)   updates of K   of constraints   ms per step")
-    print(
-        f"{steps:5} {record['iterations']:12} ({record['iterations'] / steps:.2f})"
-        f"{result.k_updates:17}{result.phi_updates:17}{record['ms_per_step']:14.2f}"
-    )
-    print(
-        f"largest deflection {100 * deflection:.3f} % of the length, strain {strain:.1e}, "
-        f"corners off by {record['posture_error']:.1e} m"
-    )
-    if pictures or animation:
-        RESULTS.mkdir(exist_ok=True)
+    report(record)
     if pictures:
-        file = RESULTS / f"truss_deployment_{tubes}.png"
-        result.picture(file, title=f"Deployable truss, {cells} cells")
-        print(f"picture: {file}")
-    if animation:
-        result.animate(RESULTS / f"truss_deployment_{tubes}.gif", title="Deployable truss")
+        RESULTS.mkdir(exist_ok=True)
+        name = RESULTS / f"truss_deployment_{tubes}"
+        picture(result, truss, name.with_suffix(".png"))
+        result.animate(name.with_suffix(".gif"), title=f"Deployable truss, {tubes} tubes")
+        print(f"pictures: {name}.png, {name}.gif")
     return record
 
 

@@ -75,6 +75,7 @@ from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
 from fem_lie.section import Material, Section
+from fem_lie.section_forces import SectionForces, section_forces
 from fem_lie.section_mesh import SectionMesh
 from fem_lie.section_properties import SectionProperties
 from fem_lie.section_shape import SectionShape
@@ -199,6 +200,7 @@ __all__ = [
     "Scene",
     "Screw",
     "Section",
+    "SectionForces",
     "SectionMesh",
     "SectionProperties",
     "SectionShape",
@@ -234,6 +236,7 @@ __all__ = [
     "read_gmsh_surface",
     "resultant_series",
     "resultants",
+    "section_forces",
     "statics",
     "surface",
     "surface_from_dolfinx",

@@ -1,10 +1,11 @@
-"""Every difference between DOLFINx versions: 0.9 is the target, the tests also pass with 0.11.
+"""Every difference between versions: DOLFINx 0.9 is the target, the tests also pass with 0.11.
 
 Where a branch stands for 0.9 (or 0.10) alone, a comment says with which version it can go.
 """
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -158,6 +159,17 @@ def create_surface_mesh(
     """
     element = basix.ufl.element("Lagrange", cell, degree, shape=(points.shape[1],))
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
+
+
+def drawn_surface(grid: Any, subdivision: int) -> Any:
+    """Surface of a pyvista grid, curved cells in pieces.
+
+    From pyvista 0.47 on the filter warns unless it is told how; before, it cannot be. Can go with
+    older ones.
+    """
+    told = "algorithm" in inspect.signature(grid.extract_surface).parameters
+    options = {"algorithm": "dataset_surface"} if told else {}
+    return grid.extract_surface(nonlinear_subdivision=subdivision, **options)
 
 
 @contextmanager

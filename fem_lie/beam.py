@@ -130,6 +130,8 @@ class Beam(Body):
         has_mass: Whether all sections have inertia.
         formulation: The element.
         damping: Of all elements.
+        sections: Of each element.
+        chains: Smooth pieces of the lines, and arc length along them.
     """
 
     def __init__(
@@ -167,7 +169,7 @@ class Beam(Body):
             ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
                 of several pieces.
         """
-        chains = Chains(mesh)
+        self.chains = chains = Chains(mesh)
         ends = cell_frames(mesh, chains, up, twist)
         frames, self.elements, leaders = shared_nodes(mesh, ends)
         # the geodesic of an arc with tangent frames is the arc itself
@@ -176,7 +178,7 @@ class Beam(Body):
         self.formulation = Geodesic() if formulation is None else formulation
         self.damping = Damping() if damping is None else damping
         self._groups = dict(mesh.groups)
-        sections = _section_per_cell(mesh, chains, section)
+        self.sections = sections = _section_per_cell(mesh, chains, section)
         self.stiffness = np.array([s.stiffness for s in sections])
         self.has_mass = all(s.inertia is not None for s in sections)
         self.density = np.array(

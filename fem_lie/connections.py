@@ -12,6 +12,7 @@ from fem_lie import constraints, lie, rolling, sliding
 from fem_lie._jit import Array, Indices
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
+from fem_lie.joint_table import views
 from fem_lie.joints import Connection, Fixed, Joint
 from fem_lie.numbering import Numbering
 from fem_lie.scene import Scene
@@ -33,13 +34,14 @@ class Connections:
 
     Attributes:
         items: Joints, what acts along them, and prescribed motions as fixed joints.
-        table: Of constraints of joints, and springs.
+        table: Of constraints of joints, and springs; ``packed``: the same for calls from Python.
         sliding: Of what slides along beams.
         rolling: Of constraints of velocities, ``of_velocities`` at the end.
         border: Which nodes the constraints touch.
         owner: The item of each constraint, shape (m,).
         m: Number of all constraints.
-        probes: A table whose constraints are the coordinates that results report.
+        probes: A table whose constraints are the coordinates that results report;
+            ``packed_probes``: the same.
     """
 
     def __init__(self, scene: Scene, numbering: Numbering, frames: Array, held: Flags) -> None:
@@ -88,8 +90,8 @@ class Connections:
         slides = np.repeat(np.isin(np.arange(len(names)), self._slides), names)
         self._place_probes, self._place_slides = np.flatnonzero(~slides), np.flatnonzero(slides)
         probes = [tables.pair(tie, row) for row, tie in enumerate(coordinates)]
-        self.probes = tables.joints(probes, len(probes), [])
-        self._plain = tuple(self.table), tuple(self.probes)
+        self.packed_probes = tables.joints(probes, len(probes), [])
+        self.probes = views(self.packed_probes)
         self._turns = bool(self.table.functions.any() or self.probes.functions.any())
 
     def _number(self, tables: Tables, groups: list[list[Pair]], sizes: Indices) -> None:
@@ -115,7 +117,8 @@ class Connections:
         self.m, self.of_velocities = len(owner), len(owner) - positions
         self.border = tables.border(touched)
         springs = [item.spring for item in self.items if item.spring is not None]
-        self.table = tables.joints(pairs, joints, springs, self.border)
+        self.packed = tables.joints(pairs, joints, springs, self.border)
+        self.table = views(self.packed)
         self.sliding = tables.sliding([tie for _, tie in slides], joints, self.border)
         self.rolling = tables.rolling([tie for _, tie in rolls], positions, self.border)
         self._slides = np.array([k for k, _ in slides], dtype=np.int64)
@@ -249,7 +252,7 @@ class Connections:
             sliding.state(H, self.sliding, self.sliding.arclength, np.zeros(self.m))
             self._check_on_beams()
         if self._turns:
-            constraints.unwrap_both(H, *self._plain)
+            constraints.unwrap_both(H, self.packed, self.packed_probes)
 
     def _check_on_beams(self) -> None:
         table, last = self.sliding, self.sliding.elements[1:] - 1
@@ -288,26 +291,26 @@ class Connections:
             coordinates of all, one after the other, shape (c,); the largest violation of a
             constraint of each, of position or velocity, shape (j,).
         """
-        tied, probed = np.empty((len(self._tied), 6)), np.empty(len(self.probes.targets))
-        values = np.zeros(self.m)
+        forces: Array = np.empty((len(self._tied), 6))
+        coordinates: Array = np.empty(len(self.probes.targets))
+        values, largest = np.zeros(self.m), np.zeros(len(self.items))
         constraints.report(
             H,
             v,
-            self._plain[0],
-            self._plain[1],
+            self.packed,
+            self.packed_probes,
             weights,
             self._reported,
             self._exchanged,
-            tied,
-            probed,
+            self.owner,
+            forces,
+            coordinates,
             values,
+            largest,
         )
-        forces: Array = tied
-        coordinates: Array = probed
         if not self.of_joints_only:
-            forces, coordinates = self._report_others(H, v, weights, tied, probed, values)
-        largest = np.zeros(len(self.items))
-        np.maximum.at(largest, self.owner, np.abs(values))
+            forces, coordinates = self._report_others(H, v, weights, forces, coordinates, values)
+            np.maximum.at(largest, self.owner, np.abs(values))
         return forces, coordinates, largest
 
     def _report_others(

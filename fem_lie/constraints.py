@@ -12,72 +12,15 @@ The node ``count`` and those after it do not move by themselves: ground and pres
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
 from fem_lie import joint_functions, lie
 from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie.joint_table import JointTable, PackedJoints, joint_table
 from fem_lie.relative_motion import force, relative_motion, variation
-
-Flags = npt.NDArray[np.bool_]
-
-
-class JointTable(NamedTuple):
-    """Pairs of frames of all joints of a scene, ``j`` pairs with ``t`` terms, ``m`` constraints.
-
-    Attributes:
-        nodes: Nodes A and B of each pair, shape (j, 2).
-        frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
-        first: First term of each pair and ``t`` at the end, shape (j + 1,).
-        selection: Rows ``S``, shape (t, 12): three columns for Δ, nine for Q (row-major).
-        functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
-        rows: The constraint that each term is a part of, or ``m`` plus the number of its spring,
-            shape (t,).
-        legs: Where in the border of the matrix each term's sides A and B are, −1 where they do
-            not move or there is no constraint, shape (t, 2).
-        angle: Sine and cosine of each pair's angle, shape (j, 2, 12).
-        curved: Which pairs have terms with functions, shape (j,).
-        turned: That angle at the last accepted state, shape (j,).
-        targets: What the constraints are to be, shape (m,).
-        springs: Stiffness, damping and rest value, shape (k, 3).
-    """
-
-    nodes: Indices
-    frames: Array
-    first: Indices
-    selection: Array
-    functions: Array
-    rows: Indices
-    legs: Indices
-    angle: Array
-    curved: Flags
-    turned: Array
-    targets: Array
-    springs: Array
 
 
 @inlined
-def joint_table(plain: tuple[Any, ...]) -> JointTable:
-    """From the plain tuple of the same, which is cheaper to pass from Python."""
-    return JointTable(
-        plain[0],
-        plain[1],
-        plain[2],
-        plain[3],
-        plain[4],
-        plain[5],
-        plain[6],
-        plain[7],
-        plain[8],
-        plain[9],
-        plain[10],
-        plain[11],
-    )
-
-
-@compiled
 def _locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
     """Relative motion of pair j and its functions, and its two frames."""
     lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
@@ -87,7 +30,7 @@ def _locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f
         joint_functions.values(z, table.angle[j], table.turned[j], f)
 
 
-@compiled
+@inlined
 def _value(table: JointTable, t: int, z: Array, f: Array) -> float:
     """Of term t, of its rate if ``z`` and ``f`` are rates."""
     value = 0.0
@@ -98,14 +41,14 @@ def _value(table: JointTable, t: int, z: Array, f: Array) -> float:
     return value
 
 
-@compiled
+@inlined
 def _gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
     """``p = ∂(term t)/∂z``."""
     p[:] = table.selection[t]
     joint_functions.add_gradients(z, table.angle[j], table.functions[t], p)
 
 
-@compiled
+@inlined
 def _twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
     """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
     for side in range(2):
@@ -116,11 +59,21 @@ def _twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
 
 
 @compiled
+def _rate(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
+    """Of term t."""
+    twist, dz, gradient = np.empty((2, 6)), np.empty(12), np.empty(12)
+    _twists(v, table, j, twist)
+    variation(z, twist[0], twist[1], dz)
+    _gradient(table, j, t, z, gradient)
+    return float(gradient @ dz)
+
+
+@inlined
 def _load(
     v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
 ) -> None:
     """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
-    m, twist, dz, gradient = len(table.targets), np.empty((2, 6)), np.empty(12), np.empty(12)
+    m = len(table.targets)
     p[:], c[:] = 0.0, 0.0
     for t in range(table.first[j], table.first[j + 1]):
         row = table.rows[t]
@@ -130,10 +83,7 @@ def _load(
             k, damping, rest = table.springs[row - m]
             weight = k * (_value(table, t, z, f) - rest)
             if damping != 0.0:
-                _twists(v, table, j, twist)
-                variation(z, twist[0], twist[1], dz)
-                _gradient(table, j, t, z, gradient)
-                weight += damping * (gradient @ dz)
+                weight += damping * _rate(v, table, j, t, z)
         for k in range(12):
             p[k] += weight * table.selection[t, k]
         for k in range(3):
@@ -238,28 +188,36 @@ def wrenches(
 def report(
     H: Array,
     v: Array,
-    joints: tuple[Any, ...],
-    probes: tuple[Any, ...],
+    joints: PackedJoints,
+    probes: PackedJoints,
     weights: Array,
     pairs: Indices,
     side: Indices,
+    owner: Indices,
     forces: Array,
     coordinates: Array,
     values: Array,
+    largest: Array,
 ) -> None:
     """:func:`wrenches`, the values of ``probes`` and :func:`violations` in one call.
 
-    The tables come as plain tuples, which makes the call from Python cheaper.
+    ``largest`` gets the largest size of a violation of each ``owner``, whose constraints are more
+    than those of the table; it is zero before. The tables come packed, which makes the call from
+    Python cheaper.
     """
     table = joint_table(joints)
     wrenches(H, v, table, weights, pairs, side, forces)
     violations(H, joint_table(probes), coordinates)
     violations(H, table, values)
+    for row in range(len(table.targets)):
+        size = abs(values[row])
+        if size > largest[owner[row]] or size != size:  # nan stays
+            largest[owner[row]] = size
 
 
 @compiled
-def unwrap_both(H: Array, joints: tuple[Any, ...], probes: tuple[Any, ...]) -> None:
-    """:func:`unwrap` for two tables as plain tuples."""
+def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
+    """:func:`unwrap` for two tables."""
     unwrap(H, joint_table(joints))
     unwrap(H, joint_table(probes))
 

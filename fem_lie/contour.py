@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 
+from fem_lie import _compat
 from fem_lie.info import Array, Indices
 from fem_lie.picture import _INK, _frame, _plotter, _target
 from fem_lie.plot import SI, Units
@@ -54,8 +55,8 @@ def draw_values(
     target = _target(path, ".png")
     grid = surface_grid(points, cells, mesh)
     grid.point_data[label] = values
-    surface = grid.extract_surface(nonlinear_subdivision=_SUBDIVISION)
-    rim = surface_grid(unloaded, cells, mesh).extract_surface().extract_feature_edges()
+    surface = _compat.drawn_surface(grid, _SUBDIVISION)
+    rim = _compat.drawn_surface(surface_grid(unloaded, cells, mesh), 1).extract_feature_edges()
     with _plotter((), title, size) as plotter:
         plotter.add_mesh(
             surface,

@@ -173,10 +173,16 @@ def invariants(H, v, indptr, indices, G, qdot, p):  # type: ignore[no-untyped-de
     ``qdot`` and ``p`` are work arrays (n, 4, 3).
     """
     push(H, v, qdot)
+    return invariants_of_rates(H, qdot, indptr, indices, G, p)
+
+
+@compiled
+def invariants_of_rates(H, qdot, indptr, indices, G, p):  # type: ignore[no-untyped-def]
+    """The same of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
     multiply(indptr, indices, G, qdot, p)
     energy = 0.0
     p0 = p1 = p2 = l0 = l1 = l2 = 0.0
-    for i in range(v.shape[0]):
+    for i in range(qdot.shape[0]):
         p0 += p[i, 0, 0]
         p1 += p[i, 0, 1]
         p2 += p[i, 0, 2]
@@ -188,6 +194,25 @@ def invariants(H, v, indptr, indices, G, qdot, p):  # type: ignore[no-untyped-de
             for j in range(3):
                 energy += 0.5 * qdot[i, k, j] * y[j]
     return energy, p0, p1, p2, l0, l1, l2
+
+
+@compiled
+def local_twists(H, qdot, out):  # type: ignore[no-untyped-def]
+    """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
+
+    ``(Rᵀẋ, ½ Σ e_k × Rᵀḋ_k)``.
+    """
+    turned = np.empty((4, 3))
+    for i in range(qdot.shape[0]):
+        for k in range(4):
+            for a in range(3):
+                turned[k, a] = 0.0
+                for j in range(3):
+                    turned[k, a] += H[i, 1 + a, j] * qdot[i, k, j]
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            out[i, a] = turned[0, a]
+            out[i, 3 + a] = 0.5 * (turned[1 + b, c] - turned[1 + c, b])
 
 
 def gram_from_rigid(

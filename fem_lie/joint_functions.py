@@ -31,7 +31,7 @@ def _components(z: Array, angle: Array) -> tuple[float, float]:
     return s, c
 
 
-@compiled
+@inlined
 def values(z: Array, angle: Array, turned: float, out: Array) -> None:
     """All three; the angle within half a turn of ``turned``."""
     s, c = _components(z, angle)
@@ -41,7 +41,7 @@ def values(z: Array, angle: Array, turned: float, out: Array) -> None:
     out[TILT] = math.sqrt(z[9] * z[9] + z[10] * z[10])
 
 
-@compiled
+@inlined
 def add_gradients(z: Array, angle: Array, factors: Array, p: Array) -> None:
     """``p += Σ factorsₖ ∂fₖ/∂z``, shape (12,)."""
     if factors[ANGLE] != 0.0:

@@ -26,10 +26,13 @@ from fem_lie.tables import Border
 
 Flags = npt.NDArray[np.bool_]
 
-SOFTNESS = 1e-7
+SOFTNESS = 1e-9
 """By how much redundant constraints yield in one iteration, over what they would without others.
 
 The matrix is regular with it, and the iteration still ends where all constraints are met."""
+
+IDLE = 1e-10
+"""Squared size of what multipliers of unit size move together, below which they move nothing."""
 
 
 @compiled
@@ -180,6 +183,7 @@ class KKT:
         """
         _clear_held(columns, self.legs.nodes, self._held)
         _clear_held(rows, self.legs.nodes, self._held)
+        softness = self._soften(blocks, columns, scale) if self._redundant else np.empty(0)
         _fill(
             self.indptr,
             self.indices,
@@ -191,18 +195,38 @@ class KKT:
             columns,
             rows,
             scale,
-            self._softness(blocks, columns, scale),
+            softness,
             self._data,
         )
         self.matrix.stateIncrease()
         self.matrix.assemble()
 
-    def _softness(self, blocks: Array, columns: Array, scale: Array) -> Array:
-        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, (m,); none if not wanted."""
-        if not self._redundant:
-            return np.empty(0)
-        nodes = np.arange(len(self._held))
+    def _soften(self, blocks: Array, columns: Array, scale: Array) -> Array:
+        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, shape (m,).
+
+        Solutions are freed of multipliers that exert no force together. Against these only the
+        softness stands: the round-off of the constraints over it would move them for ever.
+        """
+        nodes, m = np.arange(len(self._held)), len(scale)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
-        legs = (columns**2 / np.where(S > 0.0, S, 1.0)[self.legs.nodes]).sum(axis=1)
-        total = np.bincount(self.legs.rows, legs, minlength=len(scale)) * scale**2
-        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))
+        legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
+        legs *= scale[self.legs.rows, np.newaxis]
+        total = np.bincount(self.legs.rows, (legs**2).sum(axis=1), minlength=m)
+        total[total == 0.0] = 1.0
+        legs /= np.sqrt(total)[self.legs.rows, np.newaxis]
+        B = sp.bsr_matrix(
+            (legs[:, np.newaxis], self.legs.nodes, self.legs.ptr), shape=(m, 6 * len(nodes))
+        ).tocsr()
+        sizes, idle = np.linalg.eigh((B @ B.T).toarray())
+        idle = idle[:, sizes < IDLE] / np.sqrt(total)[:, np.newaxis]
+        self.matrix.setNullSpace(_null_space(6 * len(nodes), np.linalg.qr(idle)[0]))
+        return np.asarray(SOFTNESS * total)
+
+
+def _null_space(first: int, vectors: Array) -> PETSc.NullSpace:
+    """Spanned by orthonormal columns that begin in the row ``first``."""
+    basis = []
+    for vector in vectors.T:
+        basis.append(PETSc.Vec().createSeq(first + len(vector)))
+        basis[-1].array[first:] = vector
+    return PETSc.NullSpace().create(constant=False, vectors=basis, comm=PETSc.COMM_SELF)

@@ -8,9 +8,9 @@ import numpy as np
 
 from fem_lie import constraints, inertia
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.constraints import joint_table
 from fem_lie.frames import pull, pull_derivative, push
 from fem_lie.groups import tangent, turn
+from fem_lie.joint_table import PackedJoints, joint_table
 
 
 class Inertia(NamedTuple):
@@ -71,7 +71,7 @@ def rigid_residual(
     a: Array,
     mass: tuple[Any, ...],
     loads: tuple[Any, ...],
-    joints: tuple[Any, ...],
+    joints: PackedJoints,
     weights: Array,
     scale: Array,
     work: Array,
@@ -79,7 +79,7 @@ def rigid_residual(
 ) -> None:
     """``r = Lᵀ (G q̈ − dead) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
 
-    The records come as plain tuples, which makes the call from Python cheaper.
+    The records come as plain tuples and the joints packed: cheaper to call so from Python.
     """
     indptr, indices, blocks = mass
     dead, moment, following = loads
@@ -105,6 +105,31 @@ def load_potential(H: Array, dead: Array) -> float:
             for k in range(4):
                 energy -= dead[i, k, j] * H[i, k, j]
     return energy
+
+
+@compiled
+def report(
+    H: Array, v: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+) -> float:
+    """Set kinetic energy and momenta (7,), and return the potential; ``work`` (2, n, 4, 3)."""
+    indptr, indices, blocks = mass
+    count = dead.shape[0]
+    values = inertia.invariants(H, v[:count], indptr, indices, blocks, work[0], work[1])
+    for k in range(7):
+        invariants[k] = values[k]
+    return load_potential(H, dead)
+
+
+@compiled
+def report_rates(
+    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+) -> float:
+    """:func:`report` of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
+    indptr, indices, blocks = mass
+    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
+    for k in range(7):
+        invariants[k] = values[k]
+    return load_potential(H, dead)
 
 
 @compiled

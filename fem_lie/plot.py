@@ -46,7 +46,7 @@ def energies(
     """
     total = result.total_energy
     small = 0.0 < np.ptp(result.elastic) < 0.05 * np.abs(total).max()
-    figure, axes = _figure(3 if small else 2, "Energy", units)
+    figure, axes = figure_of_rows(3 if small else 2, "Energy", units)
     for colour, name in zip(COLOURS, ("kinetic", "elastic", "potential"), strict=False):
         if np.any(getattr(result, name)):
             axes[0].plot(result.times, getattr(result, name), color=colour, label=name)
@@ -58,19 +58,19 @@ def energies(
         axes[1].set_ylabel(f"elastic [{units.energy}]")
     axes[-1].plot(result.times, total - total[0], color="black")
     axes[-1].set_ylabel(f"total − start [{units.energy}]")
-    return _saved(figure, path)
+    return saved(figure, path)
 
 
 def momenta(
     result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
 ) -> Figure:
     """Components of momentum and angular momentum over time."""
-    figure, (above, below) = _figure(2, "Momentum", units)
+    figure, (above, below) = figure_of_rows(2, "Momentum", units)
     _components(above, result.times, result.momentum, "p")
     above.set_ylabel(f"momentum [{units.momentum}]")
     _components(below, result.times, result.angular_momentum, "L")
     below.set_ylabel(f"angular momentum\nabout the origin [{units.angular_momentum}]")
-    return _saved(figure, path)
+    return saved(figure, path)
 
 
 def positions(
@@ -87,12 +87,12 @@ def positions(
     """
     if not points:
         raise ValueError("give at least one point whose position is to be plotted")
-    figure, axes = _figure(len(points), "Position", units)
+    figure, axes = figure_of_rows(len(points), "Position", units)
     for ax, point in zip(axes, points, strict=True):
         _components(ax, result.times, result.position(point), "")
         label = point if isinstance(point, str) else getattr(point, "label", f"node {point}")
         ax.set_ylabel(f"{label} [{units.length}]")
-    return _saved(figure, path)
+    return saved(figure, path)
 
 
 def displacements(
@@ -109,7 +109,7 @@ def displacements(
     """
     if not points:
         raise ValueError("give at least one point whose displacement is to be plotted")
-    figure, axes = _figure(len(points), "Displacement", units)
+    figure, axes = figure_of_rows(len(points), "Displacement", units)
     factors = np.concatenate([[0.0], result.factors])
     for ax, point in zip(axes, points, strict=True):
         moved = result.position(point) - result.initial[result.info.node(point), 0]
@@ -117,10 +117,11 @@ def displacements(
         label = point if isinstance(point, str) else point.label
         ax.set_ylabel(f"{label} [{units.length}]")
     axes[-1].set_xlabel("load factor")
-    return _saved(figure, path)
+    return saved(figure, path)
 
 
-def _figure(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
+def figure_of_rows(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
+    """Diagrams one below the other over a common axis, labelled as time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -150,7 +151,8 @@ def _legend(ax: Axes) -> None:
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 
-def _saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+def saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    """The figure, written to a file if there is a path."""
     if path is not None:
         figure.savefig(path)
     return figure

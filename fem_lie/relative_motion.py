@@ -7,10 +7,10 @@ With ``Δ = R_Aᵀ (x_B − x_A)`` and ``Q = R_Aᵀ R_B``, row by row, and twist
 
 from __future__ import annotations
 
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array, inlined
 
 
-@compiled
+@inlined
 def relative_motion(A: Array, B: Array, z: Array) -> None:
     """``z = (Δ, Q)`` of two frames."""
     for k in range(3):
@@ -24,7 +24,7 @@ def relative_motion(A: Array, B: Array, z: Array) -> None:
             z[3 + 3 * k + n] = q
 
 
-@compiled
+@inlined
 def variation(z: Array, twist_a: Array, twist_b: Array, out: Array) -> None:
     """``out = (δΔ, δQ)`` for twists (6,) of the two frames."""
     ua, wa, ub, wb = twist_a[:3], twist_a[3:], twist_b[:3], twist_b[3:]
@@ -44,7 +44,7 @@ def variation(z: Array, twist_a: Array, twist_b: Array, out: Array) -> None:
         dQ[2, n] -= wa[0] * Q[1, n] - wa[1] * Q[0, n]
 
 
-@compiled
+@inlined
 def force(z: Array, p: Array, fa: Array, fb: Array) -> None:
     """Forces on the two frames that do the work ``p · δz``."""
     D, Q, n, P = z[:3], z[3:].reshape(3, 3), p[:3], p[3:].reshape(3, 3)

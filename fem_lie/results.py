@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from fem_lie.bodies import Point
     from fem_lie.joints import Connection
+    from fem_lie.section_forces import SectionForces
 
 __all__ = ["BodyInfo", "JointInfo", "Result", "SceneInfo", "StepHistory"]
 
@@ -216,18 +217,21 @@ class Result:
 
         return read(path)
 
-    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+    def write_vtk(
+        self, path: str | os.PathLike[str], *, forces: Sequence[SectionForces] = ()
+    ) -> None:
         """Write a time series for ParaView.
 
         Args:
             path: Name of the ``.pvd`` file; the data of each time go to a folder beside it.
+            forces: Section forces of beams at all times, to be in the file, too.
 
         Raises:
-            ValueError: The name does not end in ``.pvd``.
+            ValueError: The name does not end in ``.pvd``, or there are forces at other times.
         """
         from fem_lie.vtk import write_series
 
-        write_series(path, self.info, self.times, self.frames, self.velocities)
+        write_series(path, self.info, self.times, self.frames, self.velocities, forces)
 
     def plot_energies(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI

@@ -230,6 +230,30 @@ class Section:
             None if self.properties is None else self.properties.rotated(angle),
         )
 
+    def axial_stress(self, points: npt.ArrayLike | None = None) -> Array:
+        """Axial stress at points of a homogeneous section by unit N, M_y and M_z, shape (k, 3).
+
+        ``σ = N/A + (y, z)·I⁻¹ (−M_z, M_y)``, with ``I = ∫r⊗r dA`` and all of it about the centroid;
+        moments are about the reference point. In a composite it is the axial strain times the mean
+        of Young's modulus.
+
+        Args:
+            points: (y, z) from the reference point, shape (k, 2); default: corners of the outline.
+
+        Raises:
+            ValueError: The section has no properties, or points are wanted and there is no outline.
+        """
+        p = self.properties
+        if p is None:
+            raise ValueError("axial stress needs a section that knows its properties")
+        if points is None and self.outline is None:
+            raise ValueError("the section has no outline: give points (y, z)")
+        given = np.asarray(self.outline if points is None else points, dtype=np.float64)
+        bending = (given.reshape(-1, 2) - p.centroid) @ np.linalg.inv(p.second_moments)
+        y, z = p.centroid
+        extension = 1.0 / p.area - bending @ [y, z]
+        return np.column_stack([extension, bending[:, 1], -bending[:, 0]])
+
 
 def rectangle_torsion_constant(width: float, height: float) -> float:
     """Saint-Venant torsion constant of a rectangle, length⁴, to machine precision.

@@ -28,7 +28,7 @@ from fem_lie.groups import Group, Parametrisation
 from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
-from fem_lie.nodal import Inertia, add_mass_damping, load_potential, rigid_residual
+from fem_lie.nodal import Inertia, add_mass_damping, report, rigid_residual
 from fem_lie.numbering import Numbering
 from fem_lie.pressure import Pressure
 from fem_lie.redundancy import minimum_norm, redundant_constraints, refuse
@@ -145,7 +145,7 @@ class System:
         elif len(redundant):
             _log.info("%d of %d constraints are redundant", len(redundant), self.m)
         self._work = np.zeros((2, self.count, 4, 3))
-        self.force = self._work[1]
+        self.force, self._report_work = self._work[1], np.zeros_like(self._work)
         self._damping_work = np.zeros_like(self._work)
         self._still = np.zeros((self.count, 6))
         self._applied, self._internal = np.zeros((2, self.count, 6))
@@ -154,7 +154,7 @@ class System:
         self._turns = ~self.held
         self._turns[np.isfinite(self.numbering.supports[:, 0, 0]), :3] = True
         self.choices, self.velocity_factor = Choices(gyroscopic=True, geometric=True), 1.0
-        self._plain_inertia, self._plain_table = tuple(self.inertia), tuple(self.table)
+        self._plain_inertia = tuple(self.inertia)
         self.set_time(0.0, 1.0)
 
     def _weight(self, scene: Scene) -> Array:
@@ -234,7 +234,7 @@ class System:
             a,
             self._plain_inertia,
             self._plain_loads,
-            self._plain_table,
+            self.connections.packed,
             weights,
             scale,
             self._work,
@@ -297,9 +297,14 @@ class System:
         ahead = H if joint_frames is None else joint_frames
         tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
 
-    def potential_energy(self, H: Array) -> float:
-        """Potential of gravity and of loads fixed in space that have no history and no moment."""
-        return float(load_potential(H, self.loads.dead))
+    def report(self, H: Array, v: Array, invariants: Array) -> float:
+        """Set kinetic energy, momentum and angular momentum, (7,).
+
+        Returns:
+            Potential of gravity and of loads fixed in space that have no history and no moment.
+        """
+        work = self._report_work
+        return float(report(H, v, self._plain_inertia, self.loads.dead, work, invariants))
 
     def stored_energy(self, H: Array) -> float:
         """Energy of elements and springs."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._jit import Array, Indices
 from fem_lie.bodies import Point
-from fem_lie.constraints import JointTable
+from fem_lie.joint_table import JointTable, PackedJoints, pack
 from fem_lie.joints import SlidingTie, Tie, VelocityTie
 from fem_lie.numbering import Numbering
 from fem_lie.rolling import RollingTable
@@ -102,7 +102,7 @@ class Tables:
         m: int,
         springs: Sequence[tuple[float, float, float]],
         border: Border | None = None,
-    ) -> JointTable:
+    ) -> PackedJoints:
         """Of ``m`` constraints; without a border there are no legs."""
         number = iter(range(m, m + len(springs)))
         rows = [row if row >= 0 else next(number) for pair in pairs for row in pair.rows]
@@ -111,7 +111,7 @@ class Tables:
             [border.leg(row, node) if border is not None and row < m else -1 for node in both]
             for row, both in zip(rows, nodes, strict=True)
         ]
-        return JointTable(
+        table = JointTable(
             nodes=np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2),
             frames=self._in_nodes([(pair.nodes, pair.tie.frames) for pair in pairs]),
             first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
@@ -120,11 +120,12 @@ class Tables:
             rows=np.array(rows, dtype=np.int64),
             legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
             angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
-            curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=bool),
+            curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=np.int64),
             turned=np.zeros(len(pairs)),
             targets=np.zeros(m),
             springs=np.array(springs, dtype=np.float64).reshape(-1, 3),
         )
+        return pack(table)
 
     def rolling(self, ties: Sequence[VelocityTie], start: int, border: Border) -> RollingTable:
         """Of the constraints of velocities, which begin at ``start``."""

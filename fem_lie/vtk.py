@@ -16,6 +16,7 @@ from fem_lie.surface import SurfaceMesh
 
 if TYPE_CHECKING:
     from fem_lie.resultants import Resultants
+    from fem_lie.section_forces import SectionForces
 
 # type of cell, and its nodes in VTK's order
 _VTK_CELLS = {
@@ -32,12 +33,13 @@ def write_series(
     times: Array,
     frames: Array,
     velocities: Array | None = None,
+    forces: Sequence[SectionForces] = (),
 ) -> None:
     """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
 
     Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` from the first time, and
     ``velocity`` and ``angular velocity``, all in global components; cell data: ``body``, the number
-    of the body.
+    of the body, and section forces in the middle of elements, if there are some, nan elsewhere.
 
     Args:
         path: Name of the ``.pvd`` file.
@@ -45,12 +47,14 @@ def write_series(
         times: Times or load factors, shape (T,).
         frames: Shape (T, N, 4, 3).
         velocities: Local velocities (translation, rotation), shape (T, N, 6).
+        forces: Section forces of beams at all of these times.
 
     Raises:
-        ValueError: The name does not end in ``.pvd``.
+        ValueError: The name does not end in ``.pvd``, or there are forces at other times.
     """
     import pyvista
 
+    carried = _forces_in_cells(info, times, forces)
     target, names = _series(path, len(times), ".vtp")
     lines, vertices, faces, bodies = _cells(info)
     for k, name in enumerate(names):
@@ -63,6 +67,8 @@ def write_series(
                 spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
                 data.point_data[what] = spatial
         data.cell_data["body"] = bodies
+        for what, values in carried.items():
+            data.cell_data[what] = values[k]
         data.save(target.parent / name)
     _write_collection(target, names, times)
 
@@ -87,6 +93,53 @@ def write_resultants(
     for name, resultants in zip(names, series, strict=True):
         resultants.write_vtk(target.parent / name)
     _write_collection(target, names, values)
+
+
+def _forces_in_cells(
+    info: SceneInfo, times: Array, forces: Sequence[SectionForces]
+) -> dict[str, Array]:
+    """Section forces of all cells in VTK's order, each of shape (T, cells)."""
+    if not forces:
+        return {}
+    owners = _cells(info)[3]
+    singles = sum(len(b.nodes) for b in info.bodies if not len(b.cells) and not len(b.faces))
+    starts = singles + np.cumsum([0] + [len(body.cells) for body in info.bodies])
+    values = np.full((len(times), len(owners), 6), np.nan)
+    for found in forces:
+        if not np.array_equal(found.times, times):
+            raise ValueError(
+                f"section forces of {found.beam.label} are wanted at all {len(times)} times, got "
+                f"{len(found.times)}"
+            )
+        body = info.body(found.beam.name)
+        pieces = len(body.cells) // len(found.beam.elements)
+        start = starts[info.bodies.index(body)]
+        values[:, start : start + len(body.cells)] = np.repeat(found.middle, pieces, axis=1)
+    return {name: values[..., i] for i, name in enumerate(found.components)}
+
+
+def write_section_forces(path: str | os.PathLike[str], found: SectionForces) -> None:
+    """Write a series of lines with values at their ends and in their middles.
+
+    See :meth:`fem_lie.section_forces.SectionForces.write_vtk`.
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``.
+    """
+    import pyvista
+
+    target, names = _series(path, len(found.times), ".vtp")
+    ends = found.beam.elements[:, :2]
+    lines = np.insert(np.arange(ends.size).reshape(-1, 2), 0, 2, axis=1)
+    for k, name in enumerate(names):
+        data = pyvista.PolyData(found.frames[k, ends.ravel(), 0], lines=lines.ravel())
+        for i, component in enumerate(found.components):
+            data.point_data[component] = found.ends[k, ..., i].ravel()
+            data.cell_data[component] = found.middle[k, :, i]
+        data.point_data["force"] = found.cut_forces[k].reshape(-1, 3)
+        data.point_data["moment"] = found.cut_moments[k].reshape(-1, 3)
+        data.save(target.parent / name)
+    _write_collection(target, names, found.times)
 
 
 def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:

@@ -80,6 +80,19 @@ def test_shafts_on_a_universal_joint(index):
     assert swing == pytest.approx(bend, abs=1e-4)
 
 
+@pytest.mark.parametrize("name, axis", [("angle", Z), ("second angle", (1.0, 0.0, 0.0))])
+def test_angles_of_a_universal_joint_are_right_handed(name, axis):
+    """A ball that spins about one of the two axes turns in that coordinate alone."""
+    scene = fl.Scene()
+    ball = body(scene)
+    joint = scene.add(fl.Universal(fl.ground(), ball.centre, axis=Z, second=(1.0, 0.0, 0.0)))
+    ball.turn(2.0 * np.array(axis), about=ball.centre.position)
+    result = SCHEME.run(scene, duration=0.1, step=0.01)
+    for other in ("angle", "second angle"):
+        expected = 0.2 if other == name else 0.0
+        assert result.coordinate(joint, other)[-1] == pytest.approx(expected, abs=1e-9)
+
+
 def test_springs_swing_and_dampers_damp():
     """Frequency √(k/m), decay c/2m, and a static displacement; the energy counts the spring."""
     k, c, m = 50.0, 0.8, 2.0

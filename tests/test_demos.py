@@ -38,6 +38,11 @@ def test_bend45_by_other_elements(formulation, bound):
     record = main("bend45", formulation=formulation)
     reference = np.array([47.1504, 15.6848, 53.4749])
     assert np.linalg.norm(tip(record) - reference) <= bound * np.linalg.norm(reference)
+    # increments of the tolerance, 1e-10 of the size, times EA = 1e7 over the force of 600
+    assert record["force_error"] <= 1e-5
+    # of the tip's place
+    root = np.array([record["root_torque"], record["root_moment"]]) / 600
+    assert np.linalg.norm(root - [15.6848, -47.1504]) <= bound * np.linalg.norm(reference)
     assert record["steps"] == 3
     assert record["iterations"] <= 20
 
@@ -225,7 +230,7 @@ def test_pictures(tmp_path, monkeypatch):
     monkeypatch.setattr(bend45, "RESULTS", tmp_path)
     bend45.main(elements=4)
     sizes = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
-    assert set(sizes) == {"bend45.png", "bend45_convergence.png"}
+    assert set(sizes) == {"bend45.png", "bend45_convergence.png", "bend45_forces.png"}
     assert min(sizes.values()) > 10_000
 
 

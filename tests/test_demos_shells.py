@@ -47,9 +47,10 @@ def test_semi_cylinder_on_the_published_mesh():
 
 
 @slow
-def test_laminate():
+@pytest.mark.parametrize("material", ["0/90/0", "90/0/90"])
+def test_laminate(material):
     """Fibres along the axis, or across it: deflections differ by a third at half the load."""
-    record = main("semi_cylinder", material="0/90/0")
+    record = main("semi_cylinder", material=material)
     assert record["path_error"] <= 0.01
 
 
@@ -103,10 +104,14 @@ def test_speed_against_error_of_shells(tmp_path):
     record = main(
         "speed_against_error_shells", coarsest=8, finest=8, repeats=1, output=str(tmp_path)
     )
-    for element in ("MITC4", "HR", "MITC3+"):
+    for element in ("MITC4", "HR", "HW", "MITC3+"):
         plain, carried = (f"{element}_{m}" for m in ("plain_Newton", "carried_stress"))
         assert record[f"error_{plain}"] == pytest.approx(record[f"error_{carried}"], rel=1e-5)
         assert record[f"iterations_{carried}"] <= record[f"iterations_{plain}"] / 3
+    for method in ("plain_Newton", "carried_stress"):  # with a quadratic law they are the same
+        same = record[f"error_HR_{method}"]
+        assert record[f"error_HW_{method}"] == pytest.approx(same, rel=1e-6)
+        assert record[f"iterations_HW_{method}"] == record[f"iterations_HR_{method}"]
     assert record["error_HR_carried_stress"] < record["error_MITC4_carried_stress"] / 2
     assert (tmp_path / "speed_against_error_shells.csv").is_file()
 

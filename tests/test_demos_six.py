@@ -10,7 +10,7 @@ def record():
     return importlib.import_module("demos.i_beam_shell").main(along=20, pictures=False)
 
 
-@pytest.mark.parametrize("name", ["deflection_strong", "deflection_weak", "twist"])
+@pytest.mark.parametrize("name", ["deflection_strong", "deflection_weak", "twist", "buckling_load"])
 def test_i_beam_of_shells_is_a_beam(record, name):
     """The flanges overlap with the web: 1.3 % of the stiffness about the strong axis."""
     assert record[f"error_{name}"] == pytest.approx(0.0, abs=0.02)

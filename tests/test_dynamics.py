@@ -1,6 +1,7 @@
 """Generalised-α: order, invariants, policies, start, and the joint forces."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.solve import alpha_run
 from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.steps import correct
 from fem_lie.system import System
@@ -354,7 +356,9 @@ def test_rigid_double_pendulum(group):
     assert np.log2(errors[0] / errors[1]) > 1.9, errors
 
 
-def flexible_pendulum(policy: fl.Policy | None = None, cells: int = 4, **options) -> fl.Result:
+def flexible_pendulum(
+    policy: fl.Policy | None = None, cells: int = 4, max_iterations: int = 30, **options
+) -> fl.Result:
     material = fl.Material(70e9, 0.3, 2700)
     section = fl.Section.rectangle(5e-3, 5e-3, material)
     scene = fl.Scene()
@@ -363,7 +367,7 @@ def flexible_pendulum(policy: fl.Policy | None = None, cells: int = 4, **options
     scene.add(fl.Spherical(fl.ground(), one.start))
     scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
     two.turn((3, 0, 0), about=two.start)
-    scheme = fl.GeneralisedAlpha(policy=policy or fl.Automatic())
+    scheme = fl.GeneralisedAlpha(policy=policy or fl.Automatic(), max_iterations=max_iterations)
     return scheme.run(scene, duration=0.05, step=1e-4, **options)
 
 
@@ -492,6 +496,22 @@ def test_progress_bar_shows_time_energy_and_iterations(capsys):
     assert re.search(r"t=0\.05 energy \d\.\de-\d\d it/step \d\.\d\d", bar), bar
     assert (result.frames == flexible_pendulum(progress=False).frames).all()
     assert capsys.readouterr().err == ""
+
+
+def test_iterations_count_attempts_that_failed(monkeypatch):
+    """With a matrix that is kept too long four iterations do not do: steps are done again."""
+    corrections = []
+
+    def counted(*arguments: Any) -> float:
+        corrections.append(arguments)
+        return correct(*arguments)
+
+    monkeypatch.setattr(alpha_run, "correct", counted)
+    policy = fl.Automatic(cost=1e9, patience=100, refresh=1e9)
+    result = flexible_pendulum(policy, max_iterations=4)
+    rescued = np.diff(result.iterations) > 4
+    assert rescued.any()
+    assert result.iterations[-1] == len(corrections) - 1  # one compiles
 
 
 def test_failure_keeps_what_was_computed():

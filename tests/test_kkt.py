@@ -1,18 +1,19 @@
 """The matrix of a scene: what is held is not in its pattern, and the rest is the derivative."""
 
 import numpy as np
+import pytest
 import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
 from fem_lie.solve.follow import SceneEquilibrium
-from fem_lie.solve.linear import INDEFINITE, SYMMETRIC, DirectSolver
+from fem_lie.solve.linear import INDEFINITE, SYMMETRIC, DirectSolver, SingularMatrixError
 
 
 def stored(model: SceneEquilibrium) -> sp.csr_matrix:
-    """With the zeros that are stored."""
+    """A copy with the zeros that are stored."""
     indptr, columns, values = model.system.kkt.matrix.getValuesCSR()
-    return sp.csr_matrix((values, columns, indptr))
+    return sp.csr_matrix((values, columns, indptr), copy=True)
 
 
 def test_held_unknowns_have_unit_rows_and_no_columns():
@@ -44,3 +45,45 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can():
     indptr, columns, values = matrix.getValuesCSR()
     residual = sp.csr_matrix((values, columns, indptr)) @ solver.solution - solver.right_hand_side
     assert np.abs(residual).max() < 1e-8 * np.abs(solver.right_hand_side).max()
+
+
+@pytest.mark.parametrize("methods", [SYMMETRIC, INDEFINITE])
+def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
+    """A step that blew up is halved; the packages themselves never recover from nan."""
+    model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
+    solver = DirectSolver(model.system.kkt.matrix, "test_finite_", methods)
+    values = model.system.kkt.csr[0]
+    kept = values.copy()
+    solver.right_hand_side[:] = 1.0
+    solver.factorise()
+    solver.solve()
+    wanted = solver.solution.copy()
+    values[:] = np.nan
+    model.system.kkt.matrix.stateIncrease()
+    with pytest.raises(SingularMatrixError, match="finite"):
+        solver.factorise()
+    values[:] = kept
+    model.system.kkt.matrix.stateIncrease()
+    solver.factorise()
+    solver.solve()
+    assert np.abs(solver.solution - wanted).max() < 1e-10 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("load", ["force", "pressure"])
+def test_forces_that_are_known_make_the_same_matrix(load):
+    """After a look at the forces the elements are not asked for them again."""
+    scene = pinched(0.04, quarter(3), fl.HellingerReissner())
+    if load == "pressure":
+        scene.add(fl.SurfacePressure(scene.bodies[0], 10.0))
+    model = SceneEquilibrium(scene, "test_")
+    model.factorise(0.0)
+    model.move(0.1 * model.solve(model.forces()[1]))
+    model.forces()
+    model.factorise(0.3)
+    found, system = stored(model), model.system
+    zero = np.zeros((system.count, 6))
+    state = model._H, zero, zero, model._multipliers, model._scale
+    system.residual(*state, np.empty(system.size))
+    system.fill_matrix(*state, zero, 0.0, 0.0)
+    anew = stored(model)
+    assert abs(found - anew).max() <= 1e-12 * abs(anew).max()

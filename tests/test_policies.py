@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie.solve.alpha_run import Run
+from fem_lie.solve.linear import CHAINS, MOTION, methods_in_time
 from fem_lie.solve.policies import Update
+from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.staleness import staleness
+from fem_lie.system import System
 
 NONE, CONSTRAINTS, ALL = Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)
@@ -104,3 +109,131 @@ def test_stabilised_velocities_keep_momenta():
         )
         errors.append((result.momentum_error, result.angular_momentum_error))
     np.testing.assert_array_less(errors[1], np.maximum(2 * np.array(errors[0]), 1e-9))
+
+
+class Deaf(fl.Automatic):
+    """As without asking: all is made anew when new constraints no longer bring back the best."""
+
+    def fresh(self) -> fl.Policy:
+        return Deaf(self.cost, self.patience, self.refresh)
+
+    asks = False
+
+
+def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
+    """Stiff bars on hinges: what turns is the constraints."""
+    asking, tip = arm(policy=fl.Automatic(cost=5, refresh=5))
+    deaf, _ = arm(policy=Deaf(cost=5, refresh=5))
+    assert asking.k_updates < deaf.k_updates / 4
+    # what else there is to lose is less than was lost to make all anew
+    assert asking.iterations[-1] < 1.2 * deaf.iterations[-1]
+    place = asking.position(tip.end)
+    np.testing.assert_allclose(place, full[0].position(full[1].end), atol=1e-8)
+
+
+def soft(policy: fl.Policy) -> fl.Result:
+    """A soft bar falls about a hinge, and the stiffness of its tension makes the matrix old."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    section = fl.Section.circle(0.005, fl.Material(1e7, 0.3, 1100.0))
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0, 0), section, cells=4))
+    scene.add(fl.Revolute(fl.ground(), bar.start, axis=(0, 1, 0)))
+    return fl.GeneralisedAlpha(policy=policy).run(scene, duration=0.8, step=4e-3)
+
+
+def test_automatic_renews_mass_and_stiffness_that_are_to_blame():
+    frozen, asking = soft(fl.ConstraintsOnly(8)), soft(fl.Automatic(cost=5, refresh=5))
+    assert frozen.k_updates == 1 < asking.k_updates
+    assert asking.iterations[-1] < 0.8 * frozen.iterations[-1]
+
+
+@pytest.mark.parametrize("group", fl.Group)
+def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
+    """Without constraints twice the matrix leaves half of each correction, the same matrix none."""
+    scene = fl.Scene()
+    section = fl.Section.circle(0.005, MATERIAL)
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4, group=group))
+    bar.turn((1, 2, 3), about=(0, 0, 0))
+    system = System(scene, dynamics=True)
+    run = Run(fl.GeneralisedAlpha(), system, 1e-3)
+    run.start()
+    s, rng = run.s, np.random.default_rng(3)
+    system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, run.r)
+    run._factorise(s.H1)
+
+    def rate() -> float:
+        x = rng.normal(size=system.size)
+        return staleness(
+            system, run.solver, run._plain[0], s, run.weights, run.scale, run.measure, x
+        )
+
+    # differences of residuals have errors of round-off over their size, and of its square
+    assert rate() < 1e-5
+    system.kkt.csr[0][:] *= 2.0
+    system.kkt.matrix.stateIncrease()
+    system.kkt.matrix.assemble()
+    run.solver.factorise()
+    assert rate() == pytest.approx(0.5, abs=1e-5)
+
+
+def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path, monkeypatch):
+    def run(**options) -> fl.Result:
+        scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
+        return scheme.run(ladder(), duration=0.4, step=2e-3, **options)
+
+    whole, record = run(), Recorder.record
+
+    def interrupted(self, index, *state) -> None:
+        if index == 120:
+            raise KeyboardInterrupt
+        record(self, index, *state)
+
+    monkeypatch.setattr(Recorder, "record", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(file=tmp_path / "run.h5", checkpoint_every=50)
+    monkeypatch.undo()
+    scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
+    resumed = scheme.resume(ladder(), tmp_path / "run.h5")
+    np.testing.assert_array_equal(resumed.frames, whole.frames)
+    np.testing.assert_array_equal(resumed.iterations, whole.iterations)
+    assert resumed.k_updates == whole.k_updates > 1
+    assert resumed.phi_updates == whole.phi_updates > whole.k_updates
+
+
+def ladder(rungs: int = 4) -> fl.Scene:
+    """Soft rails with rungs on hinges, falling: its knots are more than a chain."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    section = fl.Section.circle(0.005, fl.Material(2e7, 0.3, 1100.0))
+    ends = []
+    for y in (0.0, 0.2, 0.4):
+        last = fl.ground()
+        for k in range(rungs):
+            places = (0.2 * k, y, 0), (0.2 * (k + 1), y, 0)
+            bar = scene.add(fl.Beam.straight(*places, section, cells=2))
+            scene.add(fl.Revolute(last, bar.start, axis=(0, 1, 0)))
+            last = bar.end
+            ends.append(last)
+    for one, two in zip(ends[:-rungs], ends[rungs:], strict=True):
+        rung = scene.add(fl.Beam.straight(one.position, two.position, section, cells=2))
+        scene.add(fl.Spherical(one, rung.start))
+        scene.add(fl.Spherical(two, rung.end))
+    return scene
+
+
+def test_solvers_are_chosen_by_what_is_left_without_chains():
+    assert methods_in_time(System(ladder(), dynamics=True)) == MOTION
+    assert methods_in_time(System(chain(4), dynamics=True)) == CHAINS
+    assert methods_in_time(System(chain(4, closed=True), dynamics=True)) == CHAINS
+
+
+def chain(bars: int, *, closed: bool = False) -> fl.Scene:
+    """Bars around a polygon on spherical joints, with elements of three nodes."""
+    scene, angles = fl.Scene(), 2 * np.pi * np.arange(bars + 1) / bars
+    places = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    section = fl.Section.circle(0.005, MATERIAL)
+    beams = [
+        scene.add(fl.Beam.straight(a, b, section, cells=2, formulation=fl.Director(2)))
+        for a, b in pairwise(places)
+    ]
+    for one, two in pairwise(beams + beams[: int(closed)]):
+        scene.add(fl.Spherical(one.end, two.start))
+    return scene

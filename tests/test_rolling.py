@@ -91,7 +91,7 @@ def sledge(step: float) -> tuple[float, fl.Result, fl.KnifeEdge]:
     """Chaplygin's sledge: its largest error of the velocities in 2 s."""
     ahead, inertia, mass, v0, w0 = 0.3, 0.05, 1.5, -0.5, 2.0
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(mass, (inertia,) * 3))
+    body = scene.add(fl.RigidBody(mass, (inertia,) * 3, name="sledge"))
     scene.add(fl.Planar(fl.ground(), body.centre))
     blade = scene.add(fl.KnifeEdge(fl.ground(), body.centre, at=(-ahead, 0, 0), axis=(0, 1, 0)))
     body.turn((0, 0, w0), about=(-ahead, 0, 0))
@@ -115,6 +115,21 @@ def test_sledge_is_of_second_order_and_keeps_its_energy():
     assert 3.9 < coarse[1].energy_error / fine[1].energy_error < 4.1
     # a velocity over the tolerance of 1e-10 of a step's motion
     assert fine[1].joint_violation(fine[2]).max() < 1e-8
+
+
+def test_blade_pushes_the_ground_as_the_sledge_is_pushed():
+    """Reported on the ground, in its axes and about the place there, wherever the blade is."""
+    _, result, blade = sledge(5e-3)
+    R, axes = result.rotation("sledge.centre"), blade.frame()[1:]
+    velocity = np.einsum("tij,tj->ti", R, result.velocity("sledge.centre")[:, :3])
+    force, moment = (result.joint_force(blade)[:, k : k + 3] @ axes for k in (0, 3))
+    inner = slice(2, -2)
+    push = -1.5 * np.gradient(velocity, result.times, axis=0)
+    # differences over two steps: 3e-4 of 3 N
+    np.testing.assert_allclose(force[inner], push[inner], atol=2e-3)
+    assert np.abs(np.diff(R[:, 0, 0])).max() > 0.01
+    place = result.position("sledge.centre") + R @ (-0.3, 0, 0) - (-0.3, 0, 0)
+    np.testing.assert_allclose(moment, np.cross(place, force), atol=1e-9)
 
 
 def test_velocities_that_slip_are_refused():

@@ -116,8 +116,8 @@ class HellingerReissner(ShellFormulation):
 
 
 @dataclass(frozen=True)
-class HuWashizu(ShellFormulation):
-    """Strains and stress resultants with parameters of their own, for any law.
+class _OfAnyLaw(ShellFormulation):
+    """With an energy that the user may give.
 
     Attributes:
         law: Energy per area as a UFL function of the eight strains; default: that of the section.
@@ -129,6 +129,15 @@ class HuWashizu(ShellFormulation):
     def quadratic(self) -> bool:
         """See the base class; nothing is known of a user's law."""
         return self.law is None
+
+    def law_for(self, cells: ShellCells, stiffness: Array) -> Law:
+        """The user's, or that of the section."""
+        return self.law or linear_law(cells.cellwise(stiffness))
+
+
+@dataclass(frozen=True)
+class HuWashizu(_OfAnyLaw):
+    """Strains and stress resultants with parameters of their own, for any law."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """See the base class."""
@@ -136,7 +145,7 @@ class HuWashizu(ShellFormulation):
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """See the base class."""
-        return hu_washizu(cells, self.law or linear_law(cells.cellwise(stiffness)))
+        return hu_washizu(cells, self.law_for(cells, stiffness))
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
         """See the base class."""
@@ -144,19 +153,8 @@ class HuWashizu(ShellFormulation):
 
 
 @dataclass(frozen=True)
-class Displacement(ShellFormulation):
-    """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9.
-
-    Attributes:
-        law: Energy per area as a UFL function of the eight strains; default: that of the section.
-    """
-
-    law: Law | None = None
-
-    @property
-    def quadratic(self) -> bool:
-        """See the base class; nothing is known of a user's law."""
-        return self.law is None
+class Displacement(_OfAnyLaw):
+    """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """See the base class."""
@@ -164,7 +162,7 @@ class Displacement(ShellFormulation):
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """See the base class."""
-        return displacement(cells, self.law or linear_law(cells.cellwise(stiffness)))
+        return displacement(cells, self.law_for(cells, stiffness))
 
 
 def _group(forms: LocalFrameForms, number: int) -> Expr:

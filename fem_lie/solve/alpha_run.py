@@ -31,6 +31,7 @@ from fem_lie.solve.scheme import (
     failure,
     parameters,
 )
+from fem_lie.solve.staleness import back_to_local, staleness
 from fem_lie.solve.start import check_velocities, set_start
 from fem_lie.solve.steps import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.system import System
@@ -79,7 +80,7 @@ class Run(Integration[Recorder]):
         self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
-        self._end, self._iterations = 0.0, 0
+        self._end, self._iterations, self._made = 0.0, 0, 0
 
     def history(
         self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
@@ -114,10 +115,15 @@ class Run(Integration[Recorder]):
         correct(scheme, state, zero, self.scale, self.measure, weights)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
-        if self._turned:
-            self._fill(self.s.H, self.s.H, turned=True)
-            turn_all(self.s.H, zero, self.system.count)
-            turn_all_back(self.s.H, zero, self.system.count)
+        # the first iteration makes the matrix that counts
+        s, d, turned = self.s, state[2][3], self._turned
+        given = s.H1, s.twist1, s.rate1, self.weights, self.scale, d, self.p.mass, self.p.damping
+        self.system.fill_matrix(*given, self._ahead(), inertial=turned)
+        if turned:
+            turn_all(s.H, zero, self.system.count)
+            turn_all_back(s.H, zero, self.system.count)
+        else:
+            self.system.tangent.refill_border(self._ahead(), s.kinds, d, self.scale)
 
     # --- steps ---
 
@@ -174,7 +180,7 @@ class Run(Integration[Recorder]):
         return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
 
     def _step(self) -> int:
-        """One step; returns its iterations, 0 if it failed.
+        """One step; returns its iterations, those that failed, too; 0 if all has failed.
 
         A step that diverges with the kept matrix is done again with a new one in every iteration
         and with the stress as an iterate.
@@ -182,11 +188,13 @@ class Run(Integration[Recorder]):
         weights = self.weights.copy()
         count = self._iterate(self.policy, carried=False)
         if count == 0 and self.policy.rescue:
+            in_vain = self._made
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
             self.system.elastic.reset_stress(self.s.H)
             count = self._iterate(EveryIteration(), carried=True)
+            count += in_vain if count else 0
         return count
 
     def _iterate(self, policy: Policy, *, carried: bool) -> int:
@@ -203,6 +211,7 @@ class Run(Integration[Recorder]):
         tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
         for iteration in range(1, self.options.max_iterations + 1):
+            self._made = iteration
             if not carried:
                 system.elastic.settle(s.H1)
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
@@ -222,6 +231,8 @@ class Run(Integration[Recorder]):
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 policy.after_step(iteration)
+                if policy.asks and not self._turned:
+                    policy.answer(iteration, ratio, self._staleness())
                 if self._projects:
                     project(system, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)
@@ -232,6 +243,15 @@ class Run(Integration[Recorder]):
                 return 0
             previous = self._increment
         return 0
+
+    def _staleness(self) -> float:
+        """See :mod:`fem_lie.solve.staleness`; in the direction of the last correction."""
+        x = self.dx.copy()
+        back_to_local(self.s.H1, self.s.kinds, x)
+        weights, scale, measure = self.weights, self.scale, self.measure
+        return staleness(
+            self.system, self.solver, self._plain[0], self.s, weights, scale, measure, x
+        )
 
     def _tolerance(self) -> float:
         """Error that the iteration of a step may leave, see :data:`~.scheme.ROTATION`."""

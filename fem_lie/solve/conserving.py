@@ -33,7 +33,7 @@ class Model(NamedTuple):
 
     Attributes:
         cells: See :class:`~fem_lie.solve.cells.CellTable`.
-        joints: See :class:`~fem_lie.constraints.JointTable`.
+        joints: See :class:`~fem_lie.joint_table.JointTable`, packed.
         inertia: See :class:`~fem_lie.nodal.Inertia`.
         damping: The same of damping that goes with mass; without rows there is none.
         attachment: Leader and offset of each node, and whether all lead themselves.
@@ -45,7 +45,7 @@ class Model(NamedTuple):
         pressure: Pairs of nodes (s, 2), and axes across times pressure (s, 3).
         viscous: Whether cells have viscous forces.
         scheme: Step size, χ and μ of :mod:`fem_lie.solve.filtered`.
-        probes: Table of the coordinates that results report.
+        probes: Table of the coordinates that results report, packed.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
     """
 
@@ -82,6 +82,7 @@ class State(NamedTuple):
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (10,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
+        trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
     """
 
     H: Array
@@ -97,6 +98,7 @@ class State(NamedTuple):
     lag: Array
     carry: Array
     books: Array
+    trend: Array
 
 
 class Step(NamedTuple):

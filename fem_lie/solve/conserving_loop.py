@@ -14,6 +14,7 @@ import numpy as np
 from fem_lie._jit import Array, Indices, compiled, inlined
 from fem_lie._lie_tuples import (
     Vector,
+    combined,
     cross,
     load,
     load_row,
@@ -25,7 +26,8 @@ from fem_lie._lie_tuples import (
     store,
     store_row,
 )
-from fem_lie.constraints import joint_table, unwrap
+from fem_lie.constraints import unwrap
+from fem_lie.joint_table import joint_table
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.factors import solve
@@ -54,19 +56,28 @@ STALLED = 0.8
 def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> float:
     """Predict the step; returns the size of its largest motion."""
     held, measure, h = model[5], model[6], model[11][0]
-    H, V, lag, step, V1 = state[0], state[2], state[10], this[0], this[2]
+    H, V, lag, trend, step, V1 = state[0], state[2], state[10], state[13], this[0], this[2]
     V1[:] = V
     this[13][:] = state[3]
     lag[MEMORY], lag[ACTIVE], lag[FREE] = 1.0, lag[REMEMBERS], 1.0
-    largest = 0.0
+    # β of dissipation is settled in the first iterations, and depends on where they begin
+    ahead, largest = 0.0 if model[11][1] > 0.0 else h * h, 0.0
     for i in range(step.shape[0]):
-        spin = (0.0, 0.0, 0.0)
-        for k in range(1, 4):
-            spin = plus(spin, cross(load_row(H[i], k), load_row(V[i], k)))
-        _hold(H[i], held[i], scaled(h, load_row(V[i], 0)), scaled(0.5 * h, spin), step[i])
+        u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
+        ψ = combined(h, _spin(H[i], V[i]), ahead, load(trend[i], 3))
+        _hold(H[i], held[i], u, ψ, step[i])
         for k in range(6):
             largest = max(largest, abs(step[i, k]) * measure[6 * i + k])
     return largest
+
+
+@inlined
+def _spin(H: Array, V: Array) -> Vector:
+    """Angular velocity of rates of a frame."""
+    twice = (0.0, 0.0, 0.0)
+    for k in range(1, 4):
+        twice = plus(twice, cross(load_row(H, k), load_row(V, k)))
+    return scaled(0.5, twice)
 
 
 @inlined
@@ -120,9 +131,9 @@ def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...
 @compiled
 def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
-    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books = state
+    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend = state
     step, rows, V1, F1, energies, change, losses = this[:7]
-    n, μ = step.shape[0], model[11][2]
+    n, h, μ = step.shape[0], model[11][0], model[11][2]
     if model[11][1] > 0.0:
         # the first step knows of no change before
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
@@ -139,6 +150,10 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]
     unwrap(H, joint_table(model[1]))
     unwrap(H, joint_table(model[12]))
     V[:] = V1
+    for i in range(n):
+        for at in (0, 3):
+            end = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
+            store(trend[i], at, combined(1.0 / h, end, -1.0 / h**2, load(step[i], at)))
     F[:], W[:] = F1, energies[0]
     for e in range(account.shape[0]):
         account[e] += energies[1, e]

@@ -32,6 +32,7 @@ def start_state(system: System, cells: Cells) -> State:
         lag=z(10),
         carry=z((n, 6)),
         books=z(3),
+        trend=z((n, 6)),
     )
 
 
@@ -61,14 +62,14 @@ def model_of(
     system: System, cells: Cells, pressures: Sequence[Pressure], scheme: tuple[float, float, float]
 ) -> Model:
     """What a step sees of the scene; ``scheme``: see :class:`~fem_lie.solve.conserving.Model`."""
-    attachment, table = system.numbering.attachment, system.table
+    attachment = system.numbering.attachment
     turns = system.connections.angular
     lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
     none = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
     pieces = [pressure.pairs for pressure in pressures]
     return Model(
         cells=cells.table,
-        joints=tuple(table),
+        joints=system.connections.packed,
         inertia=tuple(system.inertia),
         damping=none if system.mass_damping is None else tuple(system.mass_damping),
         attachment=(attachment.leader, attachment.offset, attachment.trivial),
@@ -82,7 +83,7 @@ def model_of(
         ),
         viscous=system.elastic.viscous,
         scheme=scheme,
-        probes=tuple(system.connections.probes),
+        probes=system.connections.packed_probes,
         driven=np.zeros(system.m),
     )
 

@@ -13,6 +13,7 @@ from fem_lie import constraints, inertia, lie
 from fem_lie.frames import push
 from fem_lie.groups import Group
 from fem_lie.loads import StrainLoad
+from fem_lie.nodal import report_rates
 from fem_lie.pressure import Pressure
 from fem_lie.results import Array, Result
 from fem_lie.solve import conserving_loop as loop
@@ -260,19 +261,17 @@ class Run(Integration[History]):
 
     def keep(self, history: History) -> None:
         """Keep the present state."""
-        system, s, n, row = self.system, self.s, self.system.count, history.row
-        attachment, p = system.numbering.attachment, np.empty_like(s.V)
-        inertia.multiply(*system.inertia, s.V, p)
+        system, s, row = self.system, self.s, history.row
+        attachment, v = system.numbering.attachment, local(s.H, s.V)
         history.frames[row] = attachment.frames(s.H)
-        history.velocities[row] = attachment.twists(local(s.H[:n], s.V))
-        forces, coordinates, violations = system.report_joints(s.H, local(s.H[:n], s.V), s.weights)
+        history.velocities[row] = attachment.twists(v)
+        forces, coordinates, violations = system.report_joints(s.H, v, s.weights)
         history.joint_forces[row], history.joint_coordinates[row] = forces, coordinates
         history.joint_violations[row] = violations
-        history.invariants[row, 0] = 0.5 * np.sum(p * s.V)
-        history.invariants[row, 1:4] = p[:, 0].sum(axis=0)
-        history.invariants[row, 4:] = np.cross(s.H[:n], p).sum(axis=(0, 1))
-        history.elastic[row] = s.W.sum() + constraints.spring_energy(s.H, system.table)
-        history.potential[row] = -np.sum(system.conservative * s.H[:n])
+        mass, dead, invariants = self.model.inertia, system.conservative, history.invariants[row]
+        history.potential[row] = report_rates(s.H, s.V, mass, dead, self.this.q, invariants)
+        springs = constraints.spring_energy(s.H, system.table) if len(system.table.springs) else 0.0
+        history.elastic[row] = s.W.sum() + springs
         history.balance[row] = s.books
         history.keep(np.array([self.index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
 
@@ -307,7 +306,5 @@ class Run(Integration[History]):
 def local(H: Array, V: Any) -> Array:
     """Twists in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃): ``(RᵀẊ, ½ Σ e_k × Rᵀḋ_k)``."""
     out = np.empty((len(V), 6))
-    out[:, :3] = np.einsum("nkj,nj->nk", H[:, 1:], V[:, 0])
-    turned = np.einsum("nkj,naj->nak", H[:, 1:], V[:, 1:])
-    out[:, 3:] = 0.5 * np.cross(np.eye(3), turned).sum(axis=1)
+    inertia.local_twists(H, V, out)
     return out

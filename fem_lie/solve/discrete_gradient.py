@@ -97,7 +97,7 @@ def _unshrunk(ω: Vector, v: Vector) -> Vector:
     return combined(k, v, -0.25 * dot(ω, v) / (1.0 + k), ω)
 
 
-@compiled
+@inlined
 def metric_and_fit(  # type: ignore[no-untyped-def]
     nodes, director, mean, delta, step, A
 ):
@@ -143,7 +143,7 @@ def _on_director(f: Array) -> Vector:
     return f[4], -f[3], 0.0
 
 
-@compiled
+@inlined
 def mean_forces(  # type: ignore[no-untyped-def]
     nodes, director, H0, H1, F0, F1, mean, fit, A, out
 ):
@@ -173,7 +173,7 @@ def mean_forces(  # type: ignore[no-untyped-def]
         store(out[a], 3, minus(load(out[a], 3), _resisting(director, ρ2, t, w)))
 
 
-@compiled
+@inlined
 def deformation(nodes, director, mean, delta, step, fit, s, Ms):  # type: ignore[no-untyped-def]
     """The step without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
     centre, ρ2, shift, ω = fit
@@ -216,7 +216,7 @@ def _factor(missing: float, noise: float, square: float, typical: float) -> floa
     return missing / (square + 0.01 * share * share * typical)
 
 
-@compiled
+@inlined
 def round_off(F: Array, reach: float) -> float:
     """Error of an energy that forces ``F`` (k, 6) in the frames of an element let one expect."""
     size = 0.0

@@ -137,6 +137,7 @@ class SceneEquilibrium:
         self._solver = DirectSolver(system.kkt.matrix, prefix, methods(system))
         system.elastic.reset_stress(self._H)
         self._internal, self._load = np.empty(system.size), np.zeros(system.size)
+        self._forces_known = False
         self._scratch = np.empty(system.size)
         self.forces()
         if not self._load.any():
@@ -157,6 +158,7 @@ class SceneEquilibrium:
         load += system.elastic.pressure_forces(self._H)
         system.supports.turn(self._H, load)
         load[system.held] = 0.0
+        self._forces_known = True
         return self._internal.copy(), self._load.copy()
 
     def factorise(self, factor: float) -> None:
@@ -168,8 +170,10 @@ class SceneEquilibrium:
         system, zero = self.system, self._zero
         state = self._H, zero, zero, self._multipliers, self._scale
         system.set_time(factor, factor)
-        # what follows the surface is in it, not among the other loads
-        system.residual(*state, self._scratch)
+        if self._forces_known and not system.pressures:
+            system.applied(*state, self._scratch)
+        else:  # pressure is among the forces of the elements, and grows with the factor
+            system.residual(*state, self._scratch)
         system.fill_matrix(*state, zero, 0.0, 0.0)
 
     def solve(self, b: Array) -> Array:
@@ -183,6 +187,7 @@ class SceneEquilibrium:
     def move(self, dx: Array) -> None:
         """See the protocol."""
         system = self.system
+        self._forces_known = False
         system.elastic.carry(self._H, dx[: 6 * system.count])
         advance(self._H, -dx, system.held, system.uncoupled, system.length)
         system.carried_drilling.turn(self._H)
@@ -205,6 +210,7 @@ class SceneEquilibrium:
 
     def restore(self, state: _State) -> None:
         """See the protocol."""
+        self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
         self.system.connections.accept(self._H)
         self.system.elastic.restore(state.carried)

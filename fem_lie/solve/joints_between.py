@@ -13,8 +13,6 @@ the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fem_lie import joint_functions
@@ -30,7 +28,7 @@ from fem_lie._lie_tuples import (
     scaled,
     store,
 )
-from fem_lie.constraints import joint_table
+from fem_lie.joint_table import PackedJoints, joint_table
 from fem_lie.relative_motion import relative_motion
 
 
@@ -76,7 +74,7 @@ def _forces(a: Array, b: Array, p: Array) -> tuple[Vector, Vector, Vector]:
 def add_joints(
     mean: Array,
     delta: Array,
-    plain: tuple[Any, ...],
+    packed: PackedJoints,
     weights: Array,
     driven: Array,
     h: float,
@@ -88,7 +86,7 @@ def add_joints(
     Args:
         mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
         delta: Increments.
-        plain: See :class:`~fem_lie.constraints.JointTable`.
+        packed: See :class:`~fem_lie.joint_table.JointTable`.
         weights: Multipliers, shape (m,).
         driven: Increments of the constraints' targets, shape (m,).
         h: Step size.
@@ -98,7 +96,7 @@ def add_joints(
     Returns:
         The work of prescribed frames and drives on the nodes, and the loss in dampers.
     """
-    table = joint_table(plain)
+    table = joint_table(packed)
     work, loss, m = 0.0, 0.0, weights.shape[0]
     p, z, dz, g, f = np.empty(12), np.empty(12), np.empty(12), np.empty(12), np.zeros(3)
     both, moved = np.empty((2, 4, 3)), np.empty((2, 4, 3))

@@ -1,18 +1,22 @@
 """When to build and factorise the iteration matrix anew: the gift of local frames is that it keeps.
 
-A policy sees the iterations of every step and decides. Decisions depend on iteration counts only,
-never on measured time, so that a run repeats bit for bit.
+A policy sees the iterations of every step and decides. Decisions depend on iteration counts and
+sizes of corrections only, never on measured time, so that a run repeats bit for bit.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import IntEnum
-from math import inf
+from math import inf, log
 from typing import ClassVar
 
 NEVER = 2**31
 """More iterations than any step is given."""
+
+
+GAIN = 1.0
+"""Iterations per step, of which new mass and stiffness must be expected to save more."""
 
 
 class Update(IntEnum):
@@ -58,6 +62,23 @@ class Policy(ABC):
 
     def after_step(self, iterations: int) -> None:  # noqa: B027 - most policies have no memory
         """Learn how many iterations the step took."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether it wants to know what old mass and stiffness cost before it makes all anew."""
+        return False
+
+    def answer(  # noqa: B027 - most do not ask
+        self, iterations: int, rate: float, staleness: float
+    ) -> None:
+        """Learn it, at the end of a step after :meth:`after_step`.
+
+        Args:
+            iterations: Of the step.
+            rate: At which the iteration has converged.
+            staleness: At which it would converge if only mass and stiffness were old, see
+                :mod:`fem_lie.solve.staleness`.
+        """
 
 
 class EveryIteration(Policy):
@@ -146,11 +167,13 @@ class Automatic(Policy):
 
     The iterations that steps take beyond those of the first steps with fresh constraints add up;
     when they reach the cost of a refreshment, that is made at the start of the next step. What is
-    lost in spite of fresh constraints adds up likewise, until all is made anew. Within a step that
-    converges badly the constraints are refreshed, and if that does not help all is made anew.
+    lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
+    stiffness would bring: they are made anew if they are to blame, see :meth:`answer`. Within a
+    step that converges badly the constraints are refreshed, and if that does not help all is made
+    anew.
     """
 
-    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 40.0) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 8.0) -> None:
         """Set the costs.
 
         Args:
@@ -202,6 +225,22 @@ class Automatic(Policy):
         self._base = self._best if self._base == 0 else min(self._base, self._best)
         self._excess += counted - self._best
         self._lost += self._best - self._base
+
+    @property
+    def asks(self) -> bool:
+        """When it would make all anew at the next step, and might do with the constraints."""
+        return self.bound and self._lost >= self.cost
+
+    def answer(self, iterations: int, rate: float, staleness: float) -> None:
+        """Keep all, and be content with the iterations of late, if age is not to blame.
+
+        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
+        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
+        """
+        fresh = max(rate - staleness, rate**2)
+        saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
+        if saved <= GAIN:
+            self._base, self._lost = 0, 0.0
 
 
 def _within_step(iteration: int, patience: int, bound: bool) -> Update:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from fem_lie import inertia
 from fem_lie._jit import Array, Indices
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
@@ -188,7 +187,6 @@ class Recorder(History):
         super().__init__(system.info(), steps, step, save_every, progress, store)
         self._system = system
         self._count = 0 if store is None or not store.memory else int(store.memory["count"])
-        self._work = np.empty((2, system.count, 4, 3))
 
     def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
         """Keep step ``index`` if it is one to be kept."""
@@ -197,22 +195,15 @@ class Recorder(History):
             self.update_bar(index, self._count)
         if index % self.every and index != self.steps:
             return
-        system, row, n = self._system, self.row, self._system.count
+        system, row = self._system, self.row
         attachment = system.numbering.attachment
         self.frames[row] = attachment.frames(H)
         self.velocities[row] = attachment.twists(v)
         forces, coordinates, violations = system.report_joints(H, v, multipliers)
         self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
         self.joint_violations[row] = violations
-        self.invariants[row] = inertia.invariants(
-            H,
-            v[:n],
-            *system.inertia,
-            self._work[0],
-            self._work[1],
-        )
+        self.potential[row] = system.report(H, v, self.invariants[row])
         self.elastic[row] = system.stored_energy(H)
-        self.potential[row] = system.potential_energy(H)
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1
 

@@ -49,6 +49,7 @@ class StableEquilibrium(SceneEquilibrium):
     def factorise(self, factor: float) -> None:
         """See the protocol."""
         if not self._carried_stress:
+            self._forces_known = False
             self.system.elastic.reset_stress(self._H)
         super().factorise(factor)
 
@@ -118,7 +119,8 @@ class StableEquilibrium(SceneEquilibrium):
     def stress(self, dx: Array) -> None:
         """Carry the stress on along an increment, and multipliers, but leave the nodes."""
         system = self.system
-        self.system.elastic.carry(self._H, dx[: 6 * system.count])
+        self._forces_known = False
+        system.elastic.carry(self._H, dx[: 6 * system.count])
         self._multipliers += self._scale * dx[6 * system.count :]
 
     def all_nodes(self, shapes: Array) -> Array:

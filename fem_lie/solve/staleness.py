@@ -1,0 +1,85 @@
+"""What kept mass and stiffness cost the iteration, found out without making them anew.
+
+A Newton correction ``x`` with a kept matrix leaves ``(S_kept − S) x`` of mass and stiffness, which
+the next correction has to undo: ``|J⁻¹ (S_kept − S) x| / |x|`` is the rate at which the iteration
+would converge if nothing but ``S`` were old. ``S x`` is a difference of two residuals with the same
+multipliers, so that constraints have no part in it, and what is not linear in ``x`` cancels.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._jit import Array, Indices
+from fem_lie.solve.linear import DirectSolver
+from fem_lie.solve.scheme import ROTATION
+from fem_lie.solve.steps import State, correct
+from fem_lie.system import System
+
+PROBE = 1e-6
+"""Size of the differences, see :data:`~.scheme.ROTATION`: far above round-off, and small."""
+
+TINY = float(np.finfo(float).tiny)
+
+
+def staleness(
+    system: System,
+    solver: DirectSolver,
+    scheme: tuple[float, ...],
+    state: State,
+    weights: Array,
+    scale: Array,
+    measure: Array,
+    direction: Array,
+) -> float:
+    """Rate at which the iteration would converge if only mass and stiffness were old.
+
+    Costs two residuals and a solution.
+
+    Args:
+        system: The equations; its matrix is the one that was factorised, in local components.
+        solver: With the kept factors; what is in it is overwritten.
+        scheme: Parameters, as for :func:`~.steps.correct`, likewise the others.
+        state: In an iteration; not changed.
+        weights: Multipliers.
+        scale: Of the constraints.
+        measure: Of the multipliers.
+        direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
+    """
+    nodes, x = 6 * system.count, direction
+    size = _size(system, x, measure)
+    x[nodes:] = 0.0
+    probe = PROBE / max(_size(system, x, measure), TINY)
+
+    def moved(factor: float) -> Array:
+        there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
+        held, r = weights.copy(), np.empty_like(x)
+        correct(scheme, tuple(there), -factor * x, scale, measure, held)
+        system.elastic.settle(there.H1)
+        system.residual(there.H1, there.twist1, there.rate1, held, scale, r)
+        return r
+
+    change = (moved(probe) - moved(-probe)) / (2.0 * probe)
+    values, columns, pointers = system.kkt.csr
+    if system.supports:
+        system.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
+    solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
+    solver.right_hand_side[nodes:] = 0.0
+    solver.solve()
+    return _size(system, solver.solution, measure) / max(size, TINY)
+
+
+def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
+    """A correction (6 n + m,) as :func:`~.steps.correct` leaves it, in the nodes' frames again."""
+    flat = np.flatnonzero(kinds & 1)
+    moves = x[: 6 * len(kinds)].reshape(-1, 6)
+    moves[flat, :3] = np.einsum("nij,nj->ni", H[flat, 1:], moves[flat, :3])
+
+
+def _size(system: System, x: Array, measure: Array) -> float:
+    """The size of a correction as :func:`~.steps.correct` has it."""
+    nodes = 6 * system.count
+    parts = np.abs(x[:nodes].reshape(-1, 6))
+    largest = max(parts[:, :3].max() / system.length, ROTATION * parts[:, 3:].max())
+    return float(max(largest, (np.abs(x[nodes:]) * measure).max(initial=0.0)))
