@@ -5,6 +5,7 @@ Formulas in :mod:`fem_lie.solve.energy_momentum`.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from fem_lie._lie_tuples import (
 )
 from fem_lie.solve.between import span
 from fem_lie.solve.conserving_cells import add_from_nodes
-from fem_lie.solve.filtered import ACTIVE, end_velocities, lag_behind, velocity_loss
+from fem_lie.solve.filtered import ACTIVE, LIMIT, end_velocities, lag_behind, velocity_loss
 from fem_lie.solve.joints_between import add_joints
 
 
@@ -165,7 +166,13 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     for c in range(weights.shape[0]):
         r[0, 6 * n + c] = scale[c] * (gap[c] + change[c])
     if scheme[1] > 0.0:
-        lag_behind(model[2], state[2], this[2], state[8], this[10], lag)
+        moved = 0.0
+        for i in range(n):
+            for j in range(3):
+                moved += step[i, j] ** 2
+        # forces of this size are left over at both ends of the step, and the loss has a factor χ/2
+        noise = 4.0 / scheme[1] * lag[LIMIT] * sqrt(moved)
+        lag_behind(model[2], state[2], this[2], state[8], this[10], lag, noise)
 
 
 @compiled

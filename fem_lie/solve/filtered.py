@@ -84,8 +84,9 @@ def lag_behind(
     w: Array,
     q: Array,
     lag: Array,
+    noise: float,
 ) -> None:
-    """β for the next iteration; ``q`` (2, n, 4, 3) is work."""
+    """β for the next iteration; ``q`` (2, n, 4, 3) is work, ``noise`` that of round-off."""
     A = np.zeros((3, 3))
     turn_change = _projection(mass, V, V1, V1, V, 1.0, q, A)
     turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
@@ -93,8 +94,8 @@ def lag_behind(
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
     if lag[FREE] <= 0.0:
         return
-    # a hundredth for what β lags behind, and for round-off of stiff elements
-    most = 0.99 * by_change
+    # what is held back for what β lags behind makes an error of first order, so it is small
+    most = by_change - max(1e-4 * by_change, noise)
     lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
     lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
 

@@ -173,7 +173,7 @@ class Automatic(Policy):
     anew.
     """
 
-    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 8.0) -> None:
+    def __init__(self, cost: float = 40.0, patience: int = 8, refresh: float = 40.0) -> None:
         """Set the costs.
 
         Args:
