@@ -94,8 +94,8 @@ def lag_behind(
     by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
     if lag[FREE] <= 0.0:
         return
-    # what is held back for what β lags behind makes an error of first order, so it is small
-    most = by_change - max(1e-4 * by_change, noise)
+    # held back for what β lags behind, and for round-off; it makes an error of first order
+    most = by_change - min(max(1e-4 * by_change, noise), 1e-2 * by_change)
     lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
     lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
 
