@@ -75,7 +75,7 @@ def solve(
         **{f"tip_{axis}": float(value) for axis, value in zip("xyz", tip, strict=True)},
         "tip_error": float(np.linalg.norm(tip - REFERENCE) / np.linalg.norm(REFERENCE)),
         "steps": len(result.factors),
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "root_torque": torque,
         "root_moment": moment,

@@ -70,7 +70,7 @@ def main(elements: int = 4, load_steps: int = 1, pictures: bool = True) -> dict[
         scene, end = frame(elements, joints)
         result = fl.statics(scene, load_steps=load_steps)
         tips.append(result.position(end)[-1] - end.position)
-        rounds.append(int(result.iterations.sum()) + result.failed_iterations)
+        rounds.append(result.total_iterations)
         what = "beams with joints" if joints else "one mesh, no joints"
         shown = "  ".join(f"{1e3 * u:.6f}" for u in tips[-1])
         print(f"{what:19}: end of the outrigger moves by {shown} mm, {rounds[-1]} iterations")

@@ -81,7 +81,7 @@ def main(
         "path_error": float(errors.max()),
         "turning_error": turning_error(result, factors),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

@@ -59,7 +59,7 @@ def main(cells: int = 16, pictures: bool = True) -> dict[str, Any]:
         "deflection": float(found[-1, 1]),
         "path_error": float(np.abs(errors).max()),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

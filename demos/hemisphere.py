@@ -100,7 +100,7 @@ def main(
         "deflection_a": float(moved["00"][0] - RADIUS),
         "deflection_b": float(RADIUS - moved["10"][1]),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

@@ -110,7 +110,7 @@ def main(mesh: int = 40, formulation: str = "HR", pictures: bool = True) -> dict
         "other_error_a": float(others[-1, 0]),
         "other_error_b": float(others[-1, 1]),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

@@ -77,7 +77,7 @@ def main(mesh: str = "24x16", path: bool = False, pictures: bool = True) -> dict
         "max_error": max(map(abs, errors.values())),
         "load_steps": result.load_steps,
         "rejected_steps": result.failed_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "seconds": result.seconds,
     }
     print("deflections A {a:.4f}, B {b:.4f}, C {c:.4f}".format(**moved))

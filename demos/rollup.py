@@ -62,7 +62,7 @@ def main(
     scene, beam = cantilever(elements, stiffness_ratio)
     result = fl.statics(scene, load_steps=load_steps)
     tip = result.position(beam.end)[-1]
-    iterations = int(result.iterations.sum()) + result.failed_iterations
+    iterations = result.total_iterations
     record: dict[str, Any] = {
         "elements": elements,
         "load_steps": load_steps,
@@ -97,7 +97,7 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
     except fl.ConvergenceError as error:
         print(f"plain Newton: {error}")
         return {"plain_converged": False}
-    iterations = int(result.iterations.sum()) + result.failed_iterations
+    iterations = result.total_iterations
     print(
         f"plain Newton: {iterations} iterations, {result.failed_iterations} of them in steps that "
         f"failed and were halved; {len(result.factors)} steps in the end"

@@ -112,7 +112,7 @@ def main(
         "error_a": float(errors[-1]),
         "path_error": float(np.abs(errors).max()),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

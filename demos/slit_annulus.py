@@ -54,7 +54,7 @@ def main(radial: int = 10, around: int = 80, pictures: bool = True) -> dict[str,
         "deflection_a": float(result.position("ring.00")[-1, 2]),
         "deflection_b": float(result.position("ring.10")[-1, 2]),
         "load_steps": result.load_steps,
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }

@@ -71,7 +71,7 @@ def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
     a = result.position("hemisphere.00")[-1, 0] - RADIUS
     b = RADIUS - result.position("hemisphere.10")[-1, 1]
     error = float(np.abs(np.array([a, b]) / CASES[THICKNESS][1:] - 1.0).max())
-    iterations = int(result.iterations.sum()) + result.failed_iterations
+    iterations = result.total_iterations
     return Row(element, method, mesh, 5 * (mesh + 1) ** 2, error, iterations, min(times))
 
 

@@ -58,7 +58,7 @@ def solve(elements: int, load_steps: int) -> tuple[dict[str, Any], fl.StaticResu
         "load_steps": load_steps,
         **{f"tip_{axis}": float(value) for axis, value in zip("xyz", tip, strict=True)},
         "tip_error": float(np.linalg.norm(tip - REFERENCE) / np.linalg.norm(REFERENCE)),
-        "iterations": int(result.iterations.sum()) + result.failed_iterations,
+        "iterations": result.total_iterations,
     }
     return record, result, scene
 

@@ -108,28 +108,27 @@ def load_potential(H: Array, dead: Array) -> float:
 
 
 @compiled
-def report(
-    H: Array, v: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+def report_rates(
+    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
 ) -> float:
-    """Set kinetic energy and momenta (7,), and return the potential; ``work`` (2, n, 4, 3)."""
+    """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
+
+    ``qdot``: rates of (x, d₁, d₂, d₃), (n, 4, 3).
+    """
     indptr, indices, blocks = mass
-    count = dead.shape[0]
-    values = inertia.invariants(H, v[:count], indptr, indices, blocks, work[0], work[1])
+    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
     for k in range(7):
         invariants[k] = values[k]
     return load_potential(H, dead)
 
 
 @compiled
-def report_rates(
-    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+def report(
+    H: Array, v: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
 ) -> float:
-    """:func:`report` of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
-    indptr, indices, blocks = mass
-    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
-    for k in range(7):
-        invariants[k] = values[k]
-    return load_potential(H, dead)
+    """:func:`report_rates` of twists ``v``; ``work`` (2, n, 4, 3)."""
+    push(H, v[: dead.shape[0]], work[0])
+    return report_rates(H, work[0], mass, dead, work[1:], invariants)
 
 
 @compiled

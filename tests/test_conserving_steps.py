@@ -10,9 +10,9 @@ import pytest
 
 import fem_lie as fl
 from demos.time_error import TIP, rigid_pendulum, tip
-from fem_lie import lie
 from fem_lie.solve.step_control import Control, StepChoice
 from tests.test_energy_momentum import bars
+from tests.test_time_error import arm_that_stops, jump, pushed
 
 PARTS = 10
 # of second order, an error measured by a step in PARTS parts lacks that of the parts
@@ -147,17 +147,6 @@ def test_global_error_follows_the_tolerance():
 # --- events ---
 
 
-def pushed(history) -> fl.Scene:
-    scene = fl.Scene()
-    body = scene.add(fl.RigidBody(2.0, (1.0, 1.0, 1.0), name="ball"))
-    scene.add(fl.PointLoad(body.centre, force=(6.0, 0, 0), history=history))
-    return scene
-
-
-def jump(t: float) -> float:
-    return 1.0 if t >= 0.3 else 0.0
-
-
 @each_scheme
 def test_jump_at_a_named_event(scheme):
     """Steps end there, and both sides are exact: rest, and a parabola.
@@ -195,19 +184,8 @@ def test_jump_found_by_rejection():
 
 def test_kink_of_a_drive():
     """The velocity of what is driven jumps with it, and that work is counted."""
-    scene = fl.Scene()
-    arm = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0.5, 0, 0), name="arm"))
-    arm.turn((0, 0, 2.0), about=(0.5, 0, 0))
-    frame = arm.centre.frame.copy()
-
-    def drive(t: float) -> np.ndarray:
-        turned = frame.copy()
-        turned[1:] = frame[1:] @ lie.so3_exp(np.array([0, 0, 2.0 * min(t, 0.4)])).T
-        return turned
-
-    scene.add(fl.PrescribedMotion(arm.centre, drive))
     choice = fl.AdaptiveStep(1e-4, events=(0.4,), largest=0.05)
-    result = fl.EnergyMomentum().run(scene, duration=1.0, step=choice)
+    result = fl.EnergyMomentum().run(arm_that_stops(), duration=1.0, step=choice)
     event = int(np.flatnonzero(result.times == 0.4)[1])
     spin = result.velocity("arm.centre")[:, 5]
     # with the velocity of Cayley's map, which is (ωh)²/12 larger

@@ -93,5 +93,4 @@ def statics(
         _log.info("%s Now by arc length.", error)
         before = newton.result()
     path = follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
-    lost = before.failed_iterations + int(before.iterations.sum())
-    return replace(path, failed_iterations=path.failed_iterations + lost)
+    return replace(path, failed_iterations=path.failed_iterations + before.total_iterations)

@@ -206,7 +206,7 @@ class EquilibriumPath(StaticResult):
     @property
     def total_iterations(self) -> int:
         """Linear solutions in all."""
-        return int(self.iterations.sum()) + self.failed_iterations + self.locating_iterations
+        return super().total_iterations + self.locating_iterations
 
     def displacement(self, point: Point | str) -> Array:
         """Displacements of a point at all states, shape (k, 3)."""

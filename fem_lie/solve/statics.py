@@ -87,6 +87,11 @@ class StaticResult:
     steady_rotation: Rotation
     seconds: float
 
+    @property
+    def total_iterations(self) -> int:
+        """Linear solutions in all."""
+        return int(self.iterations.sum()) + self.failed_iterations
+
     def position(self, point: Point | str) -> Array:
         """Positions of a point at all steps, shape (k, 3)."""
         return self.frames[:, self.info.node(point), 0]
