@@ -1,27 +1,33 @@
 """Decorators of all compiled code of the package: numba with a disk cache that can be trusted.
 
-numba keys the cached machine code of a function by that function's own file. A function that has
-inlined a helper of another file would therefore survive a change of that helper. Here the cache
-folder itself carries a fingerprint of every compiled file of the package, of numba and of Python:
-whatever changes, all machine code is made anew, and an unchanged package starts without compiling.
+numba keys the cached machine code of a function by the place and the date of its own file. A
+function that has inlined a helper of another file would therefore survive a change of that helper,
+and a second checkout would compile all anew. Here each file's machine code lies in a folder that
+carries a fingerprint of what went into it: that file, all files of the package that it imports, at
+one or more removes, numba and Python. What changes is made anew with all that depends on it, and
+nothing else.
 """
 
 from __future__ import annotations
 
 import hashlib
+import inspect
 import logging
 import os
+import re
 import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numba
 import numpy as np
 import numpy.typing as npt
+from numba.core.caching import CacheImpl, _CacheLocator
 
 Array: TypeAlias = npt.NDArray[np.float64]
 """Numbers in compiled code."""
@@ -31,7 +37,7 @@ Indices: TypeAlias = npt.NDArray[np.int64]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_KEEP_FOLDERS = 20  # some 5 MB each
+_KEEP_FOLDERS = 12  # of each file
 
 
 def compiled(function: F) -> F:
@@ -66,50 +72,129 @@ def callback(signature: Any) -> Callable[[F], Any]:
     """
 
     def decorate(function: F) -> Any:
-        with _cache_folder() as cache:
-            return numba.cfunc(signature, error_model="numpy", cache=cache)(function)
+        with _own_cache(function) as cached:
+            return numba.cfunc(signature, error_model="numpy", cache=cached)(function)
 
     return decorate
 
 
 def _njit(function: F, **options: Any) -> F:
-    with _cache_folder() as cache:
-        dispatcher = numba.njit(error_model="numpy", cache=cache, **options)(function)
+    with _own_cache(function) as cached:
+        dispatcher = numba.njit(error_model="numpy", cache=cached, **options)(function)
     return dispatcher
 
 
+# --- where machine code is kept -------------------------------------------------------------------
+
+
+class _ByContent(_CacheLocator):
+    """Tells numba the folder of a function's file; its name says all that a date could."""
+
+    def __init__(self, function: Callable[..., Any], file: str) -> None:
+        self._line = function.__code__.co_firstlineno
+        self._folder = _folder_of(Path(file))
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _ByContent:
+        locator = cls(py_func, py_file)
+        locator.ensure_cache_path()
+        return locator
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return self._folder.name
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
 @contextmanager
-def _cache_folder() -> Iterator[bool]:
-    """Let numba cache what is decorated inside in our folder; yields whether there is one."""
-    users = numba.config.CACHE_DIR
-    if _FOLDER is not None:
-        # numba fixes the place of a function's cache when the function is decorated
-        numba.config.CACHE_DIR = str(_FOLDER)
+def _own_cache(function: Callable[..., Any]) -> Iterator[bool]:
+    """Let numba cache what is decorated inside in our folders; yields whether it can.
+
+    Functions that stand in no file, but were typed in, are not cached.
+    """
+    if _BASE is None or not Path(inspect.getfile(function)).is_file():
+        yield False
+        return
+    numbas = CacheImpl._locator_classes
+    CacheImpl._locator_classes = [_ByContent]
     try:
-        yield _FOLDER is not None
+        yield True
     finally:
-        numba.config.CACHE_DIR = users
+        CacheImpl._locator_classes = numbas
 
 
-def _fingerprint() -> str:
+@cache
+def _folder_of(file: Path) -> Path:
+    """The folder for the machine code of this state of ``file``, marked as in use."""
+    assert _BASE is not None
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        source = path.read_bytes()
-        if b"_jit import" in source:
-            digest.update(path.name.encode() + source)
-    return digest.hexdigest()[:16]
+    for source in sorted(_with_all_it_imports(file)):
+        digest.update(source.name.encode() + source.read_bytes())
+    folder = _BASE / f"{file.stem}-{digest.hexdigest()[:16]}"
+    if folder.is_dir():
+        os.utime(folder)
+    else:
+        folder.mkdir(parents=True, exist_ok=True)
+        _remove_unused(file.stem)
+    return folder
 
 
-def _prepare_folder() -> Path | None:
-    """Return the writable cache folder of this state of the package, or None after a warning."""
+def _with_all_it_imports(file: Path) -> set[Path]:
+    """``file`` and what it imports of this package, at one or more removes."""
+    found: set[Path] = set()
+    left = [file]
+    while left:
+        if (source := left.pop()) not in found:
+            found.add(source)
+            left += _imports(source)
+    return found
+
+
+_PACKAGE = Path(__file__).parent
+_IMPORT = re.compile(
+    rf"^(?:from\s+({_PACKAGE.name}[\w.]*)\s+import\s+(\([^)]*\)|.*)|import\s+({_PACKAGE.name}[\w.]*))",
+    re.MULTILINE,
+)
+
+
+@cache
+def _imports(file: Path) -> list[Path]:
+    """Files of this package that ``file`` imports when it is loaded; not for type hints alone."""
+    files: list[Path] = []
+    for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        place = _PACKAGE.joinpath(*(package or module).split(".")[1:])
+        modules = [place / f"{name}.py" for name in re.findall(r"\w+", names)]
+        files += modules
+        if place != _PACKAGE and not any(path.is_file() for path in modules):
+            files += [place / "__init__.py", place.with_suffix(".py")]
+    return [path for path in files if path.is_file()]
+
+
+def _remove_unused(stem: str) -> None:
+    """Remove all folders of a file but those of the states that processes have started with last.
+
+    A process that still runs with one keeps its loaded code, and numba makes the folder again.
+    """
+    assert _BASE is not None
+    with suppress(FileNotFoundError):  # another process may be at the same work
+        folders = sorted(
+            _BASE.glob(f"{stem}-{'[0-9a-f]' * 16}"), key=lambda folder: folder.stat().st_mtime
+        )
+        for folder in folders[:-_KEEP_FOLDERS]:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _prepare_base() -> Path | None:
+    """Return the writable folder of all machine code, or None after a warning."""
     try:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fem_lie"
-        folder = base / f"numba-{_fingerprint()}"
-        if not folder.is_dir():
-            folder.mkdir(parents=True, exist_ok=True)
-            _remove_unused(base)
-        tempfile.TemporaryFile(dir=folder).close()
-        os.utime(folder)
+        base /= "machine-code"
+        base.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=base).close()
     except (OSError, RuntimeError) as error:
         logging.getLogger(__name__).warning(
             "compiled code cannot be cached (%s): every start compiles anew, which takes a while; "
@@ -117,18 +202,7 @@ def _prepare_folder() -> Path | None:
             error,
         )
         return None
-    return folder
+    return base
 
 
-def _remove_unused(base: Path) -> None:
-    """Remove all folders but those of the states that processes have started with last.
-
-    A process that still runs with one keeps its loaded code, and numba makes the folder again.
-    """
-    with suppress(FileNotFoundError):  # another process may be at the same work
-        folders = sorted(base.glob("numba-*"), key=lambda folder: folder.stat().st_mtime)
-        for folder in folders[:-_KEEP_FOLDERS]:
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-_FOLDER = _prepare_folder()
+_BASE = _prepare_base()

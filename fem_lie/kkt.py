@@ -13,7 +13,7 @@ no columns: a factorisation would take zeros that are stored for coupling.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
 
@@ -22,7 +22,9 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.tables import Border
+
+if TYPE_CHECKING:
+    from fem_lie.tables import Border
 
 Flags = npt.NDArray[np.bool_]
 

@@ -8,6 +8,7 @@ nodes of the point follow its first one rigidly (:mod:`fem_lie.attachment`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,9 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie.bodies import vector
-from fem_lie.mesh import LineMesh
+
+if TYPE_CHECKING:
+    from fem_lie.mesh import LineMesh
 
 Up = npt.ArrayLike | Mapping[str, npt.ArrayLike]
 

@@ -46,13 +46,13 @@ def run(tmp_path):
     (package / "__init__.py").touch()
     (package / "caller.py").write_text(CALLER.format(package="small"))
 
-    def call(value, decorator="compiled", cache=tmp_path / "cache"):
+    def call(value, decorator="compiled", cache=tmp_path / "cache", package=package):
         source = HELPER.format(package="small", decorator=decorator, value=value)
         (package / "helper.py").write_text(source)
         # Python takes a .pyc of the same second and size for that of the rewritten helper
         environment = os.environ | {
             "XDG_CACHE_HOME": str(cache),
-            "PYTHONPATH": str(tmp_path),
+            "PYTHONPATH": str(package.parent),
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         done = subprocess.run(
@@ -72,6 +72,21 @@ def test_cache_is_found_again_and_notices_changes(run, decorator):
     assert run(7.0, decorator)[:2] == ([8.0, 9.0], 0)
 
 
+def test_files_that_are_not_imported_do_not_matter(run, tmp_path):
+    run(3.0)
+    other = HELPER.format(package="small", decorator="compiled", value=1.0)
+    (tmp_path / "small" / "bystander.py").write_text(other)
+    assert run(3.0)[1] == 2
+
+
+def test_a_copy_elsewhere_of_another_date_finds_the_same_code(run, tmp_path):
+    run(3.0)
+    copy = tmp_path / "elsewhere" / "small"
+    shutil.copytree(tmp_path / "small", copy)
+    os.utime(copy / "caller.py", (0, 0))
+    assert run(3.0, package=copy)[:2] == ([4.0, 5.0], 2)
+
+
 def test_unwritable_cache_folder_is_a_warning(run, tmp_path):
     (tmp_path / "file").touch()
     values, hits, log = run(3.0, cache=tmp_path / "file")
@@ -79,14 +94,15 @@ def test_unwritable_cache_folder_is_a_warning(run, tmp_path):
     assert log.count("XDG_CACHE_HOME") == 1
 
 
-def test_oldest_folders_are_removed(run, tmp_path):
-    base = tmp_path / "cache" / "fem_lie"
-    names = ["other", *(f"numba-{k:02}" for k in range(25))]
-    for age, name in enumerate(reversed(names), start=1):
+def test_oldest_folders_of_a_file_are_removed(run, tmp_path):
+    base = tmp_path / "cache" / "fem_lie" / "machine-code"
+    others = [f"caller_of-{0:016x}", "caller-of-old-times"]
+    names = [f"caller-{k:016x}" for k in range(25)]
+    for age, name in enumerate(reversed([*others, *names]), start=1):
         (base / name).mkdir(parents=True)
         then = time.time() - 3600 * age
         os.utime(base / name, (then, then))
     run(3.0)
     left = {path.name for path in base.iterdir()}
-    assert left & set(names) == {"other", *names[-19:]}
-    assert len(left) == 21
+    assert left & {*names, *others} == {*others, *names[-11:]}
+    assert len(left) == 11 + 2 + 2  # and those of the run: one for each of two files

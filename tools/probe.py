@@ -23,6 +23,7 @@ NEEDED = {
     "imageio": "imageio",
     "PIL": "pillow",
     "pytest": "pytest",
+    "xdist": "pytest-xdist",
     "hypothesis": "hypothesis",
     "mpmath": "mpmath",
 }

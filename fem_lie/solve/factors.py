@@ -6,15 +6,17 @@ solution would be a good part of that.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.kkt import KKT
 from fem_lie.solve.linear import SingularMatrixError
+
+if TYPE_CHECKING:
+    from fem_lie.kkt import KKT
 
 
 class Factors(NamedTuple):

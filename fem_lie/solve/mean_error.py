@@ -24,7 +24,7 @@ G-orthogonal projection of flat coordinates: Betsch & Leyendecker, IJNME 67 (200
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,7 +33,9 @@ from fem_lie._jit import Array, compiled
 from fem_lie._lie_tuples import load, load_row, rotate, rotate_back
 from fem_lie.frames import pull
 from fem_lie.solve.time_error import StepError, largest
-from fem_lie.system import System
+
+if TYPE_CHECKING:
+    from fem_lie.system import System
 
 
 class End(NamedTuple):

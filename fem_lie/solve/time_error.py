@@ -23,7 +23,7 @@ by it, as in stiff ordinary differential equations (Hairer & Wanner, Solving ODE
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,9 @@ from fem_lie._jit import Array, Indices, compiled
 from fem_lie._lie_tuples import cross, dot, load
 from fem_lie.frames import pull
 from fem_lie.groups import local_components
-from fem_lie.system import System
+
+if TYPE_CHECKING:
+    from fem_lie.system import System
 
 
 class StepError(NamedTuple):
