@@ -3,13 +3,14 @@
 numba keys the cached machine code of a function by the place and the date of its own file. A
 function that has inlined a helper of another file would therefore survive a change of that helper,
 and a second checkout would compile all anew. Here each file's machine code lies in a folder that
-carries a fingerprint of what went into it: that file, all files of the package that it imports, at
-one or more removes, numba and Python. What changes is made anew with all that depends on it, and
-nothing else.
+carries a fingerprint of what went into it: the code, without comments and docstrings, of that file
+and of all files of the package that it imports, at one or more removes, numba and Python. What
+changes is made anew with all that depends on it, and nothing else.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import logging
@@ -18,7 +19,7 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -37,7 +38,7 @@ Indices: TypeAlias = npt.NDArray[np.int64]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_KEEP_FOLDERS = 12  # of each file
+_KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
 
 
 def compiled(function: F) -> F:
@@ -91,7 +92,6 @@ class _ByContent(_CacheLocator):
     """Tells numba the folder of a function's file; its name says all that a date could."""
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
-        self._line = function.__code__.co_firstlineno
         self._folder = _folder_of(Path(file))
 
     @classmethod
@@ -107,7 +107,7 @@ class _ByContent(_CacheLocator):
         return self._folder.name
 
     def get_disambiguator(self) -> str:
-        return str(self._line)
+        return "only"  # of its name in its file; its line may change with a comment
 
 
 @contextmanager
@@ -133,13 +133,13 @@ def _folder_of(file: Path) -> Path:
     assert _BASE is not None
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
     for source in sorted(_with_all_it_imports(file)):
-        digest.update(source.name.encode() + source.read_bytes())
+        digest.update(f"{source.name} {_code(source.read_bytes())}".encode())
     folder = _BASE / f"{file.stem}-{digest.hexdigest()[:16]}"
     if folder.is_dir():
         os.utime(folder)
     else:
         folder.mkdir(parents=True, exist_ok=True)
-        _remove_unused(file.stem)
+        _keep_last(_BASE.glob(f"{file.stem}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
     return folder
 
 
@@ -152,6 +152,33 @@ def _with_all_it_imports(file: Path) -> set[Path]:
             found.add(source)
             left += _imports(source)
     return found
+
+
+def _code(source: bytes) -> str:
+    """Fingerprint of a file without its comments and docstrings; kept, as it takes a while."""
+    assert _BASE is not None
+    kept = _BASE / "sources" / hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
+    with suppress(FileNotFoundError):
+        return kept.read_text()
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(body := getattr(node, "body", None), list):
+            body[:] = [statement for statement in body if not _is_text(statement)]
+    code = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    kept.parent.mkdir(exist_ok=True)
+    _keep_last(kept.parent.glob("*"), _KEEP_SOURCES)
+    with tempfile.NamedTemporaryFile("w", dir=_BASE, delete=False) as file:
+        file.write(code)
+    os.replace(file.name, kept)
+    return code
+
+
+def _is_text(statement: Any) -> bool:
+    return (
+        isinstance(statement, ast.Expr)
+        and isinstance(statement.value, ast.Constant)
+        and isinstance(statement.value.value, str)
+    )
 
 
 _PACKAGE = Path(__file__).parent
@@ -174,18 +201,17 @@ def _imports(file: Path) -> list[Path]:
     return [path for path in files if path.is_file()]
 
 
-def _remove_unused(stem: str) -> None:
-    """Remove all folders of a file but those of the states that processes have started with last.
+def _keep_last(paths: Iterable[Path], number: int) -> None:
+    """Remove all of ``paths`` but those that processes have started with last.
 
     A process that still runs with one keeps its loaded code, and numba makes the folder again.
     """
-    assert _BASE is not None
     with suppress(FileNotFoundError):  # another process may be at the same work
-        folders = sorted(
-            _BASE.glob(f"{stem}-{'[0-9a-f]' * 16}"), key=lambda folder: folder.stat().st_mtime
-        )
-        for folder in folders[:-_KEEP_FOLDERS]:
-            shutil.rmtree(folder, ignore_errors=True)
+        for path in sorted(paths, key=lambda path: path.stat().st_mtime)[:-number]:
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink()
 
 
 def _prepare_base() -> Path | None:

@@ -79,6 +79,15 @@ def test_files_that_are_not_imported_do_not_matter(run, tmp_path):
     assert run(3.0)[1] == 2
 
 
+def test_comments_and_docstrings_do_not_matter(run, tmp_path):
+    run(3.0)
+    caller = tmp_path / "small" / "caller.py"
+    text = caller.read_text()
+    text = text.replace("def caller(x):", 'def caller(x):\n    """Of x."""\n    # why')
+    caller.write_text('"""A module."""\n\n# a comment\n' + text)
+    assert run(3.0)[:2] == ([4.0, 5.0], 2)
+
+
 def test_a_copy_elsewhere_of_another_date_finds_the_same_code(run, tmp_path):
     run(3.0)
     copy = tmp_path / "elsewhere" / "small"
@@ -105,4 +114,4 @@ def test_oldest_folders_of_a_file_are_removed(run, tmp_path):
     run(3.0)
     left = {path.name for path in base.iterdir()}
     assert left & {*names, *others} == {*others, *names[-11:]}
-    assert len(left) == 11 + 2 + 2  # and those of the run: one for each of two files
+    assert len(left) == 11 + 2 + 2 + 1  # with the run's two files and `sources`
