@@ -16,7 +16,7 @@ demo: set-up
 	tools/run python3 demos/double_pendulum.py $(ARGS)
 
 test: set-up
-	tools/run python3 -m pytest $(ARGS)
+	tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)
 
 lint: set-up
 	tools/lint

@@ -92,6 +92,7 @@ class _ByContent(_CacheLocator):
     """Tells numba the folder of a function's file; its name says all that a date could."""
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
+        self._py_file = file  # numba names it in its messages
         self._folder = _folder_of(Path(file))
 
     @classmethod
