@@ -1,0 +1,247 @@
+"""Scenes of fem_lie from the data of :mod:`tests.scene_data`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+import fem_lie as fl
+from fem_lie import lie
+from tests import scene_data as data
+
+FORMULATIONS: dict[str, Any] = {
+    "geodesic": fl.Geodesic(),
+    "geodesic, plain": fl.Geodesic(False),
+    "director 1": fl.Director(1),
+    "director 2": fl.Director(2),
+    "HR": fl.HellingerReissner(),
+    "MITC4": fl.Displacement(),
+}
+
+
+@dataclass
+class Built:
+    """A scene, and its parts by their names in the data."""
+
+    scene: fl.Scene
+    clock: float
+    bodies: dict[str, Any] = field(default_factory=dict)
+    joints: dict[str, Any] = field(default_factory=dict)
+
+    def point(self, ref: data.PointRef) -> fl.Point:
+        return fl.ground() if ref.body is None else self.bodies[ref.body][ref.name]
+
+    def coordinate(self, ref: data.CoordinateRef) -> fl.Coordinate:
+        return self.joints[ref.joint].coordinates()[ref.number]
+
+    def history(
+        self, given: data.HistoryData | data.OnsetData | None
+    ) -> Callable[[float], float] | None:
+        return None if given is None else lambda t: _factor(given, t / self.clock)
+
+
+def _factor(given: data.HistoryData | data.OnsetData, τ: float) -> float:
+    if isinstance(given, data.OnsetData):
+        return τ**3
+    wave = 0.5 * (1.0 - float(np.cos(2 * np.pi * given.cycles * τ)))
+    return given.offset + given.amplitude * wave
+
+
+def build(
+    given: data.SceneData, *, static: bool = False, redundant: fl.Redundant = fl.Redundant.REFUSE
+) -> Built:
+    """The scene; in statics histories run with the load factor."""
+    scene = fl.Scene(given.gravity, redundant=redundant)
+    built = Built(scene, 1.0 if static else given.duration)
+    for part in (*given.bodies, *given.joints, *given.supports, *given.actions, *given.loads):
+        add(part, built)
+    for body in scene.bodies:
+        body.turn(given.spin, about=given.about)
+        body.move(given.velocity)
+    return built
+
+
+def _section(given: data.SectionData | data.RectangleData) -> fl.Section:
+    if isinstance(given, data.RectangleData):
+        material = fl.Material(given.E, given.nu, given.density)
+        return fl.Section.rectangle(given.width, given.height, material)
+    return fl.Section.from_stiffness(given.stiffness, given.inertia)
+
+
+@singledispatch
+def add(item: Any, built: Built) -> None:
+    """Add a part to the scene."""
+    raise TypeError(f"no part of a scene: {item!r}")
+
+
+@add.register
+def _(item: data.BeamData, built: Built) -> None:
+    def line(s: float) -> np.ndarray:
+        return item.start + s * (item.end - item.start) + 4 * s * (1 - s) * item.bow
+
+    built.bodies[item.name] = built.scene.add(
+        fl.Beam.curve(
+            line,
+            _section(item.section),
+            cells=item.cells,
+            up=item.up,
+            formulation=FORMULATIONS[item.formulation],
+            damping=fl.Damping(item.drag, item.viscosity),
+            name=item.name,
+        )
+    )
+
+
+@add.register
+def _(item: data.RigidData, built: Built) -> None:
+    body = fl.RigidBody(item.mass, item.inertia, item.position, item.rotation, name=item.name)
+    built.bodies[item.name] = built.scene.add(body)
+
+
+@add.register
+def _(item: data.ShellData, built: Built) -> None:
+    def place(a: float, b: float) -> np.ndarray:
+        return np.array([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b]) @ item.corners
+
+    s = item.section
+    shell = fl.Shell(
+        fl.surface(place, item.cells),
+        fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density)),
+        along=item.along,
+        formulation=FORMULATIONS[item.formulation],
+        name=item.name,
+    )
+    if item.clamped is not None:
+        shell.clamp(item.clamped)
+    built.bodies[item.name] = built.scene.add(shell)
+
+
+_OWN = ("at", "axis", "second", "to", "normal", "pitch", "radius")
+
+
+@add.register
+def _(item: data.JointData, built: Built) -> None:
+    kind = getattr(fl, item.kind)
+    given = {name: getattr(item, name) for name in _OWN if getattr(item, name) is not None}
+    joint = kind(built.point(item.a), built.point(item.b), name=item.name, **given)
+    built.joints[item.name] = built.scene.add(joint)
+
+
+@add.register
+def _(item: data.SlidingData, built: Built) -> None:
+    kind = getattr(fl, item.kind)
+    joint = kind(built.bodies[item.beam], built.point(item.b), at=item.at, name=item.name)
+    built.joints[item.name] = built.scene.add(joint)
+
+
+@add.register
+def _(item: data.LinkData, built: Built) -> None:
+    built.scene.add(fl.RigidLink(built.point(item.a), built.point(item.b)))
+
+
+@add.register
+def _(item: data.ClampData, built: Built) -> None:
+    built.scene.add(fl.Clamp(built.point(item.point)))
+
+
+@add.register
+def _(item: data.MotionData, built: Built) -> None:
+    point = built.point(item.point)
+    start = point.frame.copy()
+
+    def motion(t: float) -> np.ndarray:
+        c = _factor(item.history, t / built.clock)
+        H = start @ lie.so3_exp(c * item.turn).T
+        H[0] = start[0] + c * item.shift
+        return H
+
+    built.scene.add(fl.PrescribedMotion(point, motion))
+
+
+@add.register
+def _(item: data.SpringData, built: Built) -> None:
+    coordinate = built.coordinate(item.coordinate)
+    built.scene.add(fl.Spring(coordinate, item.stiffness, item.damping, item.rest))
+
+
+@add.register
+def _(item: data.DriveData, built: Built) -> None:
+    coordinate, history = built.coordinate(item.coordinate), built.history(item.history)
+    if history is None:
+        built.scene.add(fl.Drive(coordinate))
+        return
+    start = coordinate.start()
+    built.scene.add(fl.Drive(coordinate, lambda t: start + item.amplitude * history(t)))
+
+
+@add.register
+def _(item: data.GearData, built: Built) -> None:
+    first, second = built.coordinate(item.first), built.coordinate(item.second)
+    built.scene.add(fl.Gear(first, second, item.ratio))
+
+
+@add.register
+def _(item: data.PointLoadData, built: Built) -> None:
+    built.scene.add(
+        fl.PointLoad(
+            built.point(item.point),
+            item.force,
+            item.moment,
+            following=item.following,
+            history=built.history(item.history),
+        )
+    )
+
+
+@add.register
+def _(item: data.LineLoadData, built: Built) -> None:
+    built.scene.add(
+        fl.LineLoad(
+            built.bodies[item.beam],
+            item.force,
+            item.moment,
+            following=item.following,
+            history=built.history(item.history),
+        )
+    )
+
+
+@add.register
+def _(item: data.BeamPressureData, built: Built) -> None:
+    beam, history = built.bodies[item.beam], built.history(item.history)
+    built.scene.add(fl.PressureLoad(beam, item.pressure, item.direction, history=history))
+
+
+@add.register
+def _(item: data.EigenstrainData, built: Built) -> None:
+    beam, history = built.bodies[item.beam], built.history(item.history)
+    built.scene.add(fl.Eigenstrain(beam, item.strain, history=history))
+
+
+@add.register
+def _(item: data.PreStressData, built: Built) -> None:
+    beam, history = built.bodies[item.beam], built.history(item.history)
+    built.scene.add(fl.PreStress(beam, item.resultant, history=history))
+
+
+@add.register
+def _(item: data.AreaLoadData, built: Built) -> None:
+    shell, history = built.bodies[item.shell], built.history(item.history)
+    built.scene.add(fl.AreaLoad(shell, item.force, history=history))
+
+
+@add.register
+def _(item: data.EdgeLoadData, built: Built) -> None:
+    shell, history = built.bodies[item.shell], built.history(item.history)
+    load = fl.EdgeLoad(shell, item.curve, item.force, history=history, following=item.following)
+    built.scene.add(load)
+
+
+@add.register
+def _(item: data.SurfacePressureData, built: Built) -> None:
+    shell, history = built.bodies[item.shell], built.history(item.history)
+    built.scene.add(fl.SurfacePressure(shell, item.pressure, history=history))

@@ -1,0 +1,49 @@
+"""Laws that hold for random small scenes of all kinds of bodies, joints and loads."""
+
+import numpy as np
+import pytest
+
+from fem_lie import lie
+from tests.random_scenes import CONSERVING, HELD, MOTION, PROPORTIONAL, random_scene
+from tests.scene_builder import build
+from tests.scene_data import arguments, converted, placed, reordered, replaced
+from tests.unit_systems import OTHER_SYSTEMS
+
+
+def _numbers(data):
+    return [value for _, value in arguments(data) if isinstance(value, float | np.ndarray)]
+
+
+@pytest.mark.parametrize("wanted", [MOTION, CONSERVING, HELD, PROPORTIONAL])
+def test_random_scenes_can_be_built(wanted):
+    for seed in range(6):
+        data = random_scene(seed, wanted)
+        scene = build(data, static=not wanted.loose).scene
+        assert len(scene.bodies) == len(data.bodies)
+
+
+def test_units_and_places_lead_there_and_back():
+    data, rng = random_scene(3), np.random.default_rng(0)
+    Q, shift = lie.so3_exp(rng.normal(size=3)), rng.normal(size=3)
+    for there, back in [
+        *((converted(data, u), lambda d, u=u: converted(d, u.inverse)) for u in OTHER_SYSTEMS),
+        (placed(data, Q, shift), lambda d: placed(d, Q.T, -Q.T @ shift)),
+    ]:
+        assert any(
+            not np.allclose(a, b) for a, b in zip(_numbers(there), _numbers(data), strict=True)
+        )
+        for a, b in zip(_numbers(back(there)), _numbers(data), strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-14)
+
+
+def test_what_is_replaced_is_nothing_else():
+    data = random_scene(5)
+    paths = [path for path, _ in arguments(data)]
+    changed = replaced(data, paths[7], "other")
+    differ = [
+        path
+        for (path, old), (_, new) in zip(arguments(data), arguments(changed), strict=True)
+        if old is not new
+    ]
+    assert differ == [paths[7]]
+    assert len(reordered(data, np.random.default_rng(1)).bodies) == len(data.bodies)
