@@ -15,8 +15,8 @@ from fem_lie.plot import SI, Units
 
 Array = npt.NDArray[np.float64]
 
-_LARGEST_TURN = 0.5  # rad: pictures show no more
-_SHIFTS = 0.05  # displacement over size per rotation: below, a mode is one of rotations
+_LARGEST_TURN = 0.5  # rad: pictures show no more unless they are told to
+_PART = 0.1  # of the model: the largest displacement in pictures
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,8 @@ class BucklingModes:
     Attributes:
         factors: Shape (k,).
         shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6), the largest
-            displacement is 1; or the largest rotation where there is hardly any displacement.
+            displacement is 1, or the largest rotation of a mode that only turns.
+        turns_only: Which modes have rotations, but no displacement beyond round-off, shape (k,).
         frames: The unloaded configuration, shape (n, 4, 3).
         size: Length of the model.
         info: Bodies and joints.
@@ -35,6 +36,7 @@ class BucklingModes:
 
     factors: Array
     shapes: Array
+    turns_only: npt.NDArray[np.bool_]
     frames: Array
     size: float
     info: SceneInfo
@@ -46,7 +48,9 @@ class BucklingModes:
 
     def __str__(self) -> str:
         """One line for each mode."""
-        lines = [f"{number:4}  {factor:.8g}" for number, factor in enumerate(self.factors, 1)]
+        marks = ["  turns only" if turns else "" for turns in self.turns_only]
+        rows = enumerate(zip(self.factors, marks, strict=True), start=1)
+        lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
         return "\n".join(["mode  load factor", *lines])
 
     def shape(self, mode: int) -> Array:
@@ -80,17 +84,19 @@ class BucklingModes:
         Args:
             path: Name of the ``.png`` file.
             mode: Counted from 1.
-            amplitude: Largest displacement; default: a tenth of the model.
+            amplitude: Largest displacement; default: a tenth of the model, less where it would turn
+                by more than half a radian, and so much where it only turns.
             title: Above the picture; default: number and load factor.
             units: For the axes.
 
         Raises:
-            ValueError: There is no such mode.
+            ValueError: There is no such mode, or one that only turns has no such amplitude.
         """
         from fem_lie.picture import draw
 
-        largest = 0.1 * self.size if amplitude is None else amplitude
-        frames = moved_along(self.shapes, self.frames, mode, [largest])
+        shape, turns = chosen(self.shapes, mode), bool(self.turns_only[mode - 1])
+        largest = shown(shape, turns, mode, self.size, amplitude)
+        frames = moved_along(shape, self.frames, [largest])
         name = f"Mode {mode}: load factor {self.factors[mode - 1]:.5g}"
         draw(self.info, frames, path, title=name if title is None else title, units=units)
 
@@ -106,33 +112,34 @@ def chosen(shapes: Array, mode: int) -> Array:
     return np.asarray(shapes[mode - 1])
 
 
-def moved_along(shapes: Array, frames: Array, mode: int, amplitudes: Sequence[float]) -> Array:
-    """Frames (k, n, 4, 3) beside ``frames`` along a mode, rotations limited to what looks well.
+def check_displaces(turns_only: bool, mode: int) -> None:
+    """Raise ``ValueError`` for a mode without displacements, whose amplitude cannot be one."""
+    if turns_only:
+        raise ValueError(f"mode {mode} only turns: it has no displacement for an amplitude")
+
+
+def shown(shape: Array, turns_only: bool, mode: int, size: float, wanted: float | None) -> float:
+    """Factor of a shape in pictures.
+
+    Args:
+        shape: Increments, shape (n, 6).
+        turns_only: Whether it has no displacements.
+        mode: Its number.
+        size: Length of the model.
+        wanted: Largest displacement if it is given.
 
     Raises:
-        ValueError: There is no such mode.
+        ValueError: A displacement is wanted, and the mode has none.
     """
-    shape = chosen(shapes, mode)
-    turn = float(np.abs(shape[:, 3:]).max()) * max(map(abs, amplitudes))
-    factor = min(1.0, _LARGEST_TURN / turn) if turn > 0 else 1.0
-    scales = factor * np.asarray(amplitudes, dtype=np.float64)
+    if wanted is not None:
+        check_displaces(turns_only, mode)
+        return wanted
+    turn = float(np.abs(shape[:, 3:]).max())
+    fitting = _LARGEST_TURN / turn if turn > 0 else np.inf
+    return fitting if turns_only else min(_PART * size, fitting)
+
+
+def moved_along(shape: Array, frames: Array, amplitudes: Sequence[float]) -> Array:
+    """Frames (k, n, 4, 3) beside ``frames`` along a shape (n, 6)."""
+    scales = np.asarray(amplitudes, dtype=np.float64)
     return lie.se3_retract(frames, scales[:, np.newaxis, np.newaxis] * shape)
-
-
-def normalised(shapes: Array, size: float) -> Array:
-    """Shapes (k, n, 6) scaled, their largest displacement or rotation positive.
-
-    The largest displacement becomes 1, or the largest rotation where there is hardly any
-    displacement over ``size``.
-    """
-    scaled = []
-    for shape in shapes:
-        shift = np.linalg.norm(shape[:, :3], axis=1)
-        turn = np.linalg.norm(shape[:, 3:], axis=1)
-        part = slice(0, 3) if shift.max() >= _SHIFTS * size * turn.max() else slice(3, 6)
-        length = shift if part.start == 0 else turn
-        node = int(length.argmax())
-        largest = shape[node, part]
-        sign = np.sign(largest[np.abs(largest).argmax()])
-        scaled.append(sign * shape / length[node])
-    return np.array(scaled).reshape(shapes.shape)

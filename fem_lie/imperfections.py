@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -42,26 +42,44 @@ class ModeImperfection(Imperfection):
         modes: Of the perfect scene.
         mode: Counted from 1.
         amplitude: Largest displacement; its sign matters where the structure has no symmetry.
+        angle: Largest rotation, rad, instead of it: of a mode that only turns.
+
+    Raises:
+        ValueError: There is no such mode, or not the one of amplitude and angle that it has.
     """
 
     modes: BucklingModes
     mode: int
-    amplitude: float
+    amplitude: float | None = None
+    angle: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that the mode has what is given."""
+        chosen(self.modes.shapes, self.mode)
+        turns = bool(self.modes.turns_only[self.mode - 1])
+        wanted, other = (self.angle, self.amplitude) if turns else (self.amplitude, self.angle)
+        if wanted is None or other is not None or not np.isfinite(wanted):
+            has = "only turns: give angle=" if turns else "has displacements: give amplitude="
+            raise ValueError(
+                f"mode {self.mode} {has} a finite number and nothing else, got "
+                f"amplitude={self.amplitude!r}, angle={self.angle!r}"
+            )
 
     def of(self, body: Body) -> tuple[Array, Array]:
         """See the base class.
 
         Raises:
-            ValueError: There is no such mode, or it is one of other bodies.
+            ValueError: The mode is one of other bodies.
         """
-        shape = chosen(self.modes.shapes, self.mode)
         nodes = self.modes.info.body(body.name).nodes
         if len(nodes) != len(body.frames):
             raise ValueError(
                 f"{body.label} has {len(body.frames)} nodes, in the modes it has {len(nodes)}"
             )
+        size = self.amplitude if self.angle is None else self.angle
+        assert size is not None
         directors = self.modes.frames[nodes, 1:]
-        moved = self.amplitude * shape[nodes].reshape(-1, 2, 3)
+        moved = size * chosen(self.modes.shapes, self.mode)[nodes].reshape(-1, 2, 3)
         u, theta = np.einsum("nij,nki->knj", directors, moved)
         return u, theta
 
@@ -121,13 +139,13 @@ class RandomImperfection(Imperfection):
         # the same field for all bodies of a scene: about the largest of so many waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 
-        def field(places: Array, frames: Array) -> Array:
+        def waves(places: Array, frames: Array) -> Array:
             across = frames[:, 3]
             if self.along is not None:
                 across = np.array([self.along(x) for x in places], dtype=np.float64)
             return np.asarray(scale * self._waves(places)[:, np.newaxis] * across)
 
-        return _with_rotations(body, field)
+        return _with_rotations(body, waves)
 
     def _waves(self, places: Array) -> Array:
         random = np.random.default_rng(self.seed)

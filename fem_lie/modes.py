@@ -26,8 +26,9 @@ class Modes:
     Attributes:
         eigenvalues: ``s``, 1/time, shape (k,); of a pair of conjugates the one that turns forward.
         shapes: ``φ``: local increments (translation, rotation) of all nodes, shape (k, n, 6), the
-            largest displacement is ``size``; or the largest rotation is 1 where there is hardly
-            any displacement, as in torsion.
+            largest displacement is ``size``, or the largest rotation of a mode that only turns is
+            1, as in torsion.
+        turns_only: Which of them have no displacement beyond round-off, shape (k,).
         frames: The equilibrium, shape (n, 4, 3); in steady rotation in the turning frame.
         size: Length of the model.
         residuals: ``|Q(s) φ|`` over the size of what cancels in it, shape (k,).
@@ -36,6 +37,7 @@ class Modes:
 
     eigenvalues: Complex
     shapes: Complex
+    turns_only: npt.NDArray[np.bool_]
     frames: Array
     size: float
     residuals: Array

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem_lie._jit import Array
-from fem_lie.buckling_modes import chosen
+from fem_lie.buckling_modes import check_displaces, chosen
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import Along, Arc
@@ -17,7 +17,10 @@ from fem_lie.solve.path_result import CriticalPoint
 from fem_lie.solve.stability import StableEquilibrium
 from fem_lie.solve.walk import LostError, Station, Walker
 
-_AMPLITUDE = 0.005  # of the diameter
+_AMPLITUDE = 0.005  # of the body that moves most
+_TURN = 1 / 60  # rad, at most
+_REACH = 20.0  # amplitudes: the length by which the search measures displacements
+_NIL = 1e-5  # of the largest displacement of a mode
 _CHANGE = 0.05  # of the load factor, where the other path goes on with the load
 _HALVINGS = 12
 
@@ -45,14 +48,15 @@ def branch(
         mode: Which critical mode, counted from 1; more than the first matter where several
             coincide.
         side: 1 along the mode, −1 against it.
-        amplitude: Largest displacement of the mode; default: 0.005 of the model, less if there is
-            no such state.
+        amplitude: Largest displacement of the mode; default: 0.005 of the body that moves most, at
+            most what turns something by 1/60 rad, and less if there is no such state.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
-        ValueError: Bad scene or options, no such mode, a mode without displacements, or a
-            bifurcation of another scene.
-        ConvergenceError: There is no equilibrium with any amplitude down to 1e-5 of the model.
+        ValueError: Bad scene or options, no such mode, a mode that only turns, or a bifurcation of
+            another scene.
+        ConvergenceError: There is no equilibrium with the amplitude, or with any down to 1/2000 of
+            the default.
     """
     check_proportion(scene)
     if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
@@ -60,6 +64,7 @@ def branch(
             f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
         )
     shape = chosen(critical.shapes, mode)
+    check_displaces(bool(critical.turns_only[mode - 1]), mode)
     model = StableEquilibrium(scene, petsc_options_prefix)
     station, leaders = critical.station, model.system.numbering.attachment.leaders
     if len(critical.frames) != model.system.numbering.total:
@@ -70,28 +75,37 @@ def branch(
     model.restore(station.state)
     h: Array = np.zeros(model.system.size)
     h[: 6 * len(leaders)] = shape[leaders].ravel()
-    size = _AMPLITUDE * model.diameter
+    size = _first_amplitude(model, shape)
     if critical.crossed:
         h, size = _beside(model, station, h)
     u = model.translations(h)
-    square = float(np.sum(u * u))
-    if not square > 1e-12 * len(leaders):
-        raise ValueError(f"mode {mode} has no displacements; it turns only")
-    walker = Walker(model, ArcLength(), max(abs(station.factor), 1e-3))
-    arc, control = Arc(0.1 * model.diameter, walker.load), Along(np.asarray(u / square), 1.0)
+    if not np.abs(u).max() > _NIL:
+        raise ValueError(f"mode {mode} moves only nodes that follow others rigidly")
+    pattern: Array = np.asarray(u / float(np.sum(u * u)))
+    walker = Walker(model, ArcLength(), abs(station.factor) or 1.0)
     size = side * (size if amplitude is None else amplitude)
     for _ in range(1 if amplitude is not None else _HALVINGS):
         model.restore(station.state)
         model.move(size * h)
-        beside = replace(station, state=model.state())
+        beside, unit = replace(station, state=model.state()), _REACH * abs(size)
+        arc, control = Arc(unit, walker.load), Along(pattern, unit)
         try:
-            return walker.step(station, control, size, arc, begin=beside)
+            return walker.step(station, control, size / unit, arc, begin=beside)
         except LostError:
             size /= 2
     raise ConvergenceError(
         f"no equilibrium beside the {critical.kind.value} at load factor {critical.factor:g} with "
         f"an amplitude of mode {mode} down to {abs(2 * size):.1e}"
     )
+
+
+def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
+    """Largest displacement of a mode to begin with."""
+    node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
+    bodies = model.system.numbering.nodes.items()
+    size = next(body.size for body, nodes in bodies if node in nodes)
+    turn = float(np.linalg.norm(shape[:, 3:], axis=1).max())
+    return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)
 
 
 def _beside(model: StableEquilibrium, station: Station, h: Array) -> tuple[Array, float]:

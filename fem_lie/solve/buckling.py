@@ -57,9 +57,11 @@ def buckling(
     factors, vectors = _positive(K, B, G, count, petsc_options_prefix)
     shapes = np.array([model.increments(vector) for vector in vectors])
     system = model.system
+    shapes, turns_only = model.all_nodes(shapes.reshape(-1, system.count, 6))
     modes = BucklingModes(
         factors=factors,
-        shapes=model.all_nodes(shapes.reshape(-1, system.count, 6)),
+        shapes=shapes,
+        turns_only=turns_only,
         frames=system.numbering.attachment.frames(system.frames).copy(),
         size=model.diameter,
         info=system.info(),

@@ -164,6 +164,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
     except ConvergenceError as error:
         _log.warning("the critical modes at load factor %g: %s", first.factor, error)
         values, shapes = np.empty(0), np.empty((0, model.system.count, 6))
+    moved, turns_only = model.all_nodes(shapes)
     # where a path crosses another one symmetrically its load turns, too, but no pivot does
     limit = first.sign != last.sign and first.negative != last.negative
     extremum = max if first.sign > 0 else min
@@ -174,9 +175,11 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         bracket=factors,
         negative_pivots=(first.negative, last.negative),
         eigenvalues=values,
-        shapes=model.all_nodes(shapes),
+        shapes=moved,
+        turns_only=turns_only,
         station=first,
         index=index,
         frames=run.attachment.frames(first.state.frames).copy(),
+        initial=run.initial,
         info=run.info,
     )

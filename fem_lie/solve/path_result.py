@@ -14,7 +14,7 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.bodies import Point
-from fem_lie.buckling_modes import moved_along
+from fem_lie.buckling_modes import check_displaces, chosen, moved_along, shown
 from fem_lie.info import SceneInfo
 from fem_lie.plot import SI, Units
 from fem_lie.solve.statics import StaticResult
@@ -35,22 +35,11 @@ class Critical(Enum):
     BIFURCATION = "bifurcation"
 
 
-@dataclass(frozen=True, eq=False)
-class PathState:
-    """One state, for functions that observe a path or stop it.
+class _Located:
+    """Where points are in a state."""
 
-    Attributes:
-        factor: Load factor.
-        frames: Of all nodes, shape (n, 4, 3).
-        initial: The same, unloaded.
-        negative_pivots: Negative eigenvalues of the tangent.
-        info: Bodies and joints.
-    """
-
-    factor: float
     frames: Array
     initial: Array
-    negative_pivots: int
     info: SceneInfo
 
     def position(self, point: Point | str) -> Array:
@@ -68,7 +57,26 @@ class PathState:
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalPoint:
+class PathState(_Located):
+    """One state, for functions that observe a path or stop it.
+
+    Attributes:
+        factor: Load factor.
+        frames: Of all nodes, shape (n, 4, 3).
+        initial: The same, unloaded.
+        negative_pivots: Negative eigenvalues of the tangent.
+        info: Bodies and joints.
+    """
+
+    factor: float
+    frames: Array
+    initial: Array
+    negative_pivots: int
+    info: SceneInfo
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPoint(_Located):
     """A point of a path where the tangent is singular.
 
     Attributes:
@@ -79,10 +87,13 @@ class CriticalPoint:
         eigenvalues: Smallest eigenvalues of the tangent there, in units of energy; none if SLEPc
             found none.
         shapes: Their modes: local increments of all nodes, the largest displacement is 1, or the
-            largest rotation where there is hardly any displacement, shape (k, n, 6).
+            largest rotation of a mode that only turns, shape (k, n, 6).
+        turns_only: Which of them have no displacement beyond round-off, shape (k,).
         station: The state before it.
         index: Its number among the states of the path.
-        frames: Frames of all nodes, shape (n, 4, 3).
+        frames: Frames of all nodes in the numbering of the system, shape (n, 4, 3); for those of a
+            point see :meth:`position`, :meth:`displacement` and :meth:`rotation`.
+        initial: The same, unloaded.
         info: Bodies and joints.
     """
 
@@ -92,9 +103,11 @@ class CriticalPoint:
     negative_pivots: tuple[int, int]
     eigenvalues: Array
     shapes: Array
+    turns_only: npt.NDArray[np.bool_]
     station: Station
     index: int
     frames: Array
+    initial: Array
     info: SceneInfo
 
     @property
@@ -107,16 +120,18 @@ class CriticalPoint:
         return self.kind is Critical.BIFURCATION and before == after
 
     def moved(self, mode: int, amplitude: float) -> Array:
-        """Frames beside the critical state, along a mode.
+        """Frames beside the critical state, along a mode, shape (n, 4, 3).
 
         Args:
             mode: Counted from 1.
             amplitude: Largest displacement.
 
         Raises:
-            ValueError: There is no such mode.
+            ValueError: There is no such mode, or it only turns.
         """
-        return moved_along(self.shapes, self.frames, mode, [amplitude])[0]
+        shape = chosen(self.shapes, mode)
+        check_displaces(bool(self.turns_only[mode - 1]), mode)
+        return moved_along(shape, self.frames, [amplitude])[0]
 
     def picture(
         self,
@@ -132,18 +147,20 @@ class CriticalPoint:
         Args:
             path: Name of the ``.png`` file.
             mode: Counted from 1.
-            amplitude: Largest displacement; default: a tenth of the model.
+            amplitude: Largest displacement; default: a tenth of the model, less where it would turn
+                by more than half a radian, and so much where it only turns.
             title: Above the picture; default: kind and load factor.
             units: For the axes.
 
         Raises:
-            ValueError: There is no such mode.
+            ValueError: There is no such mode, or one that only turns has no such amplitude.
         """
         from fem_lie.picture import draw
 
+        shape, turns = chosen(self.shapes, mode), bool(self.turns_only[mode - 1])
         size = float(np.linalg.norm(np.ptp(self.frames[:, 0], axis=0)))
-        largest = 0.1 * size if amplitude is None else amplitude
-        frames = moved_along(self.shapes, self.frames, mode, [0.0, 0.5 * largest, largest])
+        largest = shown(shape, turns, mode, size, amplitude)
+        frames = moved_along(shape, self.frames, [0.0, 0.5 * largest, largest])
         name = f"{self.kind.value} at load factor {self.factor:.6g}"
         draw(self.info, frames, path, title=name if title is None else title, units=units)
 

@@ -15,14 +15,17 @@ from __future__ import annotations
 from petsc4py import PETSc
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array
-from fem_lie.buckling_modes import normalised
+from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import SceneEquilibrium
 from fem_lie.solve.linear import NEGATIVE, SingularMatrixError, methods_on_paths
 from fem_lie.solve.spectrum import Pencil
+
+Flags = npt.NDArray[np.bool_]
 
 _NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
 
@@ -123,12 +126,13 @@ class StableEquilibrium(SceneEquilibrium):
         system.elastic.carry(self._H, dx[: 6 * system.count])
         self._multipliers += self._scale * dx[6 * system.count :]
 
-    def all_nodes(self, shapes: Array) -> Array:
-        """Increments of leaders (k, n, 6) as normalised increments of all nodes."""
-        twists = self.system.numbering.attachment.twists
-        total = self.system.numbering.total
-        moved = np.array([twists(shape) for shape in shapes]).reshape(-1, total, 6)
-        return normalised(moved, self.diameter)
+    def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
+        """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
+        numbering = self.system.numbering
+        lengths, twists = node_lengths(numbering.nodes), numbering.attachment.twists
+        found = [scaled(twists(shape), lengths) for shape in shapes]
+        moved = np.array([shape for shape, _ in found]).reshape(-1, numbering.total, 6)
+        return moved, np.array([turns for _, turns in found], dtype=np.bool_)
 
     def _csr(self) -> sp.csr_matrix:
         pointers, columns, data = self.system.kkt.matrix.getValuesCSR()

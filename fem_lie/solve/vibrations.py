@@ -20,6 +20,7 @@ import scipy.sparse.linalg
 
 from fem_lie._jit import Array
 from fem_lie.choices import Redundant
+from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.solve.equilibrium import statics
@@ -32,7 +33,6 @@ from fem_lie.system import System
 _log = logging.getLogger(__name__)
 
 _BALANCED = 1e-9
-_SHIFTS = 0.05  # displacement over size per rotation: below, a mode is one of rotations
 
 
 def vibrations(
@@ -87,9 +87,16 @@ def vibrations(
         result = statics(scene, spin=spin, about=about, load_steps=load_steps)
         state.move(result)
     s, vectors, residuals = state.pencil().smallest(count, state.rate, petsc_options_prefix)
-    shapes = np.array([state.shape(vector) for vector in vectors])
-    frames = system.numbering.attachment.frames(state.H).copy()
-    modes = Modes(s, shapes, frames, system.length, residuals, system.info())
+    found = [state.shape(vector) for vector in vectors]
+    modes = Modes(
+        eigenvalues=s,
+        shapes=np.array([shape for shape, _ in found]),
+        turns_only=np.array([turns for _, turns in found], dtype=np.bool_),
+        frames=system.numbering.attachment.frames(state.H).copy(),
+        size=system.length,
+        residuals=residuals,
+        info=system.info(),
+    )
     if modes.unstable.any():
         _log.warning("the equilibrium is unstable: eigenvalues %s", s[modes.unstable])
     return modes
@@ -102,6 +109,7 @@ class _Linear:
         self.system, self.rotation = system, rotation
         self.rate = float(np.linalg.norm(rotation.spin))
         self.weight = np.tile([system.length] * 3 + [1.0] * 3, system.count)
+        self._lengths = node_lengths(system.numbering.nodes)
         system.set_time(1.0)
         self.H = system.frames.copy()
         self.H[system.count + 1 :] = system.prescribed_frames(1.0)
@@ -173,8 +181,8 @@ class _Linear:
         free = ~self.system.held.ravel()
         return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free])
 
-    def shape(self, vector: Complex) -> Complex:
-        """Increments of all nodes, see :class:`~fem_lie.modes.Modes`, shape (n, 6)."""
+    def shape(self, vector: Complex) -> tuple[Complex, bool]:
+        """Increments of all nodes, see :class:`~fem_lie.modes.Modes`, and if they only turn."""
         system = self.system
         h = np.zeros((system.count, 6), dtype=np.complex128)
         h[~system.held] = vector
@@ -183,10 +191,5 @@ class _Linear:
         system.supports.turn_back(self.H, h.imag)
         twists = system.numbering.attachment.twists
         shape = twists(np.ascontiguousarray(h.real)) + 1j * twists(np.ascontiguousarray(h.imag))
-        shift = np.linalg.norm(shape[:, :3], axis=1) / system.length
-        turn = np.linalg.norm(shape[:, 3:], axis=1)
-        chosen = shift if shift.max() >= _SHIFTS * turn.max() else turn
-        node = int(chosen.argmax())
-        part = shape[node, :3] if chosen is shift else shape[node, 3:]
-        largest = part[np.abs(part).argmax()]
-        return np.asarray(shape * (np.abs(largest) / largest) / chosen[node])
+        found, turns_only = scaled(shape, self._lengths)
+        return np.asarray(found if turns_only else system.length * found), turns_only
