@@ -13,7 +13,7 @@ import numpy.typing as npt
 from fem_lie import _compat, lie
 from fem_lie._jit import Array, Indices
 from fem_lie.assembly import Assembly, NodalInertia
-from fem_lie.bodies import Body, Point
+from fem_lie.bodies import NO_HOLDS, Body, Holds, Point
 from fem_lie.elements.formulation import CellData, Formulation, cellwise
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames
@@ -272,7 +272,7 @@ class Beam(Body):
         return type(self), self.formulation
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Beam]) -> Assembly:
+    def assemble(cls, bodies: Sequence[Beam], holds: Holds = NO_HOLDS) -> Assembly:
         """See the base class."""
         return BeamAssembly(bodies)
 

@@ -6,9 +6,10 @@ kind. It knows nothing of unknowns, solvers or other bodies.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +37,28 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
     return array
 
 
+class HeldRotation(NamedTuple):
+    """Something that takes hold of the rotation of a node.
+
+    Attributes:
+        node: Which one.
+        other: What holds it, the same for all nodes that are held by the same rigid thing.
+        what: Its name for messages.
+        axis: The only axis of its moment, if there is but one, global components.
+    """
+
+    node: int
+    other: Hashable
+    what: str
+    axis: Array | None = None
+
+
+Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
+"""What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
+
+NO_HOLDS: Holds = MappingProxyType({})
+
+
 class Body:
     """Nodes that move.
 
@@ -56,12 +79,10 @@ class Body:
             node's own, shape (n, 3, 3).
         uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
             by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
-        drills: Whether its nodes turn about their third directors.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
     uncoupled: ClassVar[bool] = False
-    drills: bool = True
 
     def __init__(
         self,
@@ -95,8 +116,13 @@ class Body:
         return type(self).__name__
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any]) -> Assembly | None:
-        """The assembly of bodies of one kind, or ``None`` if they are rigid."""
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly | None:
+        """The assembly of bodies of one kind, or ``None`` if they are rigid.
+
+        Args:
+            bodies: Of one :attr:`kind`; either all or none of them drill.
+            holds: What takes hold of the rotations of their nodes.
+        """
         return None
 
     def __getitem__(self, name: str) -> Point:
@@ -130,20 +156,16 @@ class Body:
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
         return Point(self, index % len(self.frames), f"node {index}")
 
-    def bind_rotation(
-        self, node: int, other: Hashable, what: str, axis: Array | None = None
-    ) -> None:
-        """Learn that something takes hold of the rotation of a node.
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether its nodes turn about their third directors.
 
         Args:
-            node: Which one.
-            other: What holds it, the same for all nodes that are held by the same rigid thing.
-            what: Its name for messages.
-            axis: The only axis of its moment, if there is but one, global components.
+            holds: What takes hold of their rotations.
 
         Raises:
-            ValueError: The node cannot turn about all axes.
+            ValueError: They would have to, but cannot.
         """
+        return True
 
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.

@@ -22,6 +22,7 @@ from fem_lie.bodies import Body, Point, vector
 
 History = Callable[[float], float]
 
+_ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
 
 def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     """Factors at ``times`` (T,), shape (T, k), of k loads; keys are their numbers in the scene.
@@ -369,6 +370,27 @@ class PrescribedMotion:
                 f"the motion of {self.point.label} must start at its frame\n{self.point.frame},\n"
                 f"got\n{start}"
             )
+
+    def frame(self, time: float) -> Array:
+        """Where the motion is at ``time``, shape (4, 3).
+
+        Raises:
+            ValueError: That is not a place and three unit vectors, each across the others, of a
+                right-handed system.
+        """
+        frame = np.asarray(self.motion(time), dtype=np.float64)
+        if frame.shape != (4, 3) or not np.isfinite(frame).all():
+            raise ValueError(
+                f"the motion of {self.point.label} must be a finite frame of shape (4, 3); at time "
+                f"{time:g} it is\n{frame}"
+            )
+        axes = frame[1:]
+        if np.abs(axes @ axes.T - np.eye(3)).max() > _ORTHONORMAL or np.linalg.det(axes) < 0.0:
+            raise ValueError(
+                f"the motion of {self.point.label} must be a place and right-handed orthonormal "
+                f"axes; at time {time:g} it is\n{frame}"
+            )
+        return frame
 
 
 def histories(loads: Sequence[Load]) -> dict[int, History]:

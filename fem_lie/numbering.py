@@ -11,7 +11,7 @@ from fem_lie import lie
 from fem_lie._jit import Indices
 from fem_lie.assembly import Assembly
 from fem_lie.attachment import Attachment
-from fem_lie.bodies import Body, Point
+from fem_lie.bodies import NO_HOLDS, Body, Holds, Point
 from fem_lie.info import BodyInfo
 from fem_lie.joints import RigidLink
 
@@ -28,6 +28,7 @@ class Numbering:
         nodes: Nodes of each body among all.
         assemblies: The nodes of each assembly, and the assembly.
         members: The bodies of each assembly, in its order.
+        drills: Whether the nodes of each body turn about their third directors.
         attachment: Which node follows which.
         frames: Initial frames of the leaders, shape (count, 4, 3).
         velocities: Initial local velocities of the leaders, shape (count, 6).
@@ -37,8 +38,15 @@ class Numbering:
         uncoupled: Which leaders move by ``x + R u`` in statics, shape (count,).
     """
 
-    def __init__(self, bodies: Sequence[Body], links: Sequence[RigidLink] = ()) -> None:
+    def __init__(
+        self, bodies: Sequence[Body], links: Sequence[RigidLink] = (), holds: Holds = NO_HOLDS
+    ) -> None:
         """Build the assemblies and number their nodes as they do.
+
+        Args:
+            bodies: All of them.
+            links: Points that follow each other.
+            holds: What takes hold of the rotations of the bodies' nodes.
 
         Raises:
             ValueError: Initial velocities of nodes that are tied together contradict each other, or
@@ -47,12 +55,13 @@ class Numbering:
         self.nodes: dict[Body, Indices] = {}
         self.assemblies: list[tuple[slice, Assembly]] = []
         self.members: list[list[Body]] = []
+        self.drills = {body: body.drills(holds.get(body, ())) for body in bodies}
         start = 0
-        for kind in dict.fromkeys(body.kind for body in bodies):
-            members = [body for body in bodies if body.kind == kind]
+        for kind in dict.fromkeys((body.kind, self.drills[body]) for body in bodies):
+            members = [body for body in bodies if (body.kind, self.drills[body]) == kind]
             total = sum(len(body.frames) for body in members)
             order: Indices = np.arange(total)
-            assembly = members[0].assemble(members)
+            assembly = members[0].assemble(members, holds)
             if assembly is not None:
                 order = assembly.order
                 self.assemblies.append((slice(start, start + total), assembly))
@@ -75,7 +84,7 @@ class Numbering:
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             groups[nodes] = body.group
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
-            held[nodes, 5] |= not body.drills
+            held[nodes, 5] |= not self.drills[body]
             supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie.bodies import Body, Point, ground, vector
+from fem_lie.bodies import Body, HeldRotation, Holds, vector
 from fem_lie.choices import Choices, Redundant
+from fem_lie.held_rotations import held_by
 from fem_lie.joints import Connection, Joint, RigidLink
-from fem_lie.loads import Clamp, Load, PointLoad, PrescribedMotion
+from fem_lie.loads import Clamp, Load, PrescribedMotion
 
 if TYPE_CHECKING:
     from fem_lie.plot import Units
@@ -68,7 +69,8 @@ class Scene:
         elif isinstance(item, Connection):
             item.check()
             self._check_points(item.label, *item.bodies)
-            _hold(item)
+            self._check_coordinates(item)
+            self._check_rotations(item)
             if isinstance(item, Joint):
                 self.joints.append(item)
             else:
@@ -76,25 +78,42 @@ class Scene:
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)
-            _bind(item.label, item.a, item.b)
+            self._check_rotations(item)
             self.links.append(item)
         elif isinstance(item, Load):
             item.check()
             self._check_points(type(item).__name__, item.body)
-            if isinstance(item, PointLoad) and np.any(item.moment):
-                what = f"the moment at {item.point.label}"
-                item.body.bind_rotation(item.point.node, item, what, item.axis())
+            self._check_rotations(item)
             self.loads.append(item)
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
-            if isinstance(item, PrescribedMotion):
-                _bind(type(item).__name__, item.point, ground())
+            self._check_rotations(item)
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
             raise TypeError(f"a scene takes bodies, joints, links, loads, supports, got {item!r}")
         return item
+
+    def held_rotations(self) -> Holds:
+        """What takes hold of the rotations of each body's nodes."""
+        holds: dict[Body, list[HeldRotation]] = {}
+        items = (*self.joints, *self.connections, *self.links, *self.loads, *self.motions)
+        for item in items:
+            for body, hold in held_by(item):
+                holds.setdefault(body, []).append(hold)
+        return holds
+
+    def drills(self, body: Body) -> bool:
+        """Whether the nodes of a body turn about their third directors in this scene.
+
+        Of a shell: whether it has six parameters here.
+
+        Raises:
+            ValueError: The body is not in the scene.
+        """
+        self._check_points("drills", body)
+        return body.drills(self.held_rotations().get(body, ()))
 
     def picture(
         self,
@@ -144,21 +163,17 @@ class Scene:
             if body is not None and body not in self.bodies:
                 raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
 
+    def _check_coordinates(self, item: Connection) -> None:
+        """Refuse what acts along a coordinate of a joint that holds nothing, as it is not here."""
+        if isinstance(item, Joint):
+            return
+        for coordinate in item.coordinates():
+            if coordinate.binds and coordinate.joint not in self.joints:
+                raise ValueError(
+                    f"{item.label} acts along the {coordinate.label}, which is not in the scene; "
+                    "add the joint first"
+                )
 
-def _bind(what: str, a: Point, b: Point) -> None:
-    """Tell both bodies that their points hold each other's rotation."""
-    for point, other in ((a, b), (b, a)):
-        if point.body is not None:
-            point.body.bind_rotation(point.node, (other.body, other.node), what)
-
-
-def _hold(item: Connection) -> None:
-    """Tell bodies which of their nodes' rotations a connection takes hold of."""
-    for tie in item.ties():
-        if item.turns:
-            _bind(item.label, tie.a, tie.b)
-        elif not tie.reversible:
-            # its axes belong to the frame of a
-            _bind(item.label, tie.a, ground())
-    for rolling in item.velocity_ties():
-        _bind(item.label, rolling.a, rolling.b)
+    def _check_rotations(self, item: Connection | RigidLink | Load | Clamp | PrescribedMotion) -> None:
+        for body, hold in held_by(item):
+            body.drills([hold])

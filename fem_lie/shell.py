@@ -12,7 +12,7 @@ import numpy.typing as npt
 from fem_lie._jit import Array, Indices
 from fem_lie._patches import Patches
 from fem_lie.assembly import Assembly
-from fem_lie.bodies import vector
+from fem_lie.bodies import NO_HOLDS, HeldRotation, Holds, vector
 from fem_lie.drilling import Parameters, drilling_stiffness
 from fem_lie.elements.shell_formulation import HellingerReissner, ShellFormulation
 from fem_lie.groups import Group
@@ -43,7 +43,6 @@ class Shell(SupportedSurface):
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
         formulation: The element.
         parameters: As the user chose.
-        drills: Whether it has six parameters.
     """
 
     uncoupled = True
@@ -109,55 +108,61 @@ class Shell(SupportedSurface):
         self.own_mesh = _own_mesh(mesh, patches)
         self.faces = mesh.corners_of(patches.cells)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
-        self.drills = self.parameters is Parameters.SIX
-        self._bound: dict[int, set[Hashable]] = {}
-        if len(patches.split):
-            self._drill(f"the kink or branch at {mesh.points[patches.split[0]]}")
+        self._has_kinks = bool(len(patches.split))
+        if self._has_kinks:
+            self._refuse_with_five(f"the kink or branch at {mesh.points[patches.split[0]]}")
 
     @property
     def kind(self) -> Hashable:
-        """Shells of one formulation, kind of cell and number of parameters go together."""
-        return type(self), self.formulation, self.mesh.cell, self.mesh.degree, self.drills
+        """Shells of one formulation and kind of cell go together."""
+        return type(self), self.formulation, self.mesh.cell, self.mesh.degree
 
-    def bind_rotation(
-        self, node: int, other: Hashable, what: str, axis: Array | None = None
-    ) -> None:
-        """See the base class; the shell then has six parameters at its nodes."""
-        tilts = axis is not None and abs(axis @ self.frames[node, 3]) < 1e-9 * np.linalg.norm(axis)
-        if tilts and self.parameters in _FIVE:
-            return
-        self._drill(what)
-        if tilts:
-            return
-        self._bound.setdefault(int(self.leaders[node]), set()).add(other)
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether it has six parameters; errors as in the base class."""
+        for hold in holds:
+            if not (self._tilts(hold) and self.parameters in _FIVE):
+                self._refuse_with_five(hold.what)
+        if self.parameters in _FIVE:
+            return False
+        return self.parameters is Parameters.SIX or self._has_kinks or bool(holds)
 
-    def drilling_stiffness(self) -> Array:
+    def drilling_stiffness(self, holds: Sequence[HeldRotation]) -> Array:
         """γ of each cell, see :mod:`fem_lie.drilling`, shape (m,).
 
         Several nodes that one rigid thing holds take its moments by forces.
         """
-        held_by = [other for others in self._bound.values() for other in others]
+        bound: dict[int, set[Hashable]] = {}
+        for hold in holds:
+            if not self._tilts(hold):
+                bound.setdefault(int(self.leaders[hold.node]), set()).add(hold.other)
+        held_by = [other for others in bound.values() for other in others]
         alone = [
             node
-            for node, others in self._bound.items()
+            for node, others in bound.items()
             if any(held_by.count(other) == 1 for other in others)
         ]
         areas = self._measure()[1].sum(axis=1)
         return drilling_stiffness(self.stiffness, areas, self.mesh.cells, alone)
 
-    def _drill(self, what: str) -> None:
+    def _tilts(self, hold: HeldRotation) -> bool:
+        """Whether it is a moment across the director."""
+        axis = hold.axis
+        if axis is None:
+            return False
+        return bool(abs(axis @ self.frames[hold.node, 3]) < 1e-9 * np.linalg.norm(axis))
+
+    def _refuse_with_five(self, what: str) -> None:
         if self.parameters in _FIVE:
             raise ValueError(
                 f"{what} needs nodes that turn about all axes, but {self.label} was given "
                 f"parameters={self.parameters}: leave that out, or say Parameters.SIX (Spherical "
                 "and InPlane joints at a node itself need no more than five)"
             )
-        self.drills = True
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Shell]) -> Assembly:
+    def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> Assembly:
         """See the base class."""
-        return ShellAssembly(bodies)
+        return ShellAssembly(bodies, holds)
 
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).

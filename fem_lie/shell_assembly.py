@@ -11,6 +11,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.assembly import Assembly, NodalInertia
+from fem_lie.bodies import Holds
 from fem_lie.drilling_assembly import DrillingAssembly
 from fem_lie.elements.shell_cells import ShellCells
 from fem_lie.elements.shell_maps import add_turnings
@@ -31,7 +32,7 @@ class ShellAssembly(Assembly):
         stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
     """
 
-    def __init__(self, bodies: Sequence[Shell]) -> None:
+    def __init__(self, bodies: Sequence[Shell], holds: Holds) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
         first = bodies[0]
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
@@ -58,8 +59,9 @@ class ShellAssembly(Assembly):
         plain = first.formulation.quadratic and measures.intermediate is None
         self._settles = forms.local is not None and not plain
         self._drilling: DrillingAssembly | None = None
-        if first.drills:
-            gamma = np.concatenate([body.drilling_stiffness() for body in bodies])[permutation]
+        if first.drills(holds.get(first, ())):
+            each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
+            gamma = np.concatenate(each)[permutation]
             self._drilling = DrillingAssembly(
                 nodal.frames.copy(),
                 nodal.function.function_space.dofmap.list,

@@ -93,14 +93,14 @@ class System:
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
-        self.numbering = Numbering(scene.bodies, scene.links)
+        self.numbering = Numbering(scene.bodies, scene.links, scene.held_rotations())
         self.count = self.numbering.count
         # what is held along fixed axes is held exactly where translations are along fixed axes
         supported = np.isfinite(self.numbering.supports[:, 0, 0])
         groups = np.where(supported, int(Group.R3xSO3), self.numbering.groups)
         self.kinds = groups + 2 * int(parametrisation)
-        self._motions = [motion.motion for motion in scene.motions]
-        fixed = np.array([lie.frame(np.zeros(3), np.eye(3))] + [m(0.0) for m in self._motions])
+        self._motions = scene.motions
+        fixed = np.array([lie.frame(np.zeros(3), np.eye(3)), *self.prescribed_frames(0.0)])
         self.frames = np.concatenate([self.numbering.frames, fixed])
         still = np.zeros((len(fixed), 6))
         self.velocities = np.concatenate([self.numbering.velocities, still])
@@ -192,11 +192,13 @@ class System:
         return self._loads.constant
 
     def prescribed_frames(self, time: float) -> Array:
-        """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
-        frames = np.array([motion(time) for motion in self._motions]).reshape(-1, 4, 3)
-        if not np.isfinite(frames).all():
-            raise ValueError(f"a prescribed motion is not finite at time {time:g}")
-        return frames
+        """Frames of the prescribed motions at ``time``, shape (p, 4, 3).
+
+        Raises:
+            ValueError: One of them is not a frame then.
+        """
+        frames = [motion.frame(time) for motion in self._motions]
+        return np.array(frames).reshape(-1, 4, 3)
 
     # --- equations ---
 
@@ -347,11 +349,12 @@ class System:
         """What the scene consists of and what was chosen, in one line, for the log."""
         total, n, flat = self.numbering.total, self.count, int((self.kinds & 1).sum())
         shells = [body for body in self.scene.bodies if body.uncoupled]
+        drills = self.numbering.drills
         parts = [
             f"{total} nodes, {total - n} of them follow others, {self.m} constraints",
             f"{n - flat} nodes on SE(3), {flat} on R³×SO(3), all with three rotations",
-            f"shells with five parameters: {[b.label for b in shells if not b.drills]}, with six: "
-            f"{[b.label for b in shells if b.drills]}",
+            f"shells with five parameters: {[b.label for b in shells if not drills[b]]}, with six: "
+            f"{[b.label for b in shells if drills[b]]}",
             f"gyroscopic terms in the matrix: {_yes(self.choices.gyroscopic)}",
             f"geometric stiffness: {_yes(self.choices.geometric)}",
             f"viscous damping: {_yes(self._viscous)}, of mass: {_yes(self._damping is not None)}",

@@ -128,9 +128,14 @@ class Gear(Connection):
         return self.name or f"Gear({self.first.label}, {self.second.label})"
 
     def check(self) -> None:
-        """Raise ``ValueError`` if the ratio is zero or not finite."""
+        """Raise ``ValueError`` if the ratio is zero or not finite, or both coordinates are one."""
         if not np.isfinite(self.ratio) or self.ratio == 0.0:
             raise ValueError(f"{self.label}: ratio must be a number other than 0, got {self.ratio}")
+        if self.first.same(self.second):
+            raise ValueError(
+                f"{self.label}: both are the same coordinate, which a gear would lock or leave "
+                "free; give coordinates of two joints"
+            )
 
     def ties(self) -> list[Tie]:
         """Those of the two coordinates."""

@@ -175,17 +175,38 @@ class Coordinate(NamedTuple):
     Attributes:
         tie: Its pair of frames with the coordinate as the only term.
         name: What results call it: ``angle`` (rad, unwrapped), ``displacement``, ``length``.
-        of: The joint's name.
+        joint: Whose it is.
     """
 
     tie: Tie
     name: str
-    of: str
+    joint: Connection
 
     @property
     def label(self) -> str:
         """For messages."""
-        return f"{self.name} of {self.of}"
+        return f"{self.name} of {self.joint.label}"
+
+    @property
+    def binds(self) -> bool:
+        """Whether its joint forbids any motion: a :class:`Distance` does not."""
+        return self.joint.size > 0 or bool(self.joint.velocity_ties())
+
+    def same(self, other: Coordinate) -> bool:
+        """Whether it is the same function of the motion as another, but for its sign."""
+        return any(self._equals(tie) for tie in (other.tie, other.tie.exchanged()))
+
+    def _equals(self, tie: Tie) -> bool:
+        mine = self.tie
+        if any(p.body is not q.body or p.node != q.node for p, q in ((mine.a, tie.a), (mine.b, tie.b))):
+            return False
+        pairs = (
+            (mine.selection, tie.selection),
+            (mine.functions, tie.functions),
+            (mine.angle, tie.angle),
+            (np.array(mine.frames), np.array(tie.frames)),
+        )
+        return all(np.array_equal(own, others) for own, others in pairs)
 
     def start(self) -> float:
         """Its value in the initial configuration."""

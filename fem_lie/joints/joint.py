@@ -103,13 +103,13 @@ class Joint(Connection):
     def _linear(self, name: str, index: int) -> Coordinate:
         """A component of ``Δ``."""
         tie = self._tie(rows({index: 1.0}), np.zeros((1, 3)), (0,), NO_ANGLE)
-        return Coordinate(tie, name, self.label)
+        return Coordinate(tie, name, self)
 
     def _function(self, name: str, number: int, angle: Array = NO_ANGLE) -> Coordinate:
         """One of the functions."""
         factors = np.zeros((1, 3))
         factors[0, number] = 1.0
-        return Coordinate(self._tie(np.zeros((1, 12)), factors, (0,), angle), name, self.label)
+        return Coordinate(self._tie(np.zeros((1, 12)), factors, (0,), angle), name, self)
 
     def _angle(self, name: str, angle: Array) -> Coordinate:
         return self._function(name, joint_functions.ANGLE, angle)

@@ -95,7 +95,8 @@ class EnergyMomentum(Integrator):
 def _refuse(system: System) -> None:
     """Raise ``ValueError`` for what these schemes cannot do."""
     connections = system.connections
-    drilling = [body.label for body in system.scene.bodies if body.uncoupled and body.drills]
+    drills = system.numbering.drills
+    drilling = [body.label for body, six in drills.items() if body.uncoupled and six]
     reasons = {
         "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
         "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,

@@ -1,0 +1,145 @@
+"""What a scene refuses, what it leaves alone, and motions that stop being motions."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.system import System
+
+SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
+LAYER = fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0))
+
+
+def plate() -> fl.Shell:
+    return fl.Shell(fl.surface(lambda a, b: (a, b, 0.0), (2, 2)), LAYER, name="plate")
+
+
+def two_bodies():
+    scene = fl.Scene()
+    a = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
+    b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(1, 0, 0)))
+    return scene, a, b
+
+
+# --- a body that is in two scenes -----------------------------------------------------------------
+
+
+def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
+    shell = plate()
+    plain, jointed = fl.Scene(), fl.Scene()
+    plain.add(shell)
+    first = System(plain, dynamics=True)
+    jointed.add(shell)
+    jointed.add(fl.Revolute(shell["00"], fl.ground()))
+    again = System(plain, dynamics=True)
+    other = System(jointed, dynamics=True)
+    assert not plain.drills(shell) and jointed.drills(shell)
+    np.testing.assert_array_equal(again.held, first.held)
+    assert not other.held[:, 5].any() and first.held[:, 5].all()
+
+
+def test_two_shells_of_one_kind_may_differ_in_parameters():
+    scene = fl.Scene()
+    five, six = scene.add(plate()), scene.add(fl.Shell(plate().mesh, LAYER, name="other"))
+    scene.add(fl.PointLoad(six["11"], moment=(0, 0, 1)))
+    system = System(scene, dynamics=True)
+    held = system.held[:, 5]
+    assert held[system.numbering.nodes[five]].all()
+    assert not held[system.numbering.nodes[six]].any()
+
+
+# --- coordinates ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        lambda joint: fl.Spring(joint.angle, stiffness=1.0),
+        lambda joint: fl.Drive(joint.angle),
+        lambda joint: fl.Gear(fl.Distance(joint.a, joint.b).length, joint.angle, ratio=2.0),
+    ],
+)
+def test_what_acts_along_a_joint_needs_it_in_the_scene(item):
+    scene, a, b = two_bodies()
+    joint = fl.Revolute(a.centre, b.centre, at=(0, 0, 0), name="hinge")
+    with pytest.raises(ValueError, match="angle of hinge, which is not in the scene; add the joint"):
+        scene.add(item(joint))
+    scene.add(joint)
+    scene.add(item(joint))
+    assert len(scene.connections) == 1
+
+
+def test_a_distance_binds_nothing_and_need_not_be_in_the_scene():
+    scene, a, b = two_bodies()
+    scene.add(fl.Spring(fl.Distance(a.centre, b.centre).length, stiffness=1.0))
+    assert not scene.joints
+
+
+def test_a_gear_wants_two_coordinates():
+    scene, a, b = two_bodies()
+    pin = scene.add(fl.Cylindrical(a.centre, b.centre, at=(0, 0, 0)))
+    rod, back = fl.Distance(a.centre, b.centre), fl.Distance(b.centre, a.centre)
+    for first, second in ((pin.angle, pin.angle), (rod.length, back.length)):
+        with pytest.raises(ValueError, match="same coordinate"):
+            scene.add(fl.Gear(first, second, ratio=2.0))
+    scene.add(fl.Gear(pin.displacement, pin.angle, ratio=2.0))
+
+
+# --- prescribed motions ---------------------------------------------------------------------------
+
+
+def mirrored(frame):
+    frame[3] *= -1.0
+
+
+def stretched(frame):
+    frame[1] *= 1.0 + 1e-6
+
+
+def sheared(frame):
+    frame[1] += 1e-6 * frame[2]
+
+
+def lost(frame):
+    frame[0, 1] = np.nan
+
+
+FAULTS = {
+    "right-handed orthonormal": (mirrored, stretched, sheared),
+    "finite frame": (lost,),
+}
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"), [(f, message) for message, faults in FAULTS.items() for f in faults]
+)
+@pytest.mark.parametrize("run", ["dynamics", "statics"])
+def test_a_motion_that_ends_to_be_one_is_refused_at_that_time(fault, message, run):
+    scene = fl.Scene()
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2))
+    start = bar.start.frame.copy()
+
+    def motion(time):
+        frame = lie.se3_retract(start, 0.1 * time**2 * np.array([0, 0, 1, 0, 1, 0]))
+        if time > 0.5:
+            fault(frame)
+        return frame
+
+    scene.add(fl.PrescribedMotion(bar.start, motion))
+    with pytest.raises(ValueError, match=f"(?s)beam 1.start must be.*{message}.*at time 0.6"):
+        if run == "dynamics":
+            fl.GeneralisedAlpha(radius=0.8).run(scene, duration=1.0, step=0.1)
+        else:
+            fl.statics(scene, load_steps=5)
+
+
+def test_a_motion_of_another_shape_is_refused():
+    scene = fl.Scene()
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2))
+    start = bar.start.frame.copy()
+    motion = scene.add(
+        fl.PrescribedMotion(bar.start, lambda t: start if t == 0 else start.reshape(3, 4))
+    )
+    with pytest.raises(ValueError, match=r"shape \(4, 3\).*time 0.5"):
+        motion.frame(0.5)
