@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+import logging
 import operator
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import KDTree
 
 from fem_lie._lines import Array, Indices
+
+_log = logging.getLogger(__name__)
+
+_SAME_PLACE = 1e-9  # of the size of what the points are of
+
+
+def log_coincident(what: str, points: Array) -> None:
+    """Say in the log where several points of a body are at one place: nothing joins them there."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    pairs = KDTree(points).query_pairs(_SAME_PLACE * size, output_type="ndarray")
+    if len(pairs):
+        a, b = min(pairs.tolist())
+        _log.warning(
+            "%s has %d pairs of points at the same place, the first are %d and %d at %s: cells "
+            "that do not share a point are not joined",
+            *(what, len(pairs), a, b, points[a]),
+        )
 
 
 def whole_number(cells: int) -> int:
@@ -24,7 +43,10 @@ def whole_number(cells: int) -> int:
 
 def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
     """Finite coordinates, shape (n, 3), or ``ValueError``."""
-    points: Array = np.array(value, dtype=np.float64)
+    try:
+        points: Array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"points must be numbers of shape (n, 3), got {value!r:.200}") from None
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise ValueError(f"points must have shape (n, 3), got {points.shape}")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
@@ -45,10 +67,14 @@ def indices_of(value: npt.ArrayLike, size: int, what: str) -> Indices:
 
 def members_of(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dict[str, Indices]:
     """Sorted numbers of the members of each group, or ``ValueError``."""
-    return {
+    members = {
         name: np.unique(indices_of(index, size, f"{what} of {name!r}"))
         for name, index in groups.items()
     }
+    for name, index in members.items():
+        if not len(index):
+            raise ValueError(f"{what} of {name!r} are none; leave the name out")
+    return members
 
 
 def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:

@@ -71,6 +71,12 @@ def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
     return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
 
 
+def kinds_of_cells(mesh: dolfinx.mesh.Mesh) -> list[str]:
+    """Names of the kinds of cells of a mesh, several if its topology is mixed."""
+    topology = mesh.topology._cpp_object if hasattr(mesh.topology, "_cpp_object") else mesh.topology
+    return [kind.name for kind in topology.entity_types[mesh.topology.dim]]
+
+
 def cell_name(domain: ufl.Mesh) -> str:
     """Name of the cells of ``domain``: a method up to UFL 2025.2, a property since.
 

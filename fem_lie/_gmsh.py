@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,9 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from fem_lie._lines import Array, Indices
+from fem_lie._lines import Array, Indices, circle_tangents, flipped
 
+_log = logging.getLogger(__name__)
+
+_STRAIGHT = 1e-6  # rad, as two tangents that agree
 _LINE_2 = 1  # gmsh's element type
+_ENTITIES = {1: ("curves", "surfaces and volumes"), 2: ("surfaces", "volumes")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +28,8 @@ class RawLines:
     Attributes:
         points: Coordinates, shape (n, 3).
         cells: Pairs of points, shape (m, 2).
-        tangents: Unit tangents from CAD curves, shape (m, 2, 3), nan where there is no CAD.
+        tangents: Unit tangents from CAD curves, or of circles through a curve's points where there
+            is no CAD, shape (m, 2, 3).
         groups: Cells of each physical group of curves.
         named_points: Points of each physical group of points.
     """
@@ -35,7 +41,9 @@ class RawLines:
     named_points: dict[str, Indices]
 
 
-def read_lines(path: str | os.PathLike[str], parameters: Mapping[str, float] | None) -> RawLines:
+def read_lines(
+    path: str | os.PathLike[str], parameters: Mapping[str, float] | None, kink_angle: float
+) -> RawLines:
     """Lines of a file, in a model of its own that is removed afterwards.
 
     Raises:
@@ -45,7 +53,7 @@ def read_lines(path: str | os.PathLike[str], parameters: Mapping[str, float] | N
     with _opened(path, parameters) as (gmsh, file):
         if gmsh.model.mesh.getNodes()[0].size == 0:
             _logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
-        return model_lines(str(file))
+        return model_lines(str(file), kink_angle)
 
 
 @contextmanager
@@ -64,16 +72,22 @@ def _opened(
             yield gmsh, file
 
 
-def model_lines(what: str) -> RawLines:
-    """Lines of the current gmsh model; ``what`` is its name in messages."""
+def model_lines(what: str, kink_angle: float) -> RawLines:
+    """Lines of the current gmsh model; ``what`` is its name in messages.
+
+    Curves without geometry are smooth where they turn by no more than ``kink_angle``, rad.
+    """
     import gmsh
 
-    curves = _curves(gmsh)
+    curves = chosen_entities(gmsh, 1, what)
     cells, tangents, owner = [], [], []
     for curve in curves:
         ends = _line_cells(gmsh, curve, what)
         cells.append(ends)
-        tangents.append(_cad_tangents(gmsh, curve, ends))
+        known = _cad_tangents(gmsh, curve, ends)
+        if len(ends) and np.isnan(known).all():
+            known = _circle_tangents(gmsh, ends, kink_angle, f"{what}: curve {curve}")
+        tangents.append(known)
         owner.append(np.full(len(ends), curve))
     if not cells or not sum(map(len, cells)):
         raise ValueError(f"{what} has no line cells; give the curves a mesh and a physical group")
@@ -181,10 +195,28 @@ def _physical(gmsh: Any, dim: int) -> dict[str, list[int]]:
     }
 
 
-def _curves(gmsh: Any) -> list[int]:
-    """Curves in physical groups, or all if there are none."""
-    grouped = {tag for entities in _physical(gmsh, 1).values() for tag in entities}
-    return sorted(grouped or {tag for _, tag in gmsh.model.getEntities(1)})
+def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
+    """Entities in physical groups, or all if there are none; what is left out goes to the log.
+
+    Raises:
+        ValueError: There is no physical group of them, and they are borders of something else.
+    """
+    every = {tag for _, tag in gmsh.model.getEntities(dim)}
+    grouped = {tag for entities in _physical(gmsh, dim).values() for tag in entities}
+    above = sum(len(gmsh.model.getEntities(d)) for d in range(dim + 1, 4))
+    mine, others = _ENTITIES[dim]
+    if above and not grouped:
+        raise ValueError(
+            f"{what} has {above} {others} and no physical group of {mine}: which of their edges or "
+            f"faces are meant? Put those {mine} into a physical group"
+        )
+    left = every - grouped if grouped else set()
+    if above or left:
+        _log.info(
+            "%s: the %d %s of physical groups are taken; %d other %s and %d %s are left out",
+            *(what, len(grouped), mine, len(left), mine, above, others),
+        )
+    return sorted(grouped or every)
 
 
 def _line_cells(gmsh: Any, curve: int, what: str) -> Indices:
@@ -213,6 +245,24 @@ def _cad_tangents(gmsh: Any, curve: int, cells: Indices) -> Array:
     rows = order[np.searchsorted(tags, cells, sorter=order)]
     chord = np.diff(coordinates.reshape(-1, 3)[rows], axis=1)
     return unit[rows] * np.where((unit[rows] * chord).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
+
+
+def _circle_tangents(gmsh: Any, cells: Indices, kink_angle: float, what: str) -> Array:
+    """Unit tangents of circles through successive points of one curve, shape (m, 2, 3)."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    used, local = np.unique(cells, return_inverse=True)
+    order = np.argsort(tags)
+    points = coordinates.reshape(-1, 3)[order[np.searchsorted(tags, used, sorter=order)]]
+    local = local.reshape(-1, 2)
+    flip = flipped(local, len(used))[:, np.newaxis]
+    # cells without length are refused with the mesh
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = circle_tangents(points, np.where(flip, local[:, ::-1], local), kink_angle)
+    turns = np.linalg.norm(found[:, 1] - found[:, 0], axis=1).max()
+    if turns > _STRAIGHT:
+        angle = np.degrees(kink_angle)
+        _log.info("%s has no CAD: it is smooth where it turns by less than %.0f°", what, angle)
+    return np.where(flip[..., np.newaxis], -found[:, ::-1], found)
 
 
 def _named_points(gmsh: Any, used: Indices) -> dict[str, Indices]:

@@ -14,6 +14,7 @@ from fem_lie._gmsh import (
     _named_points,
     _opened,
     _physical,
+    chosen_entities,
 )
 from fem_lie._gmsh_surface import CellBlock, cell_block, coordinates_of
 from fem_lie._lines import Array, Indices
@@ -61,8 +62,8 @@ def model_shell(what: str) -> RawShell:
     """Surfaces of the current gmsh model; ``what`` is its name in messages."""
     import gmsh
 
-    named = _physical(gmsh, 2)
-    block = cell_block(gmsh, named or {"": [t for _, t in gmsh.model.getEntities(2)]}, what)
+    chosen, named = chosen_entities(gmsh, 2, what), _physical(gmsh, 2)
+    block = cell_block(gmsh, named or {"": chosen}, what)
     # a surface in two groups is there once
     _, once = np.unique(np.sort(block.cells, axis=1), axis=0, return_index=True)
     once.sort()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, degrees
+from math import cos, degrees, radians
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,6 +16,8 @@ _EDGES = {
     "triangle": ((0, 1, 5), (1, 2, 3), (2, 0, 4)),
     "quadrilateral": ((0, 1, 4), (1, 3, 6), (3, 2, 7), (2, 0, 5)),
 }
+
+_FLAT = cos(radians(5.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +68,44 @@ class Edges:
             np.sort(self.directed, axis=1), axis=0, return_inverse=True, return_counts=True
         )
         self.edge = edge.ravel()
+
+    def refuse_overlaps(self) -> None:
+        """Raise ``ValueError`` if two cells at an edge lie on top of each other.
+
+        A surface cannot fold back on itself; a mesh with a cell that is turned over does.
+        """
+        order = np.argsort(self.edge, kind="stable")
+        # at a branch, too, those that lie on each other are seen in one of these steps
+        for step in range(1, int(self.count.max())):
+            pairs = np.stack([order[:-step], order[step:]], axis=1)
+            pairs = pairs[self.edge[pairs[:, 0]] == self.edge[pairs[:, 1]]]
+            folded = pairs[self._cosine(pairs) < -_FLAT]
+            if len(folded):
+                a, b = self.owner[folded[0]]
+                p, q = self.directed[folded[0, 0]]
+                raise ValueError(
+                    f"cells {a} and {b} lie on top of each other beside their edge from point {p} "
+                    f"to {q}: the surface folds back there, or one of them is turned over"
+                )
+
+    def check_curve(self, name: str, curve: Indices) -> None:
+        """Raise ``ValueError`` if a curve, shape (e, 2 or 3), has no edges or those of no cell."""
+        k = self.nodes.shape[1]
+        if curve.ndim != 2 or curve.shape[1] != k or not len(curve):
+            raise ValueError(
+                f"curve {name!r} must be edges of {k} points each, shape (e, {k}), got "
+                f"{curve.shape}"
+            )
+        sides = self.cells[self.owner[:, np.newaxis], self.nodes]
+        both = np.concatenate([sides, curve])
+        both[:, :2] = np.sort(both[:, :2], axis=1)
+        _, number = np.unique(both, axis=0, return_inverse=True)
+        number = number.ravel()
+        alone = np.flatnonzero(~np.isin(number[len(sides) :], number[: len(sides)]))
+        if len(alone):
+            raise ValueError(
+                f"edge {alone[0]} of curve {name!r}, points {curve[alone[0]]}, is no edge of a cell"
+            )
 
     def smooth_pairs(self, kink_angle: float) -> Indices:
         """Pairs of sides that continue each other by no more than ``kink_angle``, rad, (p, 2).

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import _compat, lie
+from fem_lie._arrays import log_coincident
 from fem_lie._jit import Array, Indices
 from fem_lie.assembly import Assembly, NodalInertia
 from fem_lie.bodies import NO_HOLDS, Body, Holds, Point
@@ -18,7 +19,7 @@ from fem_lie.elements.formulation import CellData, Formulation, cellwise
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames
 from fem_lie.groups import Group
-from fem_lie.mesh import LineMesh, curve, straight
+from fem_lie.mesh import LineMesh, curve, polyline, straight
 from fem_lie.orientation import Chains, Up, cell_frames, middle_frames, shared_nodes
 from fem_lie.section import Section
 
@@ -198,6 +199,7 @@ class Beam(Body):
             group=group,
             name=name,
         )
+        log_coincident(self.label, mesh.points)
 
     def _refine(self, frames: Array, leaders: Indices) -> tuple[Array, Indices, Indices]:
         """Add nodes inside of the elements; returns frames, leaders and pairs for drawing."""
@@ -234,6 +236,35 @@ class Beam(Body):
             section,
             up=up,
             twist=twist,
+            formulation=formulation,
+            damping=damping,
+            group=group,
+            name=name,
+        )
+
+    @classmethod
+    def polyline(
+        cls,
+        points: Sequence[npt.ArrayLike] | npt.ArrayLike,
+        section: Section | Mapping[str, Section],
+        *,
+        cells: int | Sequence[int],
+        up: Up | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        group: Group = Group.SE3,
+        name: str = "",
+    ) -> Beam:
+        """Straight pieces through points, shape (n, 3), rigidly joined at corners of any angle.
+
+        Points are "start", "end", "corner 1", "corner 2" and so on, groups of cells "piece 1" and
+        so on. If the last point is the first the line is closed. ``cells`` is the number of equal
+        elements of each piece, one for all or one each.
+        """
+        return cls(
+            polyline(points, cells),
+            section,
+            up=up,
             formulation=formulation,
             damping=damping,
             group=group,

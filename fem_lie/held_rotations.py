@@ -15,10 +15,10 @@ from fem_lie.bodies import Body, HeldRotation, Point, ground
 from fem_lie.joints import Connection, RigidLink
 from fem_lie.loads import Clamp, Load, PointLoad, PrescribedMotion
 
-Item: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion
+Holding: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion
 
 
-def held_by(item: Item) -> Iterator[tuple[Body, HeldRotation]]:
+def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
     """Bodies whose nodes an item holds, and how."""
     if isinstance(item, Connection):
         yield from _by_connection(item)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie.mesh import KINK_ANGLE, LineMesh
+from fem_lie.mesh import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
 from fem_lie.surface import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -25,14 +25,17 @@ def read_gmsh(
     """Lines of a gmsh file or model, with the names of its physical groups.
 
     Physical groups of curves become groups of cells, those of points named points; a group without
-    a name is called by its number. Curves outside of groups count only if no curve is in one. A
-    ``.geo`` file is meshed here; its tangents are those of the CAD curves. A ``.msh`` file has no
-    curves any more; tangents come from its points, see :meth:`~fem_lie.mesh.LineMesh.from_cells`.
+    a name is called by its number. Curves outside of groups count only if no curve is in one and
+    they are no edges of surfaces; the log says what is left out. A ``.geo`` file is meshed here;
+    its tangents are those of the CAD curves. A ``.msh`` file has no CAD any more: where one of its
+    curves turns from cell to cell it is taken as smooth, with tangents of circles through
+    successive points, and where two curves meet there is a corner unless their tangents agree to a
+    degree.
 
     Args:
         path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
         parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
-        kink_angle: See :meth:`~fem_lie.mesh.LineMesh.from_cells`.
+        kink_angle: Largest angle, rad, by which a curve without CAD turns at a point and is smooth.
 
     Raises:
         FileNotFoundError: There is no such file.
@@ -43,14 +46,17 @@ def read_gmsh(
 
     if path is None and parameters:
         raise ValueError("parameters need a .geo file to be read, got parameters but no path")
-    raw = model_lines("the gmsh model") if path is None else read_lines(path, parameters)
+    check_kink_angle(kink_angle)
+    if path is None:
+        raw = model_lines("the gmsh model", kink_angle)
+    else:
+        raw = read_lines(path, parameters, kink_angle)
     return LineMesh.from_cells(
         raw.points,
         raw.cells,
         tangents=raw.tangents,
         groups=raw.groups,
         named_points=raw.named_points,
-        kink_angle=kink_angle,
     )
 
 
@@ -61,7 +67,7 @@ def from_dolfinx(
     *,
     groups: Mapping[str, int] | None = None,
     named_points: Mapping[str, int] | None = None,
-    kink_angle: float = KINK_ANGLE,
+    kink_angle: float = CORNER_ANGLE,
 ) -> LineMesh:
     """A DOLFINx mesh of intervals; cells keep DOLFINx's numbers, points those of its geometry.
 
@@ -110,7 +116,8 @@ def read_gmsh_surface(
 
     Physical groups of surfaces become groups of cells, those of curves named curves, those of
     points named points; a group without a name is called by its number. Surfaces outside of groups
-    count only if no surface is in one. A ``.geo`` file is meshed here; its normals are those of the
+    count only if no surface is in one and they are no faces of volumes; the log says what is left
+    out. A ``.geo`` file is meshed here; its normals are those of the
     CAD surfaces. A ``.msh`` file has no surfaces any more; normals come from its cells.
 
     Args:
@@ -165,10 +172,13 @@ def surface_from_dolfinx(
     """
     from dolfinx.mesh import entities_to_geometry
 
-    from fem_lie._compat import geometry_dofmap
+    from fem_lie._compat import geometry_dofmap, kinds_of_cells
 
     if mesh.comm.size > 1:
         raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    kinds = kinds_of_cells(mesh)
+    if len(kinds) != 1:
+        raise ValueError(f"the mesh must have cells of one kind, got {' and '.join(kinds)}")
     cell, cells = mesh.topology.cell_name(), geometry_dofmap(mesh)
     if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:
         raise ValueError(

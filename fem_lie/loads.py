@@ -24,6 +24,7 @@ History = Callable[[float], float]
 
 _ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
 
+
 def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     """Factors at ``times`` (T,), shape (T, k), of k loads; keys are their numbers in the scene.
 

@@ -1,12 +1,13 @@
 """Line meshes in space: points, cells with tangents at both ends, named groups and points.
 
-A mesh comes from a helper (:func:`straight`, :func:`curve`), from gmsh or DOLFINx
-(:mod:`fem_lie.io`), or from bare arrays (:meth:`LineMesh.from_cells`).
+A mesh comes from a helper (:func:`straight`, :func:`polyline`, :func:`curve`), from gmsh or DOLFINx
+(:mod:`fem_lie.io`), or from bare arrays (:meth:`LineMesh.from_cells`). A corner is a corner, unless
+points are said to lie on a curve.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import pi, radians
@@ -17,8 +18,12 @@ import numpy.typing as npt
 from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_number
 from fem_lie._lines import Array, Indices, circle_tangents, flipped, join_tangents, valence
 
-# A circle of ten cells is still smooth, a corner of 45 degrees is not.
+CORNER_ANGLE = radians(1.0)
+"""What turns by less is straight: coordinates have so many digits."""
+
 KINK_ANGLE = radians(40.0)
+"""Of points on a curve: a circle of ten cells is still smooth, a corner of 45 degrees is not."""
+
 _SHARP = radians(2.0)  # a turn of this size within 1e-4 of a cell is a kink
 
 
@@ -70,13 +75,12 @@ class LineMesh:
         tangents: npt.ArrayLike | None = None,
         groups: Mapping[str, npt.ArrayLike] | None = None,
         named_points: Mapping[str, npt.ArrayLike] | None = None,
-        kink_angle: float = KINK_ANGLE,
+        kink_angle: float = CORNER_ANGLE,
     ) -> LineMesh:
-        """Mesh from bare arrays; tangents from circles through three successive points.
+        """Mesh from bare arrays; straight cells with corners, or arcs where a curve is asked for.
 
         Cells are turned round where needed, so that along a line each follows the one before it;
-        the one with the lowest number keeps its direction. Tangents are exact on circles and second
-        order on other smooth lines.
+        the one with the lowest number keeps its direction.
 
         Args:
             points: Coordinates, shape (n, 3).
@@ -86,13 +90,15 @@ class LineMesh:
             groups: Cells of each named group.
             named_points: Points of each name.
             kink_angle: Where successive chords turn by more than this angle, rad, the line has a
-                kink, and the tangents on both sides are the chords.
+                corner, and the tangents on both sides are the chords. Where they turn by less they
+                are those of the circle through three successive points: exact on circles, second
+                order on other smooth lines. For points on a curve give more than the default of one
+                degree: 40 degrees make a circle of ten cells smooth.
 
         Raises:
             ValueError: See the class.
         """
-        if not 0.0 <= kink_angle <= pi:
-            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+        check_kink_angle(kink_angle)
         x = points_of(points)
         given = _cells(cells, len(x))
         _check_cells(x, given)
@@ -156,6 +162,12 @@ class LineMesh:
         )
 
 
+def check_kink_angle(kink_angle: float) -> None:
+    """Raise ``ValueError`` if it is no angle in rad."""
+    if not 0.0 <= kink_angle <= pi:
+        raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+
+
 def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
     """Straight line in equal cells; its ends are named "start" and "end".
 
@@ -168,6 +180,59 @@ def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
     s = np.linspace(0.0, 1.0, whole_number(cells) + 1)[:, np.newaxis]
     unit = (b - a) / np.linalg.norm(b - a)
     return _chain((1.0 - s) * a + s * b, np.tile(unit, (len(s), 1)))
+
+
+def polyline(
+    points: Sequence[npt.ArrayLike] | npt.ArrayLike, cells: int | Sequence[int]
+) -> LineMesh:
+    """Straight pieces from corner to corner, each in equal cells; corners are corners at any angle.
+
+    Its ends are named "start" and "end", the corners "corner 1", "corner 2" and so on; its pieces
+    are the groups "piece 1", "piece 2" and so on. If the last point is the first one the line is
+    closed: "start" is a corner, too, and there is no "end".
+
+    Args:
+        points: Ends and corners, shape (n, 3).
+        cells: Of each piece, or of each piece its own number.
+
+    Raises:
+        ValueError: There are less than two points, successive ones coincide, a piece goes back on
+            the one before it, or there are not as many numbers of cells as pieces.
+    """
+    x = points_of(points)
+    if len(x) < 2:
+        raise ValueError(f"a polyline needs two points or more, got {len(x)}")
+    counts = _cells_of_pieces(cells, len(x) - 1)
+    pieces = [straight(a, b, count) for (a, b), count in zip(pairwise(x), counts, strict=True)]
+    closed = len(x) > 3 and bool(np.array_equal(x[0], x[-1]))
+    units = np.array([piece.tangents[0, 0] for piece in pieces])
+    _refuse_turning_back(x, np.concatenate([units, units[:1]]) if closed else units)
+    places = np.concatenate([piece.points[:-1] for piece in pieces] + [x[-1:]])[
+        : -1 if closed else None
+    ]
+    number = np.arange(sum(counts) + 1) % len(places)
+    first = np.cumsum([0, *counts])
+    names = {f"corner {k}": number[first[k : k + 1]] for k in range(1, len(counts))}
+    ends = {"start": number[:1]} | ({} if closed else {"end": number[-1:]})
+    groups: dict[str, Indices] = {
+        f"piece {k}": np.arange(a, b) for k, (a, b) in enumerate(pairwise(first.tolist()), start=1)
+    }
+    tangents = np.concatenate([piece.tangents for piece in pieces])
+    ends_of_cells = np.column_stack([number[:-1], number[1:]])
+    return LineMesh(places, ends_of_cells, tangents, groups, ends | names)
+
+
+def _cells_of_pieces(cells: int | Sequence[int], pieces: int) -> list[int]:
+    given = [cells] * pieces if np.ndim(cells) == 0 else list(cells)  # type: ignore[arg-type]
+    if len(given) != pieces:
+        raise ValueError(f"wanted are numbers of cells of {pieces} pieces, got {len(given)}")
+    return [whole_number(count) for count in given]  # type: ignore[arg-type]
+
+
+def _refuse_turning_back(corners: Array, units: Array) -> None:
+    back = np.flatnonzero(np.linalg.norm(units[1:] + units[:-1], axis=1) < CORNER_ANGLE)
+    if len(back):
+        raise ValueError(f"the line goes back on itself at {corners[back[0] + 1]}")
 
 
 def curve(

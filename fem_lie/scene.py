@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie.bodies import Body, HeldRotation, Holds, vector
 from fem_lie.choices import Choices, Redundant
-from fem_lie.held_rotations import held_by
+from fem_lie.held_rotations import Holding, held_by
 from fem_lie.joints import Connection, Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
 
@@ -98,7 +98,8 @@ class Scene:
     def held_rotations(self) -> Holds:
         """What takes hold of the rotations of each body's nodes."""
         holds: dict[Body, list[HeldRotation]] = {}
-        items = (*self.joints, *self.connections, *self.links, *self.loads, *self.motions)
+        items: list[Holding] = [*self.joints, *self.connections, *self.links]
+        items += [*self.loads, *self.motions]
         for item in items:
             for body, hold in held_by(item):
                 holds.setdefault(body, []).append(hold)
@@ -174,6 +175,6 @@ class Scene:
                     "add the joint first"
                 )
 
-    def _check_rotations(self, item: Connection | RigidLink | Load | Clamp | PrescribedMotion) -> None:
+    def _check_rotations(self, item: Holding) -> None:
         for body, hold in held_by(item):
             body.drills([hold])

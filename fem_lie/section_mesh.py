@@ -12,6 +12,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from fem_lie._arrays import indices_of, points_of
+from fem_lie._cell_shapes import cell_normals
 from fem_lie._lines import Indices
 from fem_lie.section import Array
 
@@ -40,7 +42,8 @@ class SectionMesh:
         degree: Of the cells' edges.
 
     Raises:
-        ValueError: There are no cells, or the section is not connected.
+        ValueError: There are no cells, one has no area or folds over, or the section is not
+            connected.
     """
 
     points: Array
@@ -53,6 +56,8 @@ class SectionMesh:
     def __post_init__(self) -> None:
         if not len(self.cells):
             raise ValueError("the section has no cells")
+        points = points_of(np.pad(np.asarray(self.points, dtype=np.float64), ((0, 0), (0, 1))))
+        cell_normals(points, indices_of(self.cells, len(points), "cells"), self.cell)
         ends, _ = self._edges()
         _, number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
         cell = np.tile(np.arange(len(self.cells)), len(_EDGES[self.cell]))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from math import pi
+from math import cos, degrees, pi, radians
 
 import basix
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import log_coincident
 from fem_lie._jit import Array, Indices
 from fem_lie._patches import Patches
 from fem_lie.assembly import Assembly
@@ -24,6 +26,9 @@ from fem_lie.surface import KINK_ANGLE, SurfaceMesh
 ShellSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], ShellSection]
 Director = Callable[[Array], npt.ArrayLike]
 
+_log = logging.getLogger(__name__)
+
+_FACETS = radians(10.0)  # a circle of 18 cells
 _FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
 
 
@@ -67,8 +72,8 @@ class Shell(SupportedSurface):
             section: One for all cells, one for each named group of cells, or a function of the
                 centre of a cell, shape (3,) (varying thickness).
             director: Unit normal as a function of the place, shape (3,), to the side of the cells'
-                normals, of a surface without kinks and branches; default: the mean of the mesh's
-                normals on each smooth side.
+                normals and no more than ``kink_angle`` off them, of a surface without kinks and
+                branches; default: the mean of the mesh's normals on each smooth side.
             along: e₁ of the sections' axes before projection onto the surface: one vector, or a
                 function of the centre of a cell; default: from the first to the second corner.
             formulation: The element; default: :class:`HellingerReissner`.
@@ -94,7 +99,9 @@ class Shell(SupportedSurface):
         self.parameters = Parameters(parameters)
         patches = mesh.patches(kink_angle if director is None else pi)
         self.connectivity = patches.cells
-        directors = patches.directors if director is None else _given(mesh, director, patches)
+        directors = (
+            patches.directors if director is None else _given(mesh, director, patches, kink_angle)
+        )
         super().__init__(
             _frames(mesh.points[patches.places], directors),
             cells=np.empty((0, 2), dtype=np.int64),
@@ -106,6 +113,8 @@ class Shell(SupportedSurface):
             name=name,
         )
         self.own_mesh = _own_mesh(mesh, patches)
+        log_coincident(self.label, mesh.points)
+        self._log_turns(kink_angle)
         self.faces = mesh.corners_of(patches.cells)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         self._has_kinks = bool(len(patches.split))
@@ -143,6 +152,18 @@ class Shell(SupportedSurface):
         ]
         areas = self._measure()[1].sum(axis=1)
         return drilling_stiffness(self.stiffness, areas, self.mesh.cells, alone)
+
+    def _log_turns(self, kink_angle: float) -> None:
+        """Say in the log that normals of cells are far from their common director."""
+        directors, normals = self.frames[self.connectivity, 3], self.mesh.normals
+        cosine = np.einsum("mkj,mkj->mk", directors, normals)
+        if cosine.min() < cos(_FACETS):
+            place = self.frames[self.connectivity.ravel()[cosine.argmin()], 0]
+            _log.info(
+                "%s: normals of cells are up to %.0f° off their common director, at %s; where "
+                "neighbours turn by no more than kink_angle = %.0f° the surface is smooth",
+                *(self.label, degrees(np.arccos(cosine.min())), place, degrees(kink_angle)),
+            )
 
     def _tilts(self, hold: HeldRotation) -> bool:
         """Whether it is a moment across the director."""
@@ -264,7 +285,7 @@ def _own_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
     )
 
 
-def _given(mesh: SurfaceMesh, director: Director, patches: Patches) -> Array:
+def _given(mesh: SurfaceMesh, director: Director, patches: Patches, kink_angle: float) -> Array:
     """Directors from the user's function, checked against the cells' normals."""
     if len(patches.split):
         raise ValueError(
@@ -280,12 +301,14 @@ def _given(mesh: SurfaceMesh, director: Director, patches: Patches) -> Array:
         )
     found = found / size
     cosine = np.einsum("mkj,mkj->mk", mesh.normals, found[mesh.cells])
-    if cosine.min() < 0.1:
+    if cosine.min() < cos(min(kink_angle, 0.47 * pi)):
         point = mesh.cells.ravel()[cosine.argmin()]
+        off = degrees(np.arccos(np.clip(cosine.min(), -1.0, 1.0)))
         raise ValueError(
             f"the director at {mesh.points[point]} is {found[point]}: it must point to the side of "
-            "the cells' normals; its cosine with one of them is "
-            f"{cosine.min():.2f}. Turn the director or the cells round"
+            f"the cells' normals and be normal to the surface, but is {off:.0f}° off one of them, "
+            f"more than the kink angle of {degrees(kink_angle):.0f}°. Turn the director or the "
+            "cells round, or give smaller cells"
         )
     return np.asarray(found)
 

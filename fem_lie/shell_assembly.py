@@ -11,7 +11,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._jit import Array
 from fem_lie.assembly import Assembly, NodalInertia
-from fem_lie.bodies import Holds
+from fem_lie.bodies import NO_HOLDS, Holds
 from fem_lie.drilling_assembly import DrillingAssembly
 from fem_lie.elements.shell_cells import ShellCells
 from fem_lie.elements.shell_maps import add_turnings
@@ -32,7 +32,7 @@ class ShellAssembly(Assembly):
         stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
     """
 
-    def __init__(self, bodies: Sequence[Shell], holds: Holds) -> None:
+    def __init__(self, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
         first = bodies[0]
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])

@@ -10,19 +10,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
 
-import basix
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_number
+from fem_lie._cell_shapes import DEGREES, cell_normals
 from fem_lie._lines import Array, Indices
 from fem_lie._patches import Edges, Patches, smooth_patches
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
 
-# number of nodes and degree
-_DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
+_FAR_OFF = 0.5  # cosine: a smooth surface does not turn by twice 60° in one cell
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 
@@ -41,7 +40,9 @@ class SurfaceMesh:
 
     Raises:
         ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
-            area or stands there twice; the normals of smooth neighbours point to opposite sides.
+            area, folds over (corners around it instead of row by row, a re-entrant corner), lies
+            on its neighbour or stands there twice; a normal is far from that of its cell, or those
+            of smooth neighbours point to opposite sides; an edge of a curve is none of a cell.
     """
 
     points: Array
@@ -61,6 +62,7 @@ class SurfaceMesh:
         # also refuses nan
         if not (np.abs(np.linalg.norm(normals, axis=-1) - 1.0) < 1e-6).all():
             raise ValueError("normals must be unit vectors")
+        _check_normals(normals, cell_normals(points, cells, self.cell), points, cells)
         curves = {
             name: indices_of(edges, len(points), f"points of curve {name!r}")
             for name, edges in self.curves.items()
@@ -105,7 +107,7 @@ class SurfaceMesh:
         """
         x = points_of(points)
         connected = _surface_cells(cells, cell, len(x))
-        found = _cell_normals(x, connected, cell)
+        found = cell_normals(x, connected, cell)
         if normals is not None:
             known = np.asarray(normals, dtype=np.float64)
             if known.shape != found.shape:
@@ -127,7 +129,7 @@ class SurfaceMesh:
     @property
     def degree(self) -> int:
         """Of the cells' edges."""
-        return _DEGREES[self.cell][self.cells.shape[1]]
+        return DEGREES[self.cell][self.cells.shape[1]]
 
     @property
     def corners(self) -> Indices:
@@ -202,7 +204,11 @@ class SurfaceMesh:
         _, count = np.unique(np.sort(self.corners, axis=1), axis=0, return_counts=True)
         if count.max() > 1:
             raise ValueError(f"{count.max()} cells have the same corners")
-        Edges(self.points, self.cells, self.cell, self.normals).smooth_pairs(KINK_ANGLE)
+        edges = Edges(self.points, self.cells, self.cell, self.normals)
+        edges.refuse_overlaps()
+        edges.smooth_pairs(KINK_ANGLE)
+        for name, curve in self.curves.items():
+            edges.check_curve(name, curve)
 
 
 def surface(
@@ -227,7 +233,7 @@ def surface(
     Raises:
         ValueError: A cell has no area, or something is out of range.
     """
-    if cell not in _DEGREES or degree not in (1, 2):
+    if cell not in DEGREES or degree not in (1, 2):
         raise ValueError(
             "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
             f"{cell!r} of degree {degree!r}"
@@ -269,11 +275,23 @@ def _grid_cells(number: Indices, cell: str, degree: int) -> Indices:
     return np.array(found, dtype=np.int64)
 
 
+def _check_normals(given: Array, own: Array, points: Array, cells: Indices) -> None:
+    """Refuse normals that cannot be of the surface that the cells are cut from."""
+    cosine = np.einsum("mkj,mkj->mk", given, own)
+    if cosine.min() < _FAR_OFF:
+        m, k = np.unravel_index(int(cosine.argmin()), cosine.shape)
+        raise ValueError(
+            f"the normal of cell {m} at {points[cells[m, k]]} is {given[m, k]}, "
+            f"{degrees(np.arccos(np.clip(cosine.min(), -1.0, 1.0))):.0f}° off that of its points, "
+            f"{own[m, k]}"
+        )
+
+
 def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     cells = np.asarray(value)
-    if cell not in _DEGREES:
+    if cell not in DEGREES:
         raise ValueError(f"cell must be 'triangle' or 'quadrilateral', got {cell!r}")
-    known = list(_DEGREES[cell])
+    known = list(DEGREES[cell])
     if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
         raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
     indices = indices_of(cells, points, "cells")
@@ -281,23 +299,3 @@ def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     if len(alone):
         raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
     return indices
-
-
-def _cell_normals(points: Array, cells: Indices, cell: str) -> Array:
-    """Unit normals of each cell's own interpolation at its nodes, shape (m, k, 3)."""
-    element = basix.create_element(
-        basix.ElementFamily.P,
-        basix.CellType[cell],
-        _DEGREES[cell][cells.shape[1]],
-        basix.LagrangeVariant.gll_warped,
-    )
-    nodes = np.asarray(element.points, dtype=np.float64)
-    slopes = np.asarray(element.tabulate(1, nodes), dtype=np.float64)[1:, :, :, 0]
-    g1, g2 = np.einsum("aik,mkj->amij", slopes, points[cells])
-    normal = np.cross(g1, g2)
-    size = np.linalg.norm(normal, axis=-1, keepdims=True)
-    scale = np.linalg.norm(g1, axis=-1, keepdims=True) * np.linalg.norm(g2, axis=-1, keepdims=True)
-    bad = np.flatnonzero((size <= 1e-12 * np.maximum(scale, 1e-300)).any(axis=(1, 2)))
-    if len(bad):
-        raise ValueError(f"cell {bad[0]} (points {cells[bad[0]]}) has no area at a corner")
-    return np.asarray(normal / size)

@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.mesh import KINK_ANGLE
 
 FRAME = Path(__file__).parents[1] / "meshes" / "frame.geo"
 SECTION = fl.Section.from_stiffness([1e4, 5e3, 4e3, 50.0, 100.0, 70.0])
@@ -77,7 +78,7 @@ def test_on_a_helix_they_turn_against_the_torsion_with_fourth_order():
 def closed(function, cells: int) -> fl.LineMesh:
     phi = 2 * np.pi * np.arange(cells) / cells
     pairs = np.column_stack([np.arange(cells), (np.arange(cells) + 1) % cells])
-    return fl.LineMesh.from_cells([function(p) for p in phi], pairs)
+    return fl.LineMesh.from_cells([function(p) for p in phi], pairs, kink_angle=KINK_ANGLE)
 
 
 def test_a_closed_circle_closes_and_another_ring_has_one_step():
@@ -102,6 +103,7 @@ def test_up_is_nearest_to_e3_for_all_or_for_groups():
         [arc(2.0)(s) for s in np.linspace(0, 1, 9)],
         [(i, i + 1) for i in range(8)],
         groups={"first": [0, 1, 2], "second": [3, 4, 5]},
+        kink_angle=KINK_ANGLE,
     )
     up = {"first": (0.2, 1, 1), "second": (1, -1, 0.3)}
     beam = fl.Beam(mesh, SECTION, up=up)

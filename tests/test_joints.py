@@ -69,7 +69,8 @@ def connections_of(name: str) -> Connections:
     a = scene.add(fl.RigidBody(1.0, (1, 1, 1)))
     b = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(1, 0.5, 0), rotation=lie.so3_exp(TURNED)))
     for item in CONNECTIONS[name](a, b):
-        scene.add(item)
+        # what acts along a joint's coordinate stands here without the joint's own constraints
+        (scene.joints if isinstance(item, fl.Joint) else scene.connections).append(item)
     numbering = Numbering(scene.bodies)
     frames = np.concatenate([numbering.frames, [lie.frame(np.zeros(3), np.eye(3))]])
     return Connections(scene, numbering, frames, np.zeros((2, 6), dtype=bool))

@@ -156,7 +156,8 @@ def ring(cells: int, section: fl.Section, pressure: float):
     pairs = np.column_stack([np.arange(cells), (np.arange(cells) + 1) % cells])
     points = np.column_stack([np.cos(phi), np.sin(phi), 0 * phi])
     scene = fl.Scene()
-    beam = scene.add(fl.Beam(fl.LineMesh.from_cells(points, pairs), section, up=(0, 0, 1)))
+    mesh = fl.LineMesh.from_cells(points, pairs, kink_angle=np.radians(40))
+    beam = scene.add(fl.Beam(mesh, section, up=(0, 0, 1)))
     scene.add(fl.Clamp(beam.node(0)))
     # e₂ = e₃ × e₁ points inward
     scene.add(fl.PressureLoad(beam, pressure, (0, 1, 0)))

@@ -198,7 +198,9 @@ class Coordinate(NamedTuple):
 
     def _equals(self, tie: Tie) -> bool:
         mine = self.tie
-        if any(p.body is not q.body or p.node != q.node for p, q in ((mine.a, tie.a), (mine.b, tie.b))):
+        if any(
+            p.body is not q.body or p.node != q.node for p, q in ((mine.a, tie.a), (mine.b, tie.b))
+        ):
             return False
         pairs = (
             (mine.selection, tie.selection),
