@@ -13,9 +13,9 @@ from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 5
+_FORMAT, _VERSION = "fem_lie results", 6
 _NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
-_OTHERS = (*_NUMBERS, "info", "steps", "balance")
+_OTHERS = (*_NUMBERS, "info", "steps")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in _OTHERS)
 _INVARIANTS = {"kinetic": 0, "momentum": slice(1, 4), "angular_momentum": slice(4, 7)}
 
@@ -31,8 +31,6 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
             file.attrs.update({"format": _FORMAT, "version": _VERSION})
             for name in _ARRAYS:
                 file[name] = getattr(result, name)
-            if result.balance is not None:
-                file["balance"] = result.balance
             for name in _NUMBERS:
                 file.attrs[name] = getattr(result, name)
             if result.steps is not None:
@@ -101,6 +99,7 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
 
 
 def _write_info(file: Any, info: SceneInfo) -> None:
+    file.attrs["mass"] = info.mass
     for i, body in enumerate(info.bodies):
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
@@ -142,11 +141,9 @@ def _read(file: Any) -> Result:
     if "invariants" in file:
         invariants = file["invariants"][rows]
         arrays |= {name: invariants[:, part] for name, part in _INVARIANTS.items()}
-    balance = file["balance"][rows] if "balance" in file else None
     return Result(
         **arrays,
         steps=steps,
-        balance=None if balance is None or np.isnan(balance).any() else balance,
         factorisations=int(file.attrs["factorisations"]),
         k_updates=int(file.attrs["k_updates"]),
         phi_updates=int(file.attrs["phi_updates"]),
@@ -154,6 +151,7 @@ def _read(file: Any) -> Result:
         info=SceneInfo(
             tuple(_read_body(group) for group in _groups(file, "bodies")),
             tuple(_read_joint(group) for group in _groups(file, "joints")),
+            float(file.attrs["mass"]),
         ),
     )
 

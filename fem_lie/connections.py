@@ -15,6 +15,7 @@ from fem_lie.joint_functions import DISTANCE
 from fem_lie.joint_table import views
 from fem_lie.joints import Connection, Fixed, Joint
 from fem_lie.numbering import Numbering
+from fem_lie.outer_forces import joint_reactions
 from fem_lie.scene import Scene
 from fem_lie.tables import Pair, Tables
 
@@ -161,6 +162,39 @@ class Connections:
         count = self._numbering.count
         sliding.evaluate(H, self.sliding, weights, scale, count, r)
         rolling.evaluate(H, v, self.rolling, weights, scale, factor, count, r)
+
+    def reactions(self, H: Array, v: Array, weights: Array) -> tuple[Array, float]:
+        """What ground and prescribed frames do on the joints, and what dampers take.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists of the moving nodes, shape (n, 6).
+            weights: Multipliers, shape (m,).
+
+        Returns:
+            Forces and moments in the frames that do not move by themselves, shape (p + 1, 6), and
+            the power lost.
+        """
+        rows, free = len(H), self._numbering.count
+        r, scale = np.empty(6 * rows + self.m), np.ones(self.m)
+        loss = joint_reactions(H, v, self.packed, weights, scale, r)
+        if not self.of_joints_only:
+            sliding.evaluate(H, self.sliding, weights, scale, rows, r)
+            rolling.evaluate(H, v, self.rolling, weights, scale, 1.0, rows, r)
+        return r[6 * free : 6 * rows].reshape(-1, 6), float(loss)
+
+    @property
+    def outward(self) -> bool:
+        """Whether there are dampers, or joints with what does not move by itself."""
+        free, ties = self._numbering.count, (self.table, self.sliding, self.rolling)
+        grounded = any((tie.nodes >= free).any() for tie in ties)
+        return grounded or bool(self.table.springs[:, 1].any())
+
+    @property
+    def present_targets(self) -> Array:
+        """What the constraints are to be at the time that was set, shape (m,)."""
+        still = np.zeros(self.of_velocities)
+        return np.concatenate([self.table.targets, self.sliding.targets, still])
 
     def sliding_pairs(self) -> tuple[Indices, Indices]:
         """Rows and columns of node pairs: the frame and both ends, for each element, (e, 3, 3)."""

@@ -166,6 +166,19 @@ def spring_energy(H: Array, table: JointTable) -> float:
 
 
 @compiled
+def damper_loss(H: Array, v: Array, table: JointTable) -> float:
+    """Power ``c q̇²`` that all dampers take at twists ``v`` of the nodes that move."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m, loss = len(table.targets), 0.0
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] >= m and table.springs[table.rows[t] - m, 1] != 0.0:
+                _locate(H, table, j, A, B, z, f)
+                loss += table.springs[table.rows[t] - m, 1] * _rate(v, table, j, t, z) ** 2
+    return loss
+
+
+@compiled
 def wrenches(
     H: Array, v: Array, table: JointTable, weights: Array, pairs: Indices, side: Indices, out: Array
 ) -> None:

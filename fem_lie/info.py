@@ -83,10 +83,17 @@ class JointInfo:
 
 @dataclass(frozen=True, eq=False)
 class SceneInfo:
-    """Bodies and joints in the order of the scene."""
+    """Bodies and joints in the order of the scene.
+
+    Attributes:
+        bodies: All of them.
+        joints: All of them.
+        mass: Of all bodies; 0 where inertia is not known.
+    """
 
     bodies: tuple[BodyInfo, ...]
     joints: tuple[JointInfo, ...] = ()
+    mass: float = 0.0
 
     def body(self, name: str) -> BodyInfo:
         """The body with this name.

@@ -138,6 +138,16 @@ class LoadCases:
         return loads
 
     @property
+    def any_nodal(self) -> bool:
+        """Whether gravity or any load acts on nodes."""
+        return any(array.any() for case in self._cases for array in case.arrays())
+
+    @property
+    def strains_change(self) -> bool:
+        """Whether a strain without stress has a history."""
+        return any(case > 0 for case, _, _ in self._strains)
+
+    @property
     def constant(self) -> Array:
         """Forces on (x, d₁, d₂, d₃) fixed in space that have no history, (n, 4, 3)."""
         return self._cases[0].dead

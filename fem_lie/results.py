@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie import balances
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.plot import SI, Units
 from fem_lie.step_history import StepHistory
@@ -39,18 +40,21 @@ class Result:
             axes that it has on that side, shape (T, j, 6).
         joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
         joint_violations: Largest violation of a constraint of each joint, shape (T, j).
-        kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of loads.
+        kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of gravity and of
+            forces fixed in space without a history.
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
+        balance: Work of all that acts and has no potential (see :mod:`fem_lie.balances`), loss by
+            damping, and numerical loss as far as the scheme knows it, each up to these times,
+            shape (T, 3).
+        impulses: Of loads (gravity included) and of reactions, force before moment about the
+            origin, up to these times, global components, shape (T, 2, 6).
         iterations: Newton iterations so far, shape (T,).
         factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
             and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
-        balance: Work of loads that has no potential and of prescribed motions, loss by damping, and
-            numerical loss, each up to these times, shape (T, 3); ``None`` if the scheme does not
-            follow them.
     """
 
     times: Array
@@ -64,6 +68,8 @@ class Result:
     potential: Array
     momentum: Array
     angular_momentum: Array
+    balance: Array
+    impulses: Array
     iterations: npt.NDArray[np.int64]
     factorisations: int
     k_updates: int
@@ -71,7 +77,6 @@ class Result:
     seconds: float
     info: SceneInfo
     steps: StepHistory | None = None
-    balance: Array | None = None
 
     def __post_init__(self) -> None:
         n = self.frames.shape[1] if self.frames.ndim == 4 else 0
@@ -89,6 +94,8 @@ class Result:
             ("potential", ()),
             ("momentum", (3,)),
             ("angular_momentum", (3,)),
+            ("balance", (balances.COLUMNS,)),
+            ("impulses", (2, 6)),
             ("iterations", ()),
         ):
             value = getattr(self, name)
@@ -148,40 +155,44 @@ class Result:
         return self.kinetic + self.elastic + self.potential
 
     @property
-    def balance_error(self) -> float:
-        """Largest change of ``energy − work + losses``, over the largest energy in play.
+    def energy_error(self) -> float:
+        """Largest gap between the change of energy and work less loss, over the energy in play.
 
-        Raises:
-            ValueError: The scheme does not follow works and losses.
+        That is the largest energy that is turned over, see :mod:`fem_lie.balances`: never a matter
+        of where the potential is zero.
         """
-        if self.balance is None:
-            raise ValueError("the scheme of this result does not follow works and losses")
-        work, damping, numerical = self.balance.T
-        closed = self.total_energy - work + damping + numerical
-        scale = max(np.abs(e).max() for e in (self.kinetic + self.elastic, work, damping))
-        return _relative(float(np.abs(closed - closed[0]).max()), float(scale))
+        return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
 
     @property
-    def energy_error(self) -> float:
-        """Largest change of the total energy, over the energy in play.
+    def balance_error(self) -> float:
+        """:attr:`energy_error` without what the scheme says it loses: the third of ``balance``."""
+        gaps = balances.energy_gaps(self.total_energy, self.balance)
+        return self._relative_energy(gaps + self.balance[:, 2] - self.balance[0, 2])
 
-        That is the kinetic and elastic energy at the start, or the largest work of the loads,
-        whichever is greater: without loads the initial energy, and never a matter of where the
-        potential is zero.
-        """
-        drift = np.abs(self.total_energy - self.total_energy[0]).max()
-        work = np.abs(self.potential - self.potential[0]).max()
-        return _relative(drift, max(abs(self.kinetic[0] + self.elastic[0]), work))
+    def _relative_energy(self, gaps: Array) -> float:
+        stored = self.kinetic + self.elastic
+        scale = balances.energy_scale(stored, self.potential, self.balance)
+        return balances.relative(float(np.abs(gaps).max()), scale)
 
     @property
     def momentum_error(self) -> float:
-        """Largest change of the momentum vector over its initial length; absolute if that is 0."""
-        return _drift(self.momentum)
+        """Largest gap between the change of momentum and impulses, over the momentum in play.
+
+        That is the largest momentum that is turned over, see :mod:`fem_lie.balances`.
+        """
+        return self._relative_momentum(self.momentum, slice(0, 3), 1.0)
 
     @property
     def angular_momentum_error(self) -> float:
         """Likewise for the angular momentum about the origin."""
-        return _drift(self.angular_momentum)
+        arm = balances.reach(self.frames[:, :, 0])
+        return self._relative_momentum(self.angular_momentum, slice(3, 6), arm)
+
+    def _relative_momentum(self, momentum: Array, part: slice, arm: float) -> float:
+        impulses = self.impulses[:, :, part]
+        exchanged = arm * np.sqrt(2.0 * self.info.mass * self.kinetic.max())
+        scale = balances.momentum_scale(momentum, impulses, float(exchanged))
+        return balances.relative(float(balances.momentum_gaps(momentum, impulses).max()), scale)
 
     def resampled(self, times: npt.ArrayLike) -> Result:
         """The same motion at other times, for plots, or to compare runs with different steps.
@@ -329,13 +340,3 @@ class Result:
 
     def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
         return [self.position(point) for point in points]
-
-
-def _relative(value: float, scale: float) -> float:
-    return 0.0 if value == 0.0 else float(value / scale) if scale > 0.0 else float("inf")
-
-
-def _drift(vectors: Array) -> float:
-    change = np.linalg.norm(vectors - vectors[0], axis=1).max()
-    scale = np.linalg.norm(vectors[0])
-    return float(change / scale) if scale > 0.0 else float(change)

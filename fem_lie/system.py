@@ -188,8 +188,21 @@ class System:
 
     @property
     def conservative(self) -> Array:
-        """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3)."""
+        """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3).
+
+        They alone have a potential; all other loads do work (:mod:`fem_lie.balances`).
+        """
         return self._loads.constant
+
+    @property
+    def loaded(self) -> bool:
+        """Whether gravity or any load acts on nodes."""
+        return self._loads.any_nodal
+
+    @property
+    def strains_change(self) -> bool:
+        """Whether a strain without stress has a history."""
+        return self._loads.strains_change
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3).
@@ -215,6 +228,14 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
         """
+        self.with_reactions(H, v, a, weights, scale, r)
+        if self._any_held:
+            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+
+    def with_reactions(
+        self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array
+    ) -> None:
+        """:meth:`residual`, with the forces that hold what is held."""
         self.applied(H, v, a, weights, scale, r)
         self.elastic.add_forces(H, r)
         if self._viscous:
@@ -225,8 +246,6 @@ class System:
             self._internal[:] = r[: 6 * self.count].reshape(-1, 6) - self._applied
         if self.supports:
             self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
-        if self._any_held:
-            r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
 
     def applied(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
         """What :meth:`residual` is without elastic forces and damping."""
@@ -303,10 +322,10 @@ class System:
         """Set kinetic energy, momentum and angular momentum, (7,).
 
         Returns:
-            Potential of gravity and of loads fixed in space that have no history and no moment.
+            Potential of :attr:`conservative` loads.
         """
         work = self._report_work
-        return float(report(H, v, self._plain_inertia, self.loads.dead, work, invariants))
+        return float(report(H, v, self._plain_inertia, self.conservative, work, invariants))
 
     def stored_energy(self, H: Array) -> float:
         """Energy of elements and springs."""
@@ -365,7 +384,8 @@ class System:
 
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
-        return SceneInfo(self.numbering.bodies(), self.connections.info())
+        mass = float(self.inertia.blocks[:, 0, 0].sum())
+        return SceneInfo(self.numbering.bodies(), self.connections.info(), mass)
 
 
 def _yes(chosen: bool | None) -> str:

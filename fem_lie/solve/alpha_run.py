@@ -15,6 +15,7 @@ from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.groups import turn_all, turn_all_back, twists
 from fem_lie.results import Result
+from fem_lie.solve.books import Books
 from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError, methods_in_time
@@ -53,6 +54,7 @@ class Run(Integration[Recorder]):
         s: Start and end of a step.
         weights: Multipliers.
         solver: Of the iteration.
+        books: What loads, drives and supports have done.
     """
 
     def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
@@ -81,6 +83,7 @@ class Run(Integration[Recorder]):
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
         self._end, self._iterations, self._made = 0.0, 0, 0
+        self.books = Books(system)
 
     def history(
         self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
@@ -104,6 +107,7 @@ class Run(Integration[Recorder]):
         system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
         self._fill(s.H, s.H, turned=False)
         self.scale[:] = system.tangent.constraint_scale(s.H)
+        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
 
@@ -137,11 +141,17 @@ class Run(Integration[Recorder]):
         self._iterations = self._step()
         if self._iterations:
             system.connections.accept(s.H)
+            self._book(self._end)
         return self._iterations > 0
+
+    def _book(self, end: float) -> None:
+        s = self.s
+        self.books.add(self.h, end, s.H, s.twist1, s.rate1, self.weights)
 
     def _record(self, history: Recorder) -> None:
         s = self.s
-        history.record(self._index, s.H, s.twist1, self.weights, self._iterations)
+        state = s.H, s.twist1, self.weights
+        history.record(self._index, *state, self._iterations, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)
@@ -154,13 +164,14 @@ class Run(Integration[Recorder]):
         kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
         kept |= {"blocks": self.system.tangent.A, "counts": np.array(counts)}
         kept |= {f"policy.{name}": np.array(x) for name, x in vars(self.policy).items()}
-        return super().memory() | kept
+        return super().memory() | self.books.memory() | kept
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         s, system = self.s, self.system
         s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
         self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self.books.restore(kept)
         self._last_ratio, self._motion = (float(x) for x in kept["numbers"][:2])
         self._index, self._born = (int(x) for x in kept["numbers"][2:])
         if system.time_dependent:

@@ -16,7 +16,7 @@ are rejected, accelerations are made consistent anew, as at the start.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -68,6 +68,16 @@ def run(
     return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
 
 
+class _Saved(NamedTuple):
+    """What a step changes; see :class:`~.steps.State`."""
+
+    H: Array
+    H1: Array
+    motion: Array
+    weights: Array
+    books: dict[str, Array]
+
+
 class AlphaSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
@@ -109,6 +119,8 @@ class AlphaSteps(Run):
         self.weights[:] = set_start(self.system, self._starter, self.p, s)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
+        self.system.set_time(0.0)
+        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
         if not self._warm:
             self._warm_up()
             self._warm = True
@@ -157,17 +169,25 @@ class AlphaSteps(Run):
 
     def pass_event(self, time: float) -> None:
         """Make accelerations and velocities at ``time`` consistent."""
+        s = self.s
+        self._make_consistent(time)
+        self.books.jump(time, s.H, s.twist1, s.rate1, self.weights)
+
+    def _make_consistent(self, time: float) -> None:
         system, s = self.system, self.s
         s.H[system.count + 1 :] = system.prescribed_frames(time)
         v = system.velocities.copy()
         v[: system.count] = s.twist1
         v = allowed_velocities(system, self._starter, s.H, v, time, self.h)
         self.weights[:] = set_start(system, self._starter, self.p, s, v, time)
+        system.set_time(time)
 
     def calm(self, time: float, h: float) -> None:
         """Find accelerations anew."""
+        s = self.s
         self.set_step(time, h)
-        self.pass_event(time)
+        self._make_consistent(time)
+        self.books.look(time, s.H, s.twist1, s.rate1, self.weights)
 
     # --- steps ---
 
@@ -175,43 +195,45 @@ class AlphaSteps(Run):
         """See the protocol."""
         system, s = self.system, self.s
         self._index, self._end = index, end
+        seen = end - side(end, self.h) if lands else end
         if system.time_dependent:
-            seen = end - side(end, self.h) if lands else end
             system.set_time(seen)
             s.H1[system.count + 1 :] = system.prescribed_frames(seen)
         self._motion = self._speed * self.h
         iterations = self._step()
         if iterations:
             self._speed = max(self._speed, self._motion / self.h)
+            self._book(seen)
         return iterations
 
-    def saved(self) -> tuple[Array, ...]:
+    def saved(self) -> _Saved:
+        """See the protocol."""
+        s, books = self.s, self.books.memory()
+        return _Saved(s.H.copy(), s.H1.copy(), s.motion.copy(), self.weights.copy(), books)
+
+    def take_back(self, state: _Saved) -> None:
         """See the protocol."""
         s = self.s
-        return s.H.copy(), s.H1.copy(), s.motion.copy(), self.weights.copy()
+        s.H[:], s.H1[:], s.motion[:] = state.H, state.H1, state.motion
+        self.weights[:] = state.weights
+        self.books.restore(state.books)
 
-    def take_back(self, state: tuple[Array, ...]) -> None:
-        """See the protocol."""
-        s = self.s
-        for own, saved in zip((s.H, s.H1, s.motion, self.weights), state, strict=True):
-            own[:] = saved
-
-    def follow(self, other: AlphaSteps, state: tuple[Array, ...]) -> None:
+    def follow(self, other: AlphaSteps, state: _Saved) -> None:
         """See the protocol."""
         self.take_back(state)
         self.h, self._index, self._speed = other.h, other._index, other._speed
 
-    def estimate(self, before: tuple[Array, ...], start: float, end: float) -> StepError:
+    def estimate(self, before: _Saved, start: float, end: float) -> StepError:
         """See the protocol."""
         s, m = self.s, self.factors.levels.mass
-        self._error.load(self.h, before[2], s.H, s.d, s.vdot, m, self.r)
+        self._error.load(self.h, before.motion, s.H, s.d, s.vdot, m, self.r)
         super()._solve()
         return self._error.of(self.dx)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """See the protocol."""
         s = self.s
-        recorder.record(index, s.H, s.twist1, self.weights, iterations)
+        recorder.record(index, s.H, s.twist1, self.weights, iterations, self.books.total)
 
     # --- what changes in a step ---
 

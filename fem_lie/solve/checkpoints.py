@@ -96,7 +96,7 @@ class Checkpoints:
         found = _results_file.pages(self._path)
         self._rows = found.pop("rows")
         if not self.memory:
-            found["elastic"][:], found["balance"][:] = 0.0, np.nan
+            found["elastic"][:] = 0.0
         return found
 
     def write(self, row: int, seconds: float, memory: dict[str, Array]) -> None:

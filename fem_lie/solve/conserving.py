@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie import inertia
-from fem_lie._jit import Array, compiled
+from fem_lie._jit import Array, compiled, inlined
 from fem_lie._lie_tuples import (
     cross,
     load,
@@ -23,11 +23,12 @@ from fem_lie._lie_tuples import (
     scaled,
     store,
 )
+from fem_lie.balances import BY_LOADS, BY_REACTIONS
 from fem_lie.solve.between import span
 from fem_lie.solve.conserving_cells import add_from_nodes
 from fem_lie.solve.filtered import ACTIVE, LIMIT, end_velocities, lag_behind, velocity_loss
 from fem_lie.solve.joints_between import add_joints
-
+from fem_lie.wrench import add_dead, add_wrench
 
 class Model(NamedTuple):
     """What does not change in a step, as plain tuples.
@@ -48,6 +49,7 @@ class Model(NamedTuple):
         scheme: Step size, χ and μ of :mod:`fem_lie.solve.filtered`.
         probes: Table of the coordinates that results report, packed.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
+        supported: Which unknowns are held from outside, (n, 6).
     """
 
     cells: tuple[Any, ...]
@@ -64,6 +66,7 @@ class Model(NamedTuple):
     scheme: tuple[float, float, float]
     probes: tuple[Any, ...]
     driven: Array
+    supported: Any
 
 
 class State(NamedTuple):
@@ -82,7 +85,8 @@ class State(NamedTuple):
         w_F: Of changes of forces, (places, 6).
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (10,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
-        books: Work of loads and drives that has no potential, of damping, numerical loss, (3,).
+        books: Work of loads and drives that has no potential, of damping, numerical loss, and
+            impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
     """
 
@@ -112,7 +116,8 @@ class Step(NamedTuple):
         F1: Forces of the cells at the end, (places, 6).
         energies: At the end, and the work of the step, (2, M).
         change: Of the constraints, (m,).
-        losses: Work of drives, of damping, numerical loss in the step, (3,).
+        losses: Work of drives, of damping, numerical loss in the step, and forces and moments about
+            the origin of pressure and mass damping, and of reactions, (15,).
         nodes: Start, ends, means, half-way frames, increments, and those with the rest, of all
             nodes, (6, N, 4, 3).
         steps: Their steps, twists and forces on them, (3, N, 6).
@@ -152,7 +157,8 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     _add_momenta(model, state, this)
     _add_loads(model[8], middle, forces)
     add_from_nodes(model, state, this)
-    work, loss = add_joints(mean, delta, joints, weights, model[13], scheme[0], change, forces)
+    given = joints, weights, model[13], scheme[0]
+    work, loss = add_joints(mean, delta, *given, change, forces, losses[BY_REACTIONS:])
     losses[0] += work
     losses[1] += loss
     for i in range(n):
@@ -160,6 +166,7 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
         for at in (0, 3):
             local = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(forces[i], at))
             store(r[0, 6 * i : 6 * i + 6], at, scaled(2.0 / (1.0 + χ), local))
+        _add_reactions(m, load_row(mean[i], 0), model[14][i], r[0, 6 * i : 6 * i + 6], χ, losses)
         for k in range(6):
             if held[i, k]:
                 r[0, 6 * i + k] = 0.0
@@ -173,6 +180,23 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
         # forces of this size are left over at both ends of the step, and the loss has a factor χ/2
         noise = 4.0 / scheme[1] * lag[LIMIT] * sqrt(moved)
         lag_behind(model[2], state[2], this[2], state[8], this[10], lag, noise)
+
+
+@inlined
+def _add_reactions(  # type: ignore[no-untyped-def]
+    middle, x, supported, r, χ, losses
+):
+    """Add what is left over where a node at ``x`` is held from outside: the force that holds it."""
+    any_held = False
+    for k in range(6):
+        any_held = any_held or supported[k]
+    if not any_held:
+        return
+    s = 0.5 * (1.0 + χ)
+    a = (s * r[0] * supported[0], s * r[1] * supported[1], s * r[2] * supported[2])
+    b = (s * r[3] * supported[3], s * r[4] * supported[4], s * r[5] * supported[5])
+    d1, d2, d3 = load_row(middle, 1), load_row(middle, 2), load_row(middle, 3)
+    add_wrench(losses, BY_REACTIONS, x, rotate(d1, d2, d3, a), rotate(d1, d2, d3, b))
 
 
 @compiled
@@ -194,6 +218,8 @@ def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any
         inertia.multiply(damping[0], damping[1], damping[2], q[0], q[1])
         _on_directors(mean, q[1], forces)
         losses[1] += h * np.sum(q[0] * q[1])
+        for i in range(n):
+            add_dead(losses, BY_LOADS, -1.0, mean[i], q[1, i])
     for i in range(n):
         for k in range(4):
             for j in range(3):

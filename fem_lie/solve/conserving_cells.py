@@ -18,10 +18,12 @@ from fem_lie._lie_tuples import (
     scaled,
     store,
 )
+from fem_lie.balances import BY_LOADS
 from fem_lie.solve import cells as elements
 from fem_lie.solve.between import follow
 from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
 from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REPAID, SQUARES, WORKS
+from fem_lie.wrench import add_wrench
 
 
 @compiled
@@ -53,7 +55,7 @@ def add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[A
         on_all[:] = 0.0
         parts = (nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[5], steps[0])
     _add_cells(model, state, this, parts, on_all)
-    this[6][0] += _add_pressure(pressure, parts[2], parts[3], parts[4], on_all)
+    this[6][0] += _add_pressure(pressure, parts[2], parts[3], parts[4], on_all, this[6])
     if not trivial:
         collect(leader, nodes[2], rows[1], on_all, forces)
 
@@ -121,7 +123,7 @@ def _add_viscous(  # type: ignore[no-untyped-def]
 
 @compiled
 def _add_pressure(  # type: ignore[no-untyped-def]
-    pressure, mean, middle, delta, out
+    pressure, mean, middle, delta, out, losses
 ):
     """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece; returns work."""
     pairs, across = pressure
@@ -136,6 +138,7 @@ def _add_pressure(  # type: ignore[no-untyped-def]
         force = cross(minus(load_row(mean[j], 0), load_row(mean[i], 0)), push)
         for node in (i, j):
             store(out[node], 0, minus(load(out[node], 0), force))
+            add_wrench(losses, BY_LOADS, load_row(mean[node], 0), force, (0.0, 0.0, 0.0))
             work += dot(force, load_row(delta[node], 0))
     return work
 

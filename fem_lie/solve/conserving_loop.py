@@ -16,6 +16,7 @@ from fem_lie._lie_tuples import (
     Vector,
     combined,
     cross,
+    dot,
     load,
     load_row,
     minus,
@@ -26,12 +27,14 @@ from fem_lie._lie_tuples import (
     store,
     store_row,
 )
+from fem_lie.balances import BY_LOADS
 from fem_lie.constraints import unwrap
 from fem_lie.joint_table import joint_table
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.factors import solve
 from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID, WORKS
+from fem_lie.wrench import add_dead, add_wrench
 
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
@@ -140,9 +143,10 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]
         lag[REMEMBERS] = lag[ACTIVE] = 1.0
         w += μ * (V1 - V - w)
         w_F += μ * (F1 - F - w_F)
-    books[0] += losses[0] + _work_of_loads(model, rows, step)
+    books[0] += losses[0] + _work_of_loads(model, rows, step, losses)
     books[1] += losses[1]
     books[2] += losses[2]
+    books[BY_LOADS:] += h * losses[BY_LOADS:]
     advance(H[:n], rest, rows[3, :n])
     for i in range(n, H.shape[0]):
         for k in range(4):
@@ -182,21 +186,20 @@ def _keep_what_is_left(
 
 
 @compiled
-def _work_of_loads(model: tuple[Any, ...], rows: Array, step: Array) -> float:
-    """Work in the step of all loads without a potential."""
+def _work_of_loads(model: tuple[Any, ...], rows: Array, step: Array, losses: Array) -> float:
+    """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
     dead, moment, following, constant = model[8]
-    middle, delta, work = rows[2], rows[3], 0.0
+    mean, middle, delta, work = rows[1], rows[2], rows[3], 0.0
     for i in range(step.shape[0]):
         for k in range(4):
             for j in range(3):
                 work += (dead[i, k, j] - constant[i, k, j]) * delta[i, k, j]
-        m = middle[i]
-        for j in range(3):
-            work += moment[i, j] * step[i, 3 + j]
-        for at in (0, 3):
-            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(following[i], at))
-            for j in range(3):
-                work += f[j] * step[i, at + j]
+        add_dead(losses, BY_LOADS, 1.0, mean[i], dead[i])
+        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        f = rotate(d1, d2, d3, load(following[i], 0))
+        m = plus(load(moment[i], 0), rotate(d1, d2, d3, load(following[i], 3)))
+        work += dot(f, load(step[i], 0)) + dot(m, load(step[i], 3))
+        add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
     return work
 
 

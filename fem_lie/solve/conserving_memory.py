@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem_lie.acting import supported
+from fem_lie.balances import TOTAL
 from fem_lie.pressure import Pressure
 from fem_lie.results import Array
 from fem_lie.solve.cells import Cells
@@ -31,7 +33,7 @@ def start_state(system: System, cells: Cells) -> State:
         w_F=z((cells.places, 6)),
         lag=z(10),
         carry=z((n, 6)),
-        books=z(3),
+        books=z(TOTAL),
         trend=z((n, 6)),
     )
 
@@ -47,7 +49,7 @@ def room_for_step(system: System, cells: Cells) -> Step:
         F1=z((cells.places, 6)),
         energies=z((2, cells.count)),
         change=z(m),
-        losses=z(3),
+        losses=z(TOTAL),
         nodes=z((6, total, 4, 3)),
         steps=z((3, total, 6)),
         forces=z((n, 6)),
@@ -85,6 +87,7 @@ def model_of(
         scheme=scheme,
         probes=system.connections.packed_probes,
         driven=np.zeros(system.m),
+        supported=supported(system),
     )
 
 

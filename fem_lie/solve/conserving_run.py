@@ -272,7 +272,7 @@ class Run(Integration[History]):
         history.potential[row] = report_rates(s.H, s.V, mass, dead, self.this.q, invariants)
         springs = constraints.spring_energy(s.H, system.table) if len(system.table.springs) else 0.0
         history.elastic[row] = s.W.sum() + springs
-        history.balance[row] = s.books
+        history.book(row, s.books)
         history.keep(np.array([self.index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
 
     # --- checkpoints ---

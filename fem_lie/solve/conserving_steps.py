@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import inertia
 from fem_lie._jit import Array, Indices
+from fem_lie.balances import BY_REACTIONS
 from fem_lie.frames import push
+from fem_lie.nodal import report_rates
 from fem_lie.results import Result
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.conserving import State
@@ -151,14 +152,19 @@ class ConservingSteps(Run):
         solver = DirectSolver(system.kkt.matrix, PREFIX)
         after = allowed_velocities(system, solver, s.H, v, time, self.h)
         push(s.H[:n], after[:n] - v[:n], change)
-        before = self._kinetic()
+        before = self._invariants()
         s.V[:] += change
-        s.books[0] += self._kinetic() - before
+        gain = self._invariants() - before
+        s.books[0] += gain[0]
+        s.books[BY_REACTIONS:] += gain[1:]
 
-    def _kinetic(self) -> float:
-        p = np.empty_like(self.s.V)
-        inertia.multiply(*self.system.inertia, self.s.V, p)
-        return float(0.5 * np.sum(p * self.s.V))
+    def _invariants(self) -> Array:
+        """Kinetic energy and momenta, shape (7,)."""
+        found, work = np.empty(7), np.empty_like(self.this.q)
+        report_rates(
+            self.s.H, self.s.V, self.model.inertia, self.system.conservative, work, found
+        )
+        return found
 
     def calm(self, time: float, h: float) -> None:
         """Nothing: waves have energy, which is conserved."""

@@ -82,6 +82,8 @@ class _State(NamedTuple):
             iterations beyond those; shape (n, 4).
         kept: Rows of the inverse block of the rotation, columns of the block that couples it to the
             translation, rows of the inverse block of the translation; shape (n, 9, 3).
+        rates: Power of the loads on each body, force and moment about the origin, shape (n, 7).
+        booked: Their work and impulses so far, shape (n, 7).
     """
 
     H: Array
@@ -90,6 +92,8 @@ class _State(NamedTuple):
     a: Array
     memory: Array
     kept: Array
+    rates: Array
+    booked: Array
 
 
 class _Options(NamedTuple):
@@ -153,6 +157,8 @@ class Run:
             # no ratio and no matrix yet: the first step makes one, whatever it costs
             np.tile([1.0, 0.0, 0.0, np.inf], (n, 1)),
             np.zeros((n, 9, 3)),
+            np.zeros((n, 7)),
+            np.zeros((n, 7)),
         )
 
     def _collect(self, scene: Scene) -> tuple[_Loads, dict[int, LoadHistory]]:
@@ -188,15 +194,16 @@ class Run:
         v1 = s.v + ahead * s.vdot
         free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
+        free_body.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
     def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
         """All steps; see :meth:`GeneralisedAlpha.run`."""
-        info = SceneInfo(self.numbering.bodies(), ())
+        info = SceneInfo(self.numbering.bodies(), (), float(self.bodies.mass.sum()))
         history = History(info, steps, self.p.h, save_every, progress)
         self.start()
         history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
         start = np.zeros(1, dtype=np.int64)
-        self._keep(history, start, start, amplitudes(self.histories, [0.0]))
+        self._keep(history, start, start)
         failed, count, factorisations = np.zeros(3), 0, 0
         self._advance(history, range(1, 1), failed)  # compilation is not integration
         begin = clock.perf_counter()
@@ -223,6 +230,8 @@ class Run:
         indices = np.arange(wanted.start, wanted.stop)
         amplitude = amplitudes(self.histories, indices * self.p.h)
         taken = np.zeros(len(indices), dtype=np.int64)
+        wanted_rows = (indices % history.every == 0) | (indices == history.steps)
+        done = np.zeros((int(wanted_rows.sum()), 7))
         last, factorisations = free_body.advance(
             tuple(self.p),
             tuple(self.options),
@@ -232,28 +241,28 @@ class Run:
             tuple(self.s),
             (wanted.start, wanted.stop - 1, history.row),
             (history.steps, history.every),
-            history.frames,
-            history.velocities,
+            (history.frames, history.velocities, done),
             taken,
             failed,
         )
         count = before + np.cumsum(taken)
-        kept = (indices <= last) & ((indices % history.every == 0) | (indices == history.steps))
-        self._keep(history, indices[kept], count[kept], amplitude[kept])
+        kept = (indices <= last) & wanted_rows
+        count_kept = int(kept.sum())
+        rows = slice(history.row, history.row + count_kept)
+        history.balance[rows, 0] = done[:count_kept, 0]
+        history.impulses[rows, 0] = done[:count_kept, 1:]
+        self._keep(history, indices[kept], count[kept])
         made = last - wanted.start + 1
         return last, int(count[made - 1]) if made else before, factorisations
 
-    def _keep(
-        self, history: History, indices: Indices, iterations: Indices, amplitude: Array
-    ) -> None:
+    def _keep(self, history: History, indices: Indices, iterations: Indices) -> None:
         """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
         rows = slice(history.row, history.row + len(indices))
         free_body.observe(
             history.frames[rows],
             history.velocities[rows],
             self.blocks,
-            tuple(self.loads),
-            amplitude,
+            self.loads.constant,
             history.invariants[rows],
             history.potential[rows],
         )

@@ -197,6 +197,29 @@ def make_step(
     return 0, renewed
 
 
+@inlined
+def act(f: Array, constant: Array, H: Array, twist: Array, row: Array) -> None:
+    """Power without what has a potential, force and moment about the origin, into ``row`` (7,)."""
+    d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
+    x, ω = load_row(H, 0), rotate(d1, d2, d3, load(twist, 3))
+    u = rotate(d1, d2, d3, load(twist, 0))
+    follows = rotate(d1, d2, d3, load(f, 6))
+    moment = plus(load(f, 3), rotate(d1, d2, d3, load(f, 9)))
+    changing = plus(minus(load(f, 0), load(constant, 0)), follows)
+    row[0] = dot(changing, u) + dot(moment, ω)
+    force = plus(load(f, 0), follows)
+    store(row, 1, force)
+    store(row, 4, plus(moment, cross(x, force)))
+
+
+@inlined
+def book(h: float, row: Array, last: Array, total: Array) -> None:
+    """Sum up by the trapezoidal rule, shapes (7,); ``row`` becomes the ``last``."""
+    for k in range(7):
+        total[k] += 0.5 * h * (last[k] + row[k])
+        last[k] = row[k]
+
+
 # --- all bodies ---------------------------------------------------------------------------------
 
 
@@ -231,8 +254,7 @@ def advance(
     state: tuple[Any, ...],
     span: tuple[int, int, int],
     steps: tuple[int, int],
-    frames: Array,
-    velocities: Array,
+    kept_rows: tuple[Array, Array, Array],
     iterations: Indices,
     failed: Array,
 ) -> tuple[int, int]:
@@ -247,8 +269,9 @@ def advance(
         state: Of all bodies; updated.
         span: First and last step, and the row of the first one that will be kept.
         steps: Number of steps of the run, and how many lie between two that are kept.
-        frames: Kept frames, shape (rows, n, 4, 3).
-        velocities: Kept twists, shape (rows, n, 6).
+        kept_rows: Kept frames, shape (rows, n, 4, 3), twists, shape (rows, n, 6), and what loads
+            have done, work before impulses, at the rows of these steps, shape (kept, 7), to which
+            that of each body is added.
         iterations: Of each step, of the body that takes most, shape (last − first + 1,).
         failed: Of the earliest failure: body, last increment and residual; shape (3,).
 
@@ -258,11 +281,13 @@ def advance(
     h, am, af, gamma, beta, damped, damping, _ = parameters
     tolerance, limit, patience, cost, rescue = options
     mass, J, size, group = bodies
-    H, v, vdot, a, memory, kept = state
+    H, v, vdot, a, memory, kept, rates, booked = state
+    frames, velocities, done = kept_rows
     first, last, kept_row = span
     total, every = steps
     end = (np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
     f, rate, note = np.empty(12), np.empty(6), np.zeros(3)
+    twist, row_now = np.empty(6), np.empty(7)
     factorisations = 0
     for i in range(v.shape[0]):
         own = (h, am, af, gamma, beta, damped, damping, size[i])
@@ -284,11 +309,25 @@ def advance(
                 failed[0], failed[1], failed[2] = i, note[1], note[2]
                 break
             iterations[index - first] = max(count, iterations[index - first])
+            to_local(group[i], here[0], here[1], here[2], twist, rate)
+            act(f, loads[0][i], here[0], twist, row_now)
+            book(h, row_now, rates[i], booked[i])
             if index % every == 0 or index == total:
-                frames[row, i] = here[0]
-                to_local(group[i], here[0], here[1], here[2], velocities[row, i], rate)
+                frames[row, i], velocities[row, i] = here[0], twist
+                done[row - kept_row] += booked[i]
                 row += 1
     return last, factorisations
+
+
+@compiled
+def start_books(
+    loads: tuple[Any, ...], amplitude: Array, H: Array, twists: Array, rates: Array
+) -> None:
+    """What acts on each body at the start, see :func:`act`, shape (n, 7)."""
+    f = np.empty(12)
+    for i in range(twists.shape[0]):
+        load_of(loads, amplitude, i, f)
+        act(f, loads[0][i], H[i], twists[i], rates[i])
 
 
 @compiled
@@ -296,14 +335,13 @@ def observe(
     frames: Array,
     velocities: Array,
     blocks: Array,
-    loads: tuple[Any, ...],
-    amplitude: Array,
+    constant: Array,
     invariants: Array,
     potential: Array,
 ) -> None:
-    """Energies and momenta of all rows; ``amplitude`` (rows, k), inertia ``blocks`` (n, 4, 4)."""
+    """Energies and momenta of all rows; inertia ``blocks`` (n, 4, 4), loads without history."""
     n = blocks.shape[0]
-    indptr, work, f = np.arange(n + 1), np.empty((2, n, 4, 3)), np.empty(12)
+    indptr, work = np.arange(n + 1), np.empty((2, n, 4, 3))
     for row in range(frames.shape[0]):
         values = inertia.invariants(
             frames[row], velocities[row], indptr, indptr, blocks, work[0], work[1]
@@ -312,5 +350,4 @@ def observe(
             invariants[row, k] = values[k]
         potential[row] = 0.0
         for i in range(n):
-            load_of(loads, amplitude[row], i, f)
-            potential[row] -= dot(load(f, 0), load_row(frames[row, i], 0))
+            potential[row] -= dot(load(constant[i], 0), load_row(frames[row, i], 0))

@@ -30,6 +30,7 @@ from fem_lie._lie_tuples import (
 )
 from fem_lie.joint_table import PackedJoints, joint_table
 from fem_lie.relative_motion import relative_motion
+from fem_lie.wrench import add_wrench
 
 
 @inlined
@@ -80,6 +81,7 @@ def add_joints(
     h: float,
     change: Array,
     out: Array,
+    ground: Array,
 ) -> tuple[float, float]:
     """Add the forces of all joints to ``out`` and set ``change``, the increments of constraints.
 
@@ -92,6 +94,8 @@ def add_joints(
         h: Step size.
         change: Increments ``Σ g·z'(q̄) Δq`` without those of the targets, shape (m,), overwritten.
         out: Forces and moments on the moving nodes, global components, shape (n, 6), updated.
+        ground: What ground and prescribed frames do, force and moment about the origin, shape
+            (≥ 6,), updated.
 
     Returns:
         The work of prescribed frames and drives on the nodes, and the loss in dampers.
@@ -143,7 +147,9 @@ def add_joints(
                 store(out[node], 0, plus(load(out[node], 0), f_side))
                 moment = plus(moment, cross(arm, f_side))
                 store(out[node], 3, plus(load(out[node], 3), moment))
-            elif node > out.shape[0]:
+            else:
+                add_wrench(ground, 0, load_row(both[side], 0), f_side, moment)
+            if node > out.shape[0]:
                 moved[1 - side] = 0.0
                 _increment(both[0], both[1], moved[0], moved[1], dz)
                 for k in range(12):

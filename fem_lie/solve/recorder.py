@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from fem_lie import balances
 from fem_lie._jit import Array, Indices
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
@@ -27,8 +28,9 @@ class History:
         every: Every so many steps are kept, and the last one.
         row: Where the next step to be kept goes.
         refresh: Steps between two states of the bar, ``steps`` if it is not shown.
-        balance: Work of loads without potential, damping, numerical loss, shape (T, 3); nan where
-            the scheme does not know.
+        balance: Work, damping, numerical loss, see :mod:`fem_lie.balances`, shape (T, 3); zero where
+            a row is not yet written, as ``impulses`` are.
+        impulses: Of loads and reactions, shape (T, 2, 6).
         seconds: Wall time before a checkpoint from which the run was resumed.
     """
 
@@ -66,6 +68,7 @@ class History:
             "elastic": (rows,),
             "potential": (rows,),
             "balance": (rows, 3),
+            "impulses": (rows, 2, 6),
             "iterations": (rows,),
         }
         arrays: dict[str, Any] = {name: np.empty(shape) for name, shape in shapes.items()}
@@ -73,7 +76,8 @@ class History:
         if store is not None:
             arrays = store.open(info, arrays)
         else:
-            arrays["elastic"][:], arrays["balance"][:] = 0.0, np.nan
+            for name in ("elastic", "balance", "impulses"):
+                arrays[name][:] = 0.0
         self.times, self.frames, self.velocities = (
             arrays[name] for name in ("times", "frames", "velocities")
         )
@@ -81,7 +85,8 @@ class History:
         self.joint_violations = arrays["joint_violations"]
         self.joint_coordinates = arrays["joint_coordinates"]
         self.elastic, self.potential = arrays["elastic"], arrays["potential"]
-        self.balance, self.iterations = arrays["balance"], arrays["iterations"]
+        self.balance, self.impulses = arrays["balance"], arrays["impulses"]
+        self.iterations = arrays["iterations"]
         self.row = 0 if store is None else store.row
         if store is not None:
             self.seconds = store.seconds
@@ -110,14 +115,26 @@ class History:
         self.times[rows], self.iterations[rows] = indices * self._h, iterations
         self.row += len(indices)
 
+    def book(self, row: int, total: Array) -> None:
+        """Keep balance and impulses up to the time of a row, shape (15,)."""
+        self.balance[row] = total[: balances.COLUMNS]
+        self.impulses[row] = total[balances.COLUMNS :].reshape(2, 6)
+
     def update_bar(self, index: int, iterations: int) -> None:
         """Show that step ``index`` is reached after so many iterations in all."""
-        total = self.invariants[: self.row, 0] + self.elastic[: self.row]
-        total = total + self.potential[: self.row]
-        error = abs(total[-1] - total[0]) / max(abs(total[0]), 1e-300) if self.row else 0.0
-        text = f"t={index * self._h:.3g} energy {error:.1e} it/step {iterations / index:.2f}"
+        text = f"t={index * self._h:.3g} energy {self._gap():.1e} it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
+
+    def _gap(self) -> float:
+        """Present gap in the balance of energy, see :mod:`fem_lie.balances`."""
+        if not self.row:
+            return 0.0
+        ends = [0, self.row - 1]
+        stored, potential = self.invariants[ends, 0] + self.elastic[ends], self.potential[ends]
+        gaps = balances.energy_gaps(stored + potential, self.balance[ends])
+        scale = balances.energy_scale(stored, potential, self.balance[ends])
+        return balances.relative(float(abs(gaps[-1])), scale)
 
     def update_if_due(self, index: int, iterations: int) -> None:
         """Show step ``index`` if the bar is shown and old."""
@@ -161,13 +178,14 @@ class History:
             potential=self.potential[keep],
             momentum=self.invariants[keep, 1:4],
             angular_momentum=self.invariants[keep, 4:],
+            balance=self.balance[keep],
+            impulses=self.impulses[keep],
             iterations=self.iterations[keep],
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,
             seconds=seconds,
             info=self._info,
-            balance=None if np.isnan(self.balance[:1]).any() else self.balance[keep],
         )
 
 
@@ -188,8 +206,16 @@ class Recorder(History):
         self._system = system
         self._count = 0 if store is None or not store.memory else int(store.memory["count"])
 
-    def record(self, index: int, H: Array, v: Array, multipliers: Array, iterations: int) -> None:
-        """Keep step ``index`` if it is one to be kept."""
+    def record(
+        self,
+        index: int,
+        H: Array,
+        v: Array,
+        multipliers: Array,
+        iterations: int,
+        booked: Array,
+    ) -> None:
+        """Keep step ``index`` if it is one to be kept; ``booked``: see :meth:`book`."""
         self._count += iterations
         if self.show and index and index % self.refresh == 0:
             self.update_bar(index, self._count)
@@ -204,6 +230,7 @@ class Recorder(History):
         self.joint_violations[row] = violations
         self.potential[row] = system.report(H, v, self.invariants[row])
         self.elastic[row] = system.stored_energy(H)
+        self.book(row, booked)
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1
 

@@ -1,0 +1,107 @@
+"""What acts on a scene at one time: loads, damping, and reactions of ground, drives and supports."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._jit import Array
+from fem_lie.numbering import Flags
+from fem_lie.outer_forces import (
+    LOADS,
+    LOSS,
+    POWER,
+    REACTIONS,
+    add_loads,
+    add_local,
+    add_mass_damping,
+)
+from fem_lie.system import System
+
+
+def supported(system: System) -> Flags:
+    """Which unknowns are held from outside, shape (n, 6).
+
+    What a shell of five parameters needs to have its drilling held is none: it is no support.
+    """
+    held = system.held.copy()
+    inner = system.uncoupled.copy()
+    inner[[system.numbering.node(clamp.point) for clamp in system.scene.clamps]] = False
+    held[inner, 5] = False
+    return held
+
+
+class Acting:
+    """What acts on the bodies of a scene, looked at as a whole; true if there is anything.
+
+    Attributes:
+        strained: Whether strains without stress change.
+    """
+
+    def __init__(self, system: System) -> None:
+        """See what there is."""
+        self._system, self._supported = system, supported(system)
+        self.strained = system.strains_change
+        self._loaded = system.loaded
+        self._joined = system.connections.outward
+        self._held, self._damped = bool(self._supported.any()), system.mass_damping is not None
+        self._pushed, self._viscous = len(system.pressures) > 0, system.elastic.viscous
+        self._any = (
+            self._loaded
+            or self._joined
+            or self._held
+            or self._damped
+            or self._pushed
+            or self._viscous
+            or self.strained
+            or system.connections.driven
+        )
+        self._work = np.zeros((2, system.count, 4, 3))
+
+    def __bool__(self) -> bool:
+        """Whether anything acts."""
+        return self._any
+
+    def look(
+        self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array
+    ) -> None:
+        """See what acts at the present time of the equations.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+            row: Power, loss and forces, see :mod:`fem_lie.outer_forces`, shape (14,), overwritten.
+            wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
+                overwritten.
+        """
+        system, n = self._system, self._system.count
+        row[:], wrenches[:] = 0.0, 0.0
+        if self._loaded:
+            add_loads(H, v, tuple(system.loads), system.conservative, self._work, row)
+        if self._pushed:
+            forces = system.elastic.pressure_forces(H)
+            add_local(H, forces, LOADS, 1.0, row)
+            row[POWER] += np.sum(forces * v)
+        if system.mass_damping is not None:
+            add_mass_damping(H, v, tuple(system.mass_damping), self._work, row)
+        if self._viscous:
+            forces = np.zeros(6 * n)
+            system.elastic.add_viscous_forces(H, v, forces)
+            row[LOSS] += forces @ v.ravel()
+        if self._joined:
+            wrenches[:], loss = system.connections.reactions(H, v, weights)
+            row[LOSS] += loss
+            add_local(H[n:], wrenches, REACTIONS, 1.0, row)
+        if self._held:
+            add_local(H, self._reactions(H, v, a, weights), REACTIONS, 1.0, row)
+
+    def _reactions(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
+        """Forces and moments of clamps and guides, in the nodes' frames, shape (n, 6)."""
+        system, r = self._system, np.empty(self._system.size)
+        system.elastic.settle(H)
+        system.with_reactions(H, v, a, weights, np.ones(system.m), r)
+        found = np.where(self._supported, r[: 6 * system.count].reshape(-1, 6), 0.0)
+        if system.supports:
+            system.supports.turn_back(H, found)
+        return found

@@ -1,0 +1,103 @@
+"""What acts on a scene at one time: power, loss by damping, and forces from outside, compiled.
+
+Of each it is the sum over all nodes, with moments about the origin: one row
+``(power, loss, loads (6), reactions (6))``, in the order of :mod:`fem_lie.balances`. What acts
+between the bodies of the scene has no resultant and is not looked at.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem_lie import constraints, inertia
+from fem_lie._jit import Array, compiled, inlined
+from fem_lie._lie_tuples import Vector, dot, load, load_row, plus, rotate, scaled
+from fem_lie.frames import push
+from fem_lie.joint_table import PackedJoints, joint_table
+from fem_lie.wrench import add_dead, add_wrench
+
+POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
+"""Where they begin in a row, and how long that is."""
+
+
+@inlined
+def _turned(H: Array, local: Vector) -> Vector:
+    return rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), local)
+
+
+@compiled
+def add_local(H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
+    """Add forces and moments in the frames ``H`` (n, 6), times ``sign``, to ``out`` at ``at``."""
+    for i in range(forces.shape[0]):
+        f = scaled(sign, _turned(H[i], load(forces[i], 0)))
+        m = scaled(sign, _turned(H[i], load(forces[i], 3)))
+        add_wrench(out, at, load_row(H[i], 0), f, m)
+
+
+@compiled
+def add_loads(
+    H: Array,
+    v: Array,
+    loads: tuple[Any, ...],
+    conservative: Array,
+    work: Array,
+    out: Array,
+) -> None:
+    """Add nodal loads; those in ``conservative`` (n, 4, 3) have a potential and no power here.
+
+    Args:
+        H: Frames, shape (≥ n, 4, 3).
+        v: Twists, shape (≥ n, 6).
+        loads: See :class:`~fem_lie.nodal.Loads`.
+        conservative: Part of the dead loads.
+        work: Shape (≥ 1, n, 4, 3).
+        out: Shape (14,), updated.
+    """
+    dead, moment, following = loads
+    n = dead.shape[0]
+    push(H, v[:n], work[0])
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                out[POWER] += (dead[i, k, j] - conservative[i, k, j]) * work[0, i, k, j]
+        add_dead(out, LOADS, 1.0, H[i], dead[i])
+        spin, m = _turned(H[i], load(v[i], 3)), load(moment[i], 0)
+        out[POWER] += dot(spin, m)
+        for j in range(6):
+            out[POWER] += following[i, j] * v[i, j]
+        f = _turned(H[i], load(following[i], 0))
+        m = plus(m, _turned(H[i], load(following[i], 3)))
+        add_wrench(out, LOADS, load_row(H[i], 0), f, m)
+
+
+@compiled
+def add_mass_damping(H: Array, v: Array, D: tuple[Any, ...], work: Array, out: Array) -> None:
+    """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
+    n = work.shape[1]
+    push(H, v[:n], work[0])
+    inertia.multiply(D[0], D[1], D[2], work[0], work[1])
+    out[LOSS] += np.sum(work[0] * work[1])
+    for i in range(n):
+        add_dead(out, LOADS, -1.0, H[i], work[1, i])
+
+
+@compiled
+def joint_reactions(
+    H: Array, v: Array, joints: PackedJoints, weights: Array, scale: Array, r: Array
+) -> float:
+    """Forces on all rows of ``H``, those that do not move by themselves, too; loss in dampers.
+
+    Args:
+        H: Frames of all rows.
+        v: Twists of the nodes that move.
+        joints: The joints.
+        weights: Their multipliers.
+        scale: Any numbers, shape (≥ m,).
+        r: Shape (≥ 6 rows + m,), overwritten.
+    """
+    r[:] = 0.0
+    table = joint_table(joints)
+    constraints.evaluate(H, v, table, weights, scale, H.shape[0], r)
+    return constraints.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
