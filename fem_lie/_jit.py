@@ -29,6 +29,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core.registry import CPUDispatcher
 
 Array: TypeAlias = npt.NDArray[np.float64]
 """Numbers in compiled code."""
@@ -80,9 +81,28 @@ def callback(signature: Any) -> Callable[[F], Any]:
 
 
 def _njit(function: F, **options: Any) -> F:
+    options |= {"error_model": "numpy", "no_cfunc_wrapper": True}
     with _own_cache(function) as cached:
-        dispatcher = numba.njit(error_model="numpy", cache=cached, **options)(function)
+        dispatcher = numba.njit(cache=cached, **options)(function)
+    with _own_cache(function, for_callers=True) as cached:
+        inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(function)
+    dispatcher.__class__ = _CalledFromPython
+    dispatcher.for_callers = inner
     return dispatcher
+
+
+class _CalledFromPython(CPUDispatcher):  # type: ignore[misc]
+    """A compiled function; others that are compiled call another copy of it.
+
+    What takes arguments from Python is more code than most functions are: a record of fifty arrays
+    takes 0.7 s to compile. So functions have it only if they are called from Python.
+    """
+
+    for_callers: CPUDispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        return numba.types.Dispatcher(self.for_callers)
 
 
 # --- where machine code is kept -------------------------------------------------------------------
@@ -90,6 +110,8 @@ def _njit(function: F, **options: Any) -> F:
 
 class _ByContent(_CacheLocator):
     """Tells numba the folder of a function's file; its name says all that a date could."""
+
+    _COPY = "only"
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
         self._py_file = file  # numba names it in its messages
@@ -108,11 +130,17 @@ class _ByContent(_CacheLocator):
         return self._folder.name
 
     def get_disambiguator(self) -> str:
-        return "only"  # of its name in its file; its line may change with a comment
+        return self._COPY  # of its name in its file; its line may change with a comment
+
+
+class _ForCallers(_ByContent):
+    """Likewise for what compiled functions call."""
+
+    _COPY = "inner"
 
 
 @contextmanager
-def _own_cache(function: Callable[..., Any]) -> Iterator[bool]:
+def _own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Iterator[bool]:
     """Let numba cache what is decorated inside in our folders; yields whether it can.
 
     Functions that stand in no file, but were typed in, are not cached.
@@ -121,7 +149,7 @@ def _own_cache(function: Callable[..., Any]) -> Iterator[bool]:
         yield False
         return
     numbas = CacheImpl._locator_classes
-    CacheImpl._locator_classes = [_ByContent]
+    CacheImpl._locator_classes = [_ForCallers if for_callers else _ByContent]
     try:
         yield True
     finally:
