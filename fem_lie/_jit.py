@@ -23,11 +23,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from time import perf_counter
 from typing import Any, TypeAlias, TypeVar
 
 import numba
 import numpy as np
 import numpy.typing as npt
+from numba.core import event
 from numba.core.caching import CacheImpl, _CacheLocator
 from numba.core.registry import CPUDispatcher
 
@@ -39,6 +41,7 @@ Indices: TypeAlias = npt.NDArray[np.int64]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_PACKAGE = Path(__file__).parent
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
 
 
@@ -65,6 +68,42 @@ def inlined_series(function: F) -> F:
     Not for anything that relies on ``a b − b a = 0``.
     """
     return _njit(function, forceinline=True, fastmath={"contract"})
+
+
+class Compiling(event.Listener):  # type: ignore[misc]
+    """Says once in a process that machine code of this package is made.
+
+    Attributes:
+        seconds: How long that has taken in this process.
+    """
+
+    def __init__(self) -> None:
+        """Nothing was made yet."""
+        self.seconds, self._depth, self._begin, self._said = 0.0, 0, 0.0, False
+
+    def on_start(self, event: Any) -> None:
+        """A function begins to be compiled, for itself or for another one."""
+        module = str(event.data["dispatcher"].py_func.__module__)
+        if not self._said and module.startswith(f"{_PACKAGE.name}."):
+            self._said = True
+            logging.getLogger(__name__).warning(
+                "%s compiles machine code, which it keeps: once per version and scheme, up to a "
+                "minute or two",
+                _PACKAGE.name,
+            )
+        if self._depth == 0:
+            self._begin = perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """It is done."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += perf_counter() - self._begin
+
+
+compiling = Compiling()
+event.register("numba:compile", compiling)
 
 
 def callback(signature: Any) -> Callable[[F], Any]:
@@ -210,7 +249,6 @@ def _is_text(statement: Any) -> bool:
     )
 
 
-_PACKAGE = Path(__file__).parent
 _IMPORT = re.compile(
     rf"^(?:from\s+({_PACKAGE.name}[\w.]*)\s+import\s+(\([^)]*\)|.*)|import\s+({_PACKAGE.name}[\w.]*))",
     re.MULTILINE,

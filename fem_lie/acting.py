@@ -1,4 +1,4 @@
-"""What acts on a scene at one time: loads, damping, and reactions of ground, drives and supports."""
+"""What acts on a scene at one time: loads, damping, reactions of ground, drives and supports."""
 
 from __future__ import annotations
 

@@ -6,9 +6,11 @@ import subprocess
 import sys
 import time
 
+import numba
 import pytest
 
 import fem_lie._jit
+from fem_lie.solve.stopwatch import Stopwatch
 
 HELPER = """
 from {package}._jit import {decorator}
@@ -70,6 +72,36 @@ def test_cache_is_found_again_and_notices_changes(run, decorator):
     assert run(3.0, decorator)[:2] == ([4.0, 5.0], 0)
     assert run(3.0, decorator)[:2] == ([4.0, 5.0], 2)
     assert run(7.0, decorator)[:2] == ([8.0, 9.0], 0)
+
+
+def test_that_machine_code_is_made_is_said_once_and_only_then(run):
+    assert run(3.0)[2].count("small compiles machine code") == 1
+    assert run(3.0)[2] == ""
+
+
+def test_what_compiled_functions_call_takes_nothing_from_python(run, tmp_path):
+    """But it can still be called from there, and then has the same values."""
+    run(3.0)
+    code = "from small.helper import helper; print(helper(2.0), helper.for_callers is not helper)"
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache"), "PYTHONPATH": tmp_path}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "6.0 True\n"
+
+
+def test_compiling_is_not_in_the_seconds_of_a_run():
+    begin, before, watch = time.perf_counter(), fem_lie._jit.compiling.seconds, Stopwatch(2.0)
+
+    @numba.njit
+    def new(x):
+        return 2.0 * x
+
+    assert new(1.0) == 2.0
+    run_for = watch.seconds - 2.0
+    made = fem_lie._jit.compiling.seconds - before
+    assert made > 0.0
+    assert 0.0 <= run_for <= time.perf_counter() - begin - made
 
 
 def test_files_that_are_not_imported_do_not_matter(run, tmp_path):

@@ -1,8 +1,8 @@
-"""Books of a run of generalised-α: what loads, drives and supports have done, and what damping took.
+"""Books of a run of generalised-α: what loads, drives and supports did, and what damping took.
 
 What is booked is said in :mod:`fem_lie.balances`. Powers and forces are known at the ends of the
 steps and are summed up by the trapezoidal rule, of second order as the scheme; of drives and
-prescribed motions the increments are known exactly, and the mean of their forces does work on these.
+prescribed motions the increments are known exactly, and the mean of their forces does work on them.
 """
 
 from __future__ import annotations
@@ -61,9 +61,7 @@ class Books:
         if self._acting.strained:
             self._stored[0] = system.elastic.energy(H)
 
-    def add(
-        self, h: float, time: float, H: Array, v: Array, a: Array, weights: Array
-    ) -> None:
+    def add(self, h: float, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """Book a step; the equations are at the time of its end, where the state is as given.
 
         Args:

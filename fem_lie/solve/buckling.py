@@ -8,7 +8,6 @@ every iteration of statics uses.
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import Any
 
 from petsc4py import PETSc
@@ -25,6 +24,7 @@ from fem_lie.solve.follow import check_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.spectrum import padded, to_petsc
 from fem_lie.solve.stability import StableEquilibrium
+from fem_lie.solve.stopwatch import Stopwatch
 
 _TOLERANCE = 1e-10
 _TRIES = 4  # each asks for twice as many: load factors of the other sign come with them
@@ -51,7 +51,7 @@ def buckling(
     free = int((~model.system.held).sum()) - model.system.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
-    begin = perf_counter()
+    watch = Stopwatch()
     model.check_start(0.0)
     K, B, G = _matrices(model)
     factors, vectors = _positive(K, B, G, count, petsc_options_prefix)
@@ -65,7 +65,7 @@ def buckling(
         frames=system.numbering.attachment.frames(system.frames).copy(),
         size=model.diameter,
         info=system.info(),
-        seconds=perf_counter() - begin,
+        seconds=watch.seconds,
     )
     if len(factors) < count:
         raise ConvergenceError(

@@ -30,6 +30,7 @@ from fem_lie.solve.filtered import ACTIVE, LIMIT, end_velocities, lag_behind, ve
 from fem_lie.solve.joints_between import add_joints
 from fem_lie.wrench import add_dead, add_wrench
 
+
 class Model(NamedTuple):
     """What does not change in a step, as plain tuples.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from fem_lie.solve.arc_length import ArcLength, Path
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, Method, methods_for
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.statics import StaticResult, advance
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import System
 
 
@@ -63,13 +63,13 @@ def follow_loads(
     check_proportion(scene)
     model = SceneEquilibrium(scene, petsc_options_prefix)
     options = ArcLength() if arc_length is None else arc_length
-    start = perf_counter()
+    watch = Stopwatch()
     try:
         path = options.follow(model, levels)
     except ConvergenceError as error:
-        result = _result(model, error.result, levels, perf_counter() - start)
+        result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None
-    return _result(model, path, levels, perf_counter() - start)
+    return _result(model, path, levels, watch.seconds)
 
 
 def in_proportion(scene: Scene) -> bool:

@@ -9,7 +9,6 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
-import time as clock
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from fem_lie.solve import free_body, scheme
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import refuse_ranks
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ class Run:
         self._keep(history, start, start)
         failed, count, factorisations = np.zeros(3), 0, 0
         self._advance(history, range(1, 1), failed)  # compilation is not integration
-        begin = clock.perf_counter()
+        watch = Stopwatch()
         chunk = max(1, min(history.refresh, _CHUNK // self.numbering.count))
         with history:
             for first in range(1, steps + 1, chunk):
@@ -216,9 +216,9 @@ class Run:
                 if last and history.show:
                     history.update_bar(last, count)
                 if last < wanted[-1]:
-                    result = history.result(factorisations, clock.perf_counter() - begin)
+                    result = history.result(factorisations, watch.seconds)
                     raise ConvergenceError(self._failure(last + 1, steps, failed), result)
-        return history.result(factorisations, clock.perf_counter() - begin)
+        return history.result(factorisations, watch.seconds)
 
     def _advance(
         self, history: History, wanted: range, failed: Array, before: int = 0

@@ -6,7 +6,6 @@ What all schemes have in common: the clock, results, checkpoints. How a step is 
 from __future__ import annotations
 
 import logging
-import time as clock
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Generic, TypeVar
@@ -18,6 +17,7 @@ from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
@@ -87,11 +87,11 @@ class Integration(ABC, Generic[Kept]):
         if history.row == 0:
             self.start()
             self._record(history)
-        begin = clock.perf_counter() - history.seconds
+        watch = Stopwatch(history.seconds)
         with history:
             while self.index < history.steps:
                 done = self._advance(history)
-                history.seconds = clock.perf_counter() - begin
+                history.seconds = watch.seconds
                 if not done:
                     raise ConvergenceError(self._failure(history.steps), self._result(history))
                 self._record(history)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from math import inf
-from time import perf_counter
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath
 from fem_lie.solve.pursuit import Ends, Observer, Pursuit
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.stability import StableEquilibrium
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.solve.walk import Station, Walker
 
 _MODES = 2
@@ -84,10 +84,10 @@ def follow_path(
     model = StableEquilibrium(scene, petsc_options_prefix, carried_stress=carried_stress)
     load = abs(until) if until else 1.0
     walker = Walker(model, ArcLength() if options is None else options, load)
-    begin = perf_counter()
+    watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, locate, control)
     run.follow(start, backwards)
-    return _result(run, observe or {}, perf_counter() - begin)
+    return _result(run, observe or {}, watch.seconds)
 
 
 def _check_options(

@@ -28,8 +28,8 @@ class History:
         every: Every so many steps are kept, and the last one.
         row: Where the next step to be kept goes.
         refresh: Steps between two states of the bar, ``steps`` if it is not shown.
-        balance: Work, damping, numerical loss, see :mod:`fem_lie.balances`, shape (T, 3); zero where
-            a row is not yet written, as ``impulses`` are.
+        balance: Work, damping, numerical loss, see :mod:`fem_lie.balances`, shape (T, 3); zero
+            where a row is not yet written, as ``impulses`` are.
         impulses: Of loads and reactions, shape (T, 2, 6).
         seconds: Wall time before a checkpoint from which the run was resumed.
     """

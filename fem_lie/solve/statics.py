@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -28,6 +27,7 @@ from fem_lie.solve.linear import (
 )
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.steady import fill_steady
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import System
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ class LoadSteps:
         self._forces: list[Array] = []
         self._counts: list[int] = []
         self._failed = 0
-        self._begin = clock.perf_counter()
+        self._watch = Stopwatch()
 
     def result(self) -> StaticResult:
         """The accepted states."""
@@ -188,7 +188,7 @@ class LoadSteps:
             system.info(),
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
-            clock.perf_counter() - self._begin,
+            self._watch.seconds,
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:

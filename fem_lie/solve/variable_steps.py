@@ -6,7 +6,6 @@ size. What that means for the state of a scheme is said by its :class:`Stepper`.
 
 from __future__ import annotations
 
-import time as clock
 from abc import abstractmethod
 from typing import Any, Protocol, TypeVar
 
@@ -17,6 +16,7 @@ from fem_lie.results import Result
 from fem_lie.solve.growing_recorder import Growing, StepLog
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.step_control import Control
+from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.solve.time_error import StepError, largest_gaps
 from fem_lie.system import System
 
@@ -133,13 +133,13 @@ class VariableSteps:
         stepper, control = self._stepper, self._control
         stepper.begin(control.size)
         self._keep(0.0, 0, 0, event=True)
-        begin, index, time = clock.perf_counter(), 0, 0.0
+        watch, index, time = Stopwatch(), 0, 0.0
         with self._recorder:
             while not control.finished:
                 ended, iterations = self._attempt(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
                     text = self._log.underflow(control, time, *self._last)
-                    raise ConvergenceError(text, self._completed(clock.perf_counter() - begin))
+                    raise ConvergenceError(text, self._completed(watch.seconds))
                 if not iterations:
                     continue
                 index, time = index + 1, ended
@@ -151,7 +151,7 @@ class VariableSteps:
                 if lands and not control.finished:
                     stepper.pass_event(time + side(time, stepper.h))
                     self._keep(time, index, 0, event=True)
-        return self._completed(clock.perf_counter() - begin)
+        return self._completed(watch.seconds)
 
     def _keep(self, time: float, index: int, iterations: int, *, event: bool) -> None:
         if self._recorder.wants(index, iterations, event):
