@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from fem_lie._lines import Array, Indices
+from fem_lie._wanted import text
 
 _log = logging.getLogger(__name__)
 
@@ -33,7 +34,7 @@ def log_coincident(what: str, points: Array) -> None:
 def whole_number(cells: int) -> int:
     """``cells`` as a number of at least 1, or ``ValueError``."""
     try:
-        number = operator.index(cells)
+        number = 0 if isinstance(cells, bool) else operator.index(cells)
     except TypeError:
         number = 0
     if number < 1:
@@ -79,6 +80,7 @@ def members_of(groups: Mapping[str, npt.ArrayLike], size: int, what: str) -> dic
 
 def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
     """The group of this name, or ``ValueError`` with those that exist."""
+    text(name, f"the name of a {what}")
     if name not in groups:
         known = ", ".join(sorted(groups)) or "none"
         raise ValueError(f"the mesh has no {what} {name!r}; it has: {known}")

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from fem_lie import _compat, lie
 from fem_lie._arrays import log_coincident
 from fem_lie._jit import Array, Indices
+from fem_lie._wanted import flag, instance, number, numbers, text
 from fem_lie.assembly import Assembly, NodalInertia
 from fem_lie.bodies import NO_HOLDS, Body, Holds, Point
 from fem_lie.elements.formulation import CellData, Formulation, cellwise
@@ -44,6 +45,7 @@ class Damping:
 
     def __post_init__(self) -> None:
         factors = self.factors()
+        number(self.mass, "mass damping")
         if factors.shape != (6,) or not (np.isfinite(factors) & (factors >= 0)).all():
             raise ValueError(
                 f"stiffness damping must be one or six times ≥ 0, got {self.stiffness!r}"
@@ -53,7 +55,7 @@ class Damping:
 
     def factors(self) -> Array:
         """Stiffness damping of each strain, shape (6,)."""
-        given = np.asarray(self.stiffness, dtype=np.float64)
+        given = numbers(self.stiffness, "stiffness damping")
         return np.full(6, given) if given.ndim == 0 else given
 
     def viscosity(self, stiffness: Array) -> Array:
@@ -170,6 +172,14 @@ class Beam(Body):
             ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
                 of several pieces.
         """
+        instance(mesh, LineMesh, "Beam: mesh", "a LineMesh; see Beam.straight, polyline and curve")
+        known = "a Section, a dict of them by groups of cells or a function of arc length"
+        instance(section, Section | Mapping | Callable, "Beam: section", known)
+        instance(formulation, Formulation | None, "Beam: formulation", "an element or None")
+        instance(damping, Damping | None, "Beam: damping", "a Damping or None")
+        if twist is not None:
+            instance(twist, Callable, "Beam: twist", "a function of arc length or None")
+        flag(rotary_inertia, "Beam: rotary_inertia")
         self.chains = chains = Chains(mesh)
         ends = cell_frames(mesh, chains, up, twist)
         frames, self.elements, leaders = shared_nodes(mesh, ends)
@@ -331,6 +341,7 @@ class Beam(Body):
         """
         if group is None:
             return np.arange(len(self.elements))
+        text(group, f"the name of a group of cells of {self.label}")
         if group not in self._groups:
             known = ", ".join(sorted(self._groups)) or "none"
             raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
@@ -357,9 +368,13 @@ def _section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list
         return [section] * len(mesh.cells)
     if not isinstance(section, Mapping):
         chains.require_one("a section")
-        return [section(float(s)) for s in chains.arc.mean(axis=1)]
+        found = [section(float(s)) for s in chains.arc.mean(axis=1)]
+        for value in found:
+            instance(value, Section, "the section at an arc length", "a Section")
+        return found
     chosen: list[Section | None] = [None] * len(mesh.cells)
     for group, value in section.items():
+        instance(value, Section, f"the section of {group!r}", "a Section")
         for cell in mesh.group(group):
             chosen[cell] = value
     missing = [i for i, value in enumerate(chosen) if value is None]

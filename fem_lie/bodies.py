@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array
+from fem_lie._wanted import choice, instance, text
 from fem_lie.groups import Group
 
 if TYPE_CHECKING:
@@ -98,12 +99,13 @@ class Body:
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
+        text(name, f"{type(self).__name__}: name")
         self.frames = np.array(frames, dtype=np.float64)
         self.velocities = np.zeros((len(self.frames), 6))
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
         self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
-        self.group = Group(group)
+        self.group = choice(group, Group, f"{type(self).__name__}: group")
         self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)
         self.thickness: Array = np.empty(0)
         self.held = np.zeros((len(self.frames), 6), dtype=bool)
@@ -130,7 +132,9 @@ class Body:
 
         Raises:
             ValueError: There is none; the message lists those that exist.
+            TypeError: It is no name.
         """
+        text(name, f"the name of a point of {self.label}")
         if name not in self._points:
             known = ", ".join(sorted(self._points)) or "none"
             raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
@@ -151,7 +155,9 @@ class Body:
 
         Raises:
             ValueError: There is no such node.
+            TypeError: It is no whole number.
         """
+        instance(index, int | np.integer, f"the number of a node of {self.label}", "whole")
         if not -len(self.frames) <= index < len(self.frames):
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
         return Point(self, index % len(self.frames), f"node {index}")
@@ -246,6 +252,19 @@ class Point:
     def label(self) -> str:
         """For messages and results."""
         return "ground" if self.body is None else f"{self.body.label}.{self.name}"
+
+
+def require_point(value: object, what: str) -> None:
+    """Refuse what is no point of a body and not ground.
+
+    Args:
+        value: What was given.
+        what: For what, as "PointLoad: point".
+
+    Raises:
+        TypeError: It is something else.
+    """
+    instance(value, Point, what, "a point such as beam.end, body['tip'], body.node(3) or ground()")
 
 
 def ground() -> Point:

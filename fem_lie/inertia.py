@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array, compiled
+from fem_lie._wanted import numbers, positive
 from fem_lie.frames import push
 from fem_lie.lie import hat
 
@@ -236,11 +237,10 @@ def gram_from_rigid(
         ValueError: The mass is not positive, or J is not symmetric positive definite, or one
             principal value exceeds the sum of the others: no body has such a tensor.
     """
-    J = np.asarray(inertia, dtype=np.float64)
+    J = numbers(inertia, "inertia")
     J = np.diag(J) if J.shape == (3,) else J
-    c = np.asarray(centre, dtype=np.float64)
-    if not 0.0 < mass < np.inf:
-        raise ValueError(f"mass must be a positive finite number, got {mass!r}")
+    c = numbers(centre, "centre")
+    positive(mass, "mass")
     if c.shape != (3,) or not np.isfinite(c).all():
         raise ValueError(f"centre must be 3 finite numbers, got {centre!r}")
     if J.shape != (3, 3) or not np.isfinite(J).all() or np.abs(J - J.T).max() > 1e-8 * J.max():

@@ -17,8 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
+from fem_lie._wanted import flag, history, instance
 from fem_lie.beam import Beam
-from fem_lie.bodies import Body, Point, vector
+from fem_lie.bodies import Body, Point, require_point, vector
 
 History = Callable[[float], float]
 
@@ -53,6 +54,10 @@ class Load(ABC):
 
     history: History | None
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        history(self.history, f"{type(self).__name__}: history")
+
     @property
     @abstractmethod
     def body(self) -> Body:
@@ -71,6 +76,11 @@ class NodalLoad(Load):
     """
 
     following: bool
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        flag(self.following, f"{type(self).__name__}: following")
 
     @abstractmethod
     def nodal(self) -> Array:
@@ -91,6 +101,11 @@ class StrainLoad(Load):
 
     beam: Beam
     cells: str | None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        instance(self.beam, Beam, f"{type(self).__name__}: beam", "a Beam")
 
     @property
     def body(self) -> Beam:
@@ -126,6 +141,11 @@ class PointLoad(NodalLoad):
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
     following: bool = False
     history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        require_point(self.point, "PointLoad: point")
 
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or acts on ground."""
@@ -172,6 +192,11 @@ class LineLoad(NodalLoad):
     cells: str | None = None
     following: bool = False
     history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        instance(self.beam, Beam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
 
     def check(self) -> None:
         """See the base class."""
@@ -223,6 +248,11 @@ class PressureLoad(Load):
     direction: npt.ArrayLike = (0.0, 0.0, 1.0)
     cells: str | None = None
     history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        instance(self.beam, Beam, "PressureLoad: beam", "a Beam (on shells: SurfacePressure)")
 
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite, or its direction is zero or along the axis."""
@@ -341,6 +371,10 @@ class Clamp:
 
     point: Point
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no point."""
+        require_point(self.point, "Clamp: point")
+
     def check(self) -> None:
         """Raise ``ValueError`` if the point is ground."""
         if self.point.is_ground:
@@ -359,6 +393,11 @@ class PrescribedMotion:
 
     point: Point
     motion: Callable[[float], Array]
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no point, or the motion no function."""
+        require_point(self.point, "PrescribedMotion: point")
+        instance(self.motion, Callable, "PrescribedMotion: motion", "a function of time")
 
     def check(self) -> None:
         """Raise ``ValueError`` if the motion does not start at the point's frame."""

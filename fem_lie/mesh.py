@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_number
 from fem_lie._lines import Array, Indices, circle_tangents, flipped, join_tangents, valence
+from fem_lie._wanted import instance, number, numbers
 
 CORNER_ANGLE = radians(1.0)
 """What turns by less is straight: coordinates have so many digits."""
@@ -164,6 +165,7 @@ class LineMesh:
 
 def check_kink_angle(kink_angle: float) -> None:
     """Raise ``ValueError`` if it is no angle in rad."""
+    number(kink_angle, "kink_angle")
     if not 0.0 <= kink_angle <= pi:
         raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
 
@@ -253,6 +255,7 @@ def curve(
         ValueError: The curve stands still somewhere, has a kink or is not finite, or there is no
             cell.
     """
+    instance(function, Callable, "a curve", "a function of s from 0 to 1")
     s = np.linspace(0.0, 1.0, whole_number(cells) + 1)
     points = points_of([function(float(si)) for si in s])
     along = points_of([derivative(float(si)) if derivative else _slope(function, si) for si in s])
@@ -314,7 +317,7 @@ def _cells(value: npt.ArrayLike, points: int) -> Indices:
 
 
 def _tangents(value: npt.ArrayLike, cells: int) -> Array:
-    tangents = np.array(value, dtype=np.float64)
+    tangents = numbers(value, "tangents")
     if tangents.shape != (cells, 2, 3):
         raise ValueError(f"tangents must have shape ({cells}, 2, 3), got {tangents.shape}")
     return tangents

@@ -6,9 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
+from fem_lie._wanted import numbers
 from fem_lie.bodies import Body, Point, vector
 from fem_lie.groups import Group
 from fem_lie.inertia import gram_from_rigid
+
+_ORTHOGONAL = 1e-8
 
 
 class RigidBody(Body):
@@ -44,11 +47,12 @@ class RigidBody(Body):
             ValueError: The mass is not positive, the inertia not that of a body, or the rotation
                 not a rotation.
         """
-        tensor = np.asarray(inertia, dtype=np.float64)
+        tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
         self.gram = gram_from_rigid(mass, tensor)
-        R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
-        if R.shape != (3, 3) or not np.allclose(R.T @ R, np.eye(3)) or np.linalg.det(R) < 0:
+        R = np.eye(3) if rotation is None else numbers(rotation, "rotation")
+        orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
+        if not orthogonal or np.linalg.det(R) < 0:
             raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
         super().__init__(
             lie.frame(vector(position, 3, "position"), R)[np.newaxis],

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._wanted import choice, instance, shown
 from fem_lie.bodies import Body, HeldRotation, Holds, vector
 from fem_lie.choices import Choices, Redundant
 from fem_lie.held_rotations import Holding, held_by
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from fem_lie.plot import Units
 
 Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
+
+
+def require_scene(value: object) -> None:
+    """Raise ``TypeError`` if it is no scene."""
+    instance(value, Scene, "what is solved", "a Scene")
 
 
 class Scene:
@@ -46,8 +52,9 @@ class Scene:
             redundant: What to do with constraints that follow from others.
         """
         self.gravity = vector(gravity, 3, "gravity")
+        instance(choices, Choices | None, "Scene: choices", "Choices or None")
         self.choices = Choices() if choices is None else choices
-        self.redundant = Redundant(redundant)
+        self.redundant = choice(redundant, Redundant, "Scene: redundant")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self.connections: list[Connection] = []
@@ -92,7 +99,9 @@ class Scene:
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
         else:
-            raise TypeError(f"a scene takes bodies, joints, links, loads, supports, got {item!r}")
+            raise TypeError(
+                f"a scene takes bodies, joints, links, loads, supports, got {shown(item)}"
+            )
         return item
 
     def held_rotations(self) -> Holds:

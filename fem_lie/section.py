@@ -22,6 +22,7 @@ from math import exp, pi
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._wanted import instance, number, numbers, positive
 from fem_lie.section_properties import Array, SectionProperties, rotation
 
 _ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
@@ -47,15 +48,20 @@ class Material:
     density: float
 
     def __post_init__(self) -> None:
-        _positive(self.E, "Young's modulus E")
-        _positive(self.density, "density")
-        if not -1.0 < self.nu <= 0.5:
+        positive(self.E, "Young's modulus E")
+        positive(self.density, "density")
+        if not -1.0 < number(self.nu, "Poisson's ratio nu") <= 0.5:
             raise ValueError(f"Poisson's ratio nu must satisfy -1 < nu <= 0.5, got {self.nu!r}")
 
     @property
     def G(self) -> float:
         """Shear modulus ``E / (2 (1 + ν))``."""
         return self.E / (2.0 * (1.0 + self.nu))
+
+
+def require_material(value: object) -> None:
+    """Raise ``TypeError`` if it is no isotropic material."""
+    instance(value, Material, "material", "a Material(E, nu, density)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +85,7 @@ class Section:
     properties: SectionProperties | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", _stiffness(self.stiffness))
+        object.__setattr__(self, "stiffness", definite(self.stiffness, 6, "stiffness"))
         if self.inertia is not None:
             object.__setattr__(self, "inertia", _inertia(self.inertia))
         if self.outline is not None:
@@ -108,8 +114,9 @@ class Section:
         Raises:
             ValueError: A size or factor is not positive.
         """
-        _positive(width, "width")
-        _positive(height, "height")
+        positive(width, "width")
+        positive(height, "height")
+        require_material(material)
         if shear_factor is None:
             shear_factor = 10.0 * (1.0 + material.nu) / (12.0 + 11.0 * material.nu)
         if torsion_constant is None:
@@ -133,7 +140,7 @@ class Section:
         Raises:
             ValueError: The radius or factor is not positive.
         """
-        _positive(radius, "radius")
+        positive(radius, "radius")
         return _round(0.0, radius, material, shear_factor)
 
     @classmethod
@@ -153,8 +160,8 @@ class Section:
         Raises:
             ValueError: Not 0 < inner_radius < outer_radius, or the factor is not positive.
         """
-        _positive(inner_radius, "inner_radius")
-        _positive(outer_radius, "outer_radius")
+        positive(inner_radius, "inner_radius")
+        positive(outer_radius, "outer_radius")
         if inner_radius >= outer_radius:
             raise ValueError(
                 f"inner_radius must be less than outer_radius, got {inner_radius!r} and "
@@ -183,12 +190,12 @@ class Section:
         Raises:
             ValueError: A matrix has the wrong shape, is not symmetric or not positive.
         """
-        D = np.asarray(stiffness, dtype=np.float64)
-        G = None if inertia is None else np.asarray(inertia, dtype=np.float64)
+        D = numbers(stiffness, "stiffness")
+        G = None if inertia is None else numbers(inertia, "inertia")
         return cls(
             np.diag(D) if D.ndim == 1 else D,
             np.diag(G) if G is not None and G.ndim == 1 else G,
-            None if outline is None else np.asarray(outline, dtype=np.float64),
+            None if outline is None else numbers(outline, "outline"),
         )
 
     def offset(self, y: float, z: float) -> Section:
@@ -200,7 +207,7 @@ class Section:
         Raises:
             ValueError: A coordinate is not finite.
         """
-        r = np.array([_finite(y, "y"), _finite(z, "z")])
+        r = np.array([number(y, "y"), number(z, "z")])
         # strains at the old point from those at the new one
         T = np.eye(6)
         T[:3, 3:] = [[0.0, -z, y], [z, 0.0, 0.0], [-y, 0.0, 0.0]]
@@ -220,7 +227,7 @@ class Section:
             ValueError: The angle is not finite.
         """
         R = np.eye(3)
-        R[1:, 1:] = rotation(_finite(angle, "angle"))
+        R[1:, 1:] = rotation(number(angle, "angle"))
         T, S = np.eye(6), np.eye(4)
         T[:3, :3] = T[3:, 3:] = S[1:, 1:] = R
         return Section(
@@ -261,8 +268,8 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
     ``J = a b³/3 (1 − 192 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵)`` over odd n, with a ≥ b. The slowly
     converging part ``Σ 1/n⁵ = 31/32 ζ(5)`` is summed in closed form; the rest falls by e⁻²π a term.
     """
-    _positive(width, "width")
-    _positive(height, "height")
+    positive(width, "width")
+    positive(height, "height")
     a, b = max(width, height), min(width, height)
     # exp overflows for very flat rectangles, where the term is nothing anyway
     rest = sum(2.0 / (n**5 * (1.0 + exp(min(n * pi * a / b, 700.0)))) for n in range(1, 15, 2))
@@ -271,6 +278,7 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
 
 
 def _round(inner: float, outer: float, material: Material, shear_factor: float | None) -> Section:
+    require_material(material)
     nu, m2 = material.nu, (inner / outer) ** 2
     if shear_factor is None:
         q = (1.0 + m2) ** 2
@@ -299,8 +307,8 @@ def _from_shape(
     outline: Array,
 ) -> Section:
     """Section with its centroid on the axis; ``second_moments`` are ∫y² and ∫z²."""
-    _positive(shear_factor, "shear_factor")
-    _positive(torsion_constant, "torsion_constant")
+    positive(shear_factor, "shear_factor")
+    positive(torsion_constant, "torsion_constant")
     E, G, rho = material.E, material.G, material.density
     yy, zz = second_moments
     shear = G * shear_factor * area
@@ -319,19 +327,8 @@ def _from_shape(
     return Section(stiffness, np.diag([rho * area, 0.0, rho * yy, rho * zz]), outline, properties)
 
 
-def _positive(value: float, what: str) -> None:
-    if not 0.0 < value < np.inf:
-        raise ValueError(f"{what} must be a positive finite number, got {value!r}")
-
-
-def _finite(value: float, what: str) -> float:
-    if not np.isfinite(value):
-        raise ValueError(f"{what} must be a finite number, got {value!r}")
-    return value
-
-
 def _symmetric(value: Array, size: int, what: str) -> Array:
-    matrix = np.array(value, dtype=np.float64)
+    matrix = numbers(value, what)
     if matrix.shape != (size, size) or not np.isfinite(matrix).all():
         raise ValueError(
             f"{what} must be a finite matrix of shape ({size}, {size}), got\n{value!r}"
@@ -348,26 +345,38 @@ def _scaled_eigenvalues(matrix: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(matrix / np.outer(scale, scale)), dtype=np.float64)
 
 
-def _stiffness(value: Array) -> Array:
-    matrix = _symmetric(value, 6, "stiffness")
+def definite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive definite matrix, shape (size, size), that cannot be written to.
+
+    Raises:
+        ValueError: It has another shape, is not finite, not symmetric or not positive definite.
+        TypeError: It is no array of numbers.
+    """
+    matrix = _symmetric(value, size, what)
     if not (np.diag(matrix) > 0).all() or not _scaled_eigenvalues(matrix)[0] > 1e-14:
-        raise ValueError(f"stiffness must be positive definite, got\n{matrix}")
+        raise ValueError(f"{what} must be positive definite, got\n{matrix}")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def semidefinite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive semidefinite matrix of inertia; errors as of :func:`definite`."""
+    matrix = _symmetric(value, size, what)
+    if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
+        raise ValueError(f"{what} must be positive semidefinite, got\n{matrix}")
     matrix.setflags(write=False)
     return matrix
 
 
 def _inertia(value: Array) -> Array:
-    matrix = _symmetric(value, 4, "inertia")
+    matrix = semidefinite(value, 4, "inertia")
     if not matrix[0, 0] > 0:
         raise ValueError(f"inertia must have a positive mass per length, got {matrix[0, 0]!r}")
-    if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
-        raise ValueError(f"inertia must be positive semidefinite, got\n{matrix}")
-    matrix.setflags(write=False)
     return matrix
 
 
 def _outline(value: Array) -> Array:
-    points = np.array(value, dtype=np.float64)
+    points = numbers(value, "outline")
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3 or not np.isfinite(points).all():
         raise ValueError(f"outline must be at least 3 finite points (y, z), got\n{value!r}")
     points.setflags(write=False)

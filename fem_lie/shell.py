@@ -13,6 +13,7 @@ import numpy.typing as npt
 from fem_lie._arrays import log_coincident
 from fem_lie._jit import Array, Indices
 from fem_lie._patches import Patches
+from fem_lie._wanted import choice, instance, number
 from fem_lie.assembly import Assembly
 from fem_lie.bodies import NO_HOLDS, HeldRotation, Holds, vector
 from fem_lie.drilling import Parameters, drilling_stiffness
@@ -87,6 +88,13 @@ class Shell(SupportedSurface):
                 branch with five parameters, or a director that is not finite, lies in the surface
                 or points to the other side.
         """
+        instance(mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh; see surface()")
+        known = "a ShellSection, a dict of them by groups of cells or a function of the place"
+        instance(section, ShellSection | Mapping | Callable, "Shell: section", known)
+        instance(formulation, ShellFormulation | None, "Shell: formulation", "an element or None")
+        number(kink_angle, "Shell: kink_angle")
+        if director is not None:
+            instance(director, Callable, "Shell: director", "a function of the place or None")
         self.mesh = mesh
         self.formulation = HellingerReissner() if formulation is None else formulation
         self.formulation.measures_for(mesh.cell, mesh.degree)
@@ -96,7 +104,7 @@ class Shell(SupportedSurface):
         self.density = np.array([s.inertia for s in sections])
         self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
         self.axes = _axes(mesh, centres, along)
-        self.parameters = Parameters(parameters)
+        self.parameters = choice(parameters, Parameters, "Shell: parameters")
         patches = mesh.patches(kink_angle if director is None else pi)
         self.connectivity = patches.cells
         directors = (
@@ -248,9 +256,13 @@ def _section_per_cell(
     if isinstance(section, ShellSection):
         return [section] * len(mesh.cells)
     if not isinstance(section, Mapping):
-        return [section(centre) for centre in centres]
+        found = [section(centre) for centre in centres]
+        for value in found:
+            instance(value, ShellSection, "the section at a place", "a ShellSection")
+        return found
     chosen: list[ShellSection | None] = [None] * len(mesh.cells)
     for group, value in section.items():
+        instance(value, ShellSection, f"the section of {group!r}", "a ShellSection")
         for cell in mesh.group(group):
             chosen[cell] = value
     missing = [i for i, value in enumerate(chosen) if value is None]

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array, Indices
+from fem_lie._wanted import instance
 from fem_lie.bodies import Body, vector
 from fem_lie.face_rule import FaceRule
 from fem_lie.loads import History, Load, NodalLoad
@@ -40,6 +41,11 @@ class EdgeLoad(NodalLoad):
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
     history: History | None = None
     following: bool = False
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        _require_shell(self)
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
@@ -97,6 +103,11 @@ class SurfaceLoad(NodalLoad):
     history: History | None = None
 
     following = False
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        _require_shell(self)
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
@@ -218,6 +229,11 @@ class SurfacePressure(Load):
     cells: str | None = None
     history: History | None = None
 
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        _require_shell(self)
+
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or the shell has no such cells."""
         vector(self.gradient, 3, f"gradient of the pressure on {self.shell.label}")
@@ -247,6 +263,10 @@ class SurfacePressure(Load):
             given = self.pressure(centre) if callable(self.pressure) else self.pressure
             values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
         return _sides(self.shell)[chosen, np.newaxis] * values
+
+
+def _require_shell(load: EdgeLoad | SurfaceLoad | SurfacePressure) -> None:
+    instance(load.shell, Shell, f"{type(load).__name__}: shell", "a Shell")
 
 
 def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:

@@ -16,7 +16,8 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from fem_lie.section import Array, Material
+from fem_lie._wanted import instance, number, positive
+from fem_lie.section import Array, Material, definite, semidefinite
 
 SHEAR_FACTOR = 5.0 / 6.0
 
@@ -48,8 +49,8 @@ class Orthotropic:
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12", "G13", "G23", "density"):
-            _positive(getattr(self, name), name)
-        if not self.nu12**2 < self.E1 / self.E2:
+            positive(getattr(self, name), name)
+        if not number(self.nu12, "nu12") ** 2 < self.E1 / self.E2:
             raise ValueError(
                 f"nu12 must satisfy nu12² < E1/E2 = {self.E1 / self.E2:g}, got {self.nu12!r}"
             )
@@ -70,7 +71,10 @@ class Ply:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        _positive(self.thickness, "thickness of a ply")
+        positive(self.thickness, "thickness of a ply")
+        number(self.angle, "angle of a ply")
+        wanted = "a Material or Orthotropic"
+        instance(self.material, Material | Orthotropic, "material of a ply", wanted)
 
     def stiffness(self) -> tuple[Array, Array]:
         """Plane stress on ``(E₁₁, E₂₂, 2E₁₂)`` and shear on ``(γ₁, γ₂)``, in the section's axes."""
@@ -106,6 +110,12 @@ class ShellSection:
     stiffness: Array
     inertia: Array
     thickness: float
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if a matrix or the thickness cannot be."""
+        object.__setattr__(self, "stiffness", definite(self.stiffness, 8, "stiffness"))
+        object.__setattr__(self, "inertia", semidefinite(self.inertia, 2, "inertia"))
+        positive(self.thickness, "thickness")
 
     @classmethod
     def layer(
@@ -143,9 +153,11 @@ class ShellSection:
         """
         if not plies:
             raise ValueError("a laminate needs at least one ply")
-        if not 0.0 <= reference <= 1.0:
+        for ply in plies:
+            instance(ply, Ply, "a layer of a laminate", "a Ply")
+        if not 0.0 <= number(reference, "reference") <= 1.0:
             raise ValueError(f"reference must lie between 0 and 1, got {reference!r}")
-        _positive(shear_factor, "shear_factor")
+        positive(shear_factor, "shear_factor")
         heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
         thickness = float(heights[-1])
         heights = heights - reference * thickness
@@ -167,8 +179,3 @@ def _orthotropic(m: Material | Orthotropic) -> Orthotropic:
     if not m.nu < 0.5:
         raise ValueError(f"a shell needs a Poisson's ratio below 1/2, got {m.nu!r}")
     return Orthotropic(m.E, m.E, m.nu, m.G, m.G, m.G, m.density)
-
-
-def _positive(value: float, what: str) -> None:
-    if not 0.0 < value < np.inf:
-        raise ValueError(f"{what} must be a positive finite number, got {value!r}")

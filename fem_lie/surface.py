@@ -6,7 +6,7 @@ arrays (:meth:`SurfaceMesh.from_cells`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
 
@@ -17,6 +17,7 @@ from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_
 from fem_lie._cell_shapes import DEGREES, cell_normals
 from fem_lie._lines import Array, Indices
 from fem_lie._patches import Edges, Patches, smooth_patches
+from fem_lie._wanted import instance, numbers
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
@@ -56,7 +57,7 @@ class SurfaceMesh:
     def __post_init__(self) -> None:
         points = points_of(self.points)
         cells = _surface_cells(self.cells, self.cell, len(points))
-        normals = np.array(self.normals, dtype=np.float64)
+        normals = numbers(self.normals, "normals")
         if normals.shape != (*cells.shape, 3):
             raise ValueError(f"normals must have shape {(*cells.shape, 3)}, got {normals.shape}")
         # also refuses nan
@@ -109,7 +110,7 @@ class SurfaceMesh:
         connected = _surface_cells(cells, cell, len(x))
         found = cell_normals(x, connected, cell)
         if normals is not None:
-            known = np.asarray(normals, dtype=np.float64)
+            known = numbers(normals, "normals")
             if known.shape != found.shape:
                 raise ValueError(f"normals must have shape {found.shape}, got {known.shape}")
             found = np.where(np.isfinite(known), known, found)
@@ -238,12 +239,15 @@ def surface(
             "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
             f"{cell!r} of degree {degree!r}"
         )
+    instance(function, Callable, "a surface", "a function of a and b from 0 to 1")
+    if not isinstance(cells, Sequence) or len(cells) != 2:
+        raise ValueError(f"cells must be two numbers, along a and b, got {cells!r}")
     n, m = (degree * whole_number(count) for count in cells)
     places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
     number = np.arange(len(places)).reshape(n + 1, m + 1)
     sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
     return SurfaceMesh.from_cells(
-        np.array([function(a, b) for a, b in places], dtype=np.float64),
+        points_of([function(a, b) for a, b in places]),
         _grid_cells(number, cell, degree),
         cell,
         curves={name: _edges(along, degree) for name, along in sides.items()},

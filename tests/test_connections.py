@@ -164,7 +164,7 @@ def test_drive_in_statics_follows_the_load_factor():
         (lambda j: fl.Screw(j.a, j.b), "pitch"),
         (lambda j: fl.Universal(j.a, j.b, axis=Z, second=(0, 1, 1)), "across the axis"),
         (lambda j: fl.Distance(j.a, j.b), "a distance needs two"),
-        (lambda j: fl.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be positive"),
+        (lambda j: fl.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be a positive"),
         (lambda j: fl.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "that of the plane"),
     ],
 )

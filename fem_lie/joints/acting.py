@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from fem_lie import _wanted
 from fem_lie.joints.connection import Connection, Coordinate, History, Tie
 
 
@@ -27,6 +26,11 @@ class Spring(Connection):
     rest: float | None = None
     name: str = ""
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.coordinate, "Spring: coordinate")
+        _wanted.text(self.name, "Spring: name")
+
     @property
     def label(self) -> str:
         """Name for messages and results."""
@@ -34,13 +38,14 @@ class Spring(Connection):
 
     def check(self) -> None:
         """Raise ``ValueError`` if a number is not finite or negative, or both are zero."""
-        numbers = (self.stiffness, self.damping)
-        if not np.isfinite(numbers).all() or min(numbers) < 0.0 or max(numbers) == 0.0:
+        given = {"stiffness": self.stiffness, "damping": self.damping}
+        numbers = [_wanted.number(value, f"{self.label}: {k}") for k, value in given.items()]
+        if min(numbers) < 0.0 or max(numbers) == 0.0:
             raise ValueError(
                 f"{self.label}: stiffness and damping must be ≥ 0 and not both 0, got {numbers}"
             )
-        if self.rest is not None and not np.isfinite(self.rest):
-            raise ValueError(f"{self.label}: rest must be finite, got {self.rest}")
+        if self.rest is not None:
+            _wanted.number(self.rest, f"{self.label}: rest")
 
     def ties(self) -> list[Tie]:
         """That of the coordinate."""
@@ -72,6 +77,12 @@ class Drive(Connection):
     function: History | None = None
     name: str = ""
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.coordinate, "Drive: coordinate")
+        _wanted.history(self.function, "Drive: function")
+        _wanted.text(self.name, "Drive: name")
+
     @property
     def label(self) -> str:
         """Name for messages and results."""
@@ -80,7 +91,9 @@ class Drive(Connection):
     def check(self) -> None:
         """Raise ``ValueError`` if the function does not start at the coordinate's value."""
         start = self.coordinate.start()
-        given = start if self.function is None else float(self.function(0.0))
+        given = start
+        if self.function is not None:
+            given = _wanted.number(self.function(0.0), f"{self.label} at the start")
         if not abs(given - start) <= 1e-8 * max(1.0, abs(start)):
             raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
 
@@ -122,6 +135,12 @@ class Gear(Connection):
     ratio: float
     name: str = ""
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.first, "Gear: first")
+        Coordinate.require(self.second, "Gear: second")
+        _wanted.text(self.name, "Gear: name")
+
     @property
     def label(self) -> str:
         """Name for messages and results."""
@@ -129,7 +148,7 @@ class Gear(Connection):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the ratio is zero or not finite, or both coordinates are one."""
-        if not np.isfinite(self.ratio) or self.ratio == 0.0:
+        if _wanted.number(self.ratio, f"{self.label}: ratio") == 0.0:
             raise ValueError(f"{self.label}: ratio must be a number other than 0, got {self.ratio}")
         if self.first.same(self.second):
             raise ValueError(

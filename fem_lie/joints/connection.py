@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_lie import joint_functions
 from fem_lie._jit import Array
+from fem_lie._wanted import instance
 from fem_lie.bodies import Body, Point
 from fem_lie.relative_motion import relative_motion
 
@@ -181,6 +182,23 @@ class Coordinate(NamedTuple):
     tie: Tie
     name: str
     joint: Connection
+
+    @staticmethod
+    def require(value: object, what: str) -> None:
+        """Refuse what is no coordinate.
+
+        Args:
+            value: What was given.
+            what: For what, as "Drive: coordinate".
+
+        Raises:
+            TypeError: It is something else.
+        """
+        wanted = "a coordinate of a joint such as joint.angle"
+        if isinstance(value, Connection):
+            known = ", ".join(value.coordinate_names) or "none"
+            wanted = f"{wanted} ({type(value).__name__} has: {known})"
+        instance(value, Coordinate, what, wanted)
 
     @property
     def label(self) -> str:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fem_lie import joint_functions
 from fem_lie._jit import Array
+from fem_lie._wanted import positive
 from fem_lie.joints.connection import VelocityTie, rows
 from fem_lie.joints.joint import Joint
 
@@ -59,8 +60,7 @@ class RollingDisc(Joint):
 
     def check(self) -> None:
         """See the base class; the disc must not lie in the plane."""
-        if not (np.isfinite(self.radius) and self.radius > 0.0):
-            raise ValueError(f"{self.label}: the radius must be positive, got {self.radius}")
+        positive(self.radius, f"{self.label}: the radius")
         super().check()
         self.frames()
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from fem_lie import joint_functions
 from fem_lie._jit import Array
-from fem_lie.bodies import Point
+from fem_lie._wanted import text
+from fem_lie.bodies import Point, require_point, vector
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
@@ -44,6 +45,12 @@ class Joint(Connection):
     selection: ClassVar[Array]
     reversible: ClassVar[bool] = True
     turn: ClassVar[Array] = TURN
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if what it joins are no points."""
+        require_point(self.a, f"{type(self).__name__}: a")
+        require_point(self.b, f"{type(self).__name__}: b")
+        text(self.name, f"{type(self).__name__}: name")
 
     @property
     def functions(self) -> Array:
@@ -91,8 +98,8 @@ class Joint(Connection):
         return np.asarray(e1 / np.linalg.norm(e1))
 
     def _direction(self, given: npt.ArrayLike, what: str) -> Array:
-        axis = np.asarray(given, dtype=np.float64)
-        if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
+        axis = vector(given, 3, f"{self.label}: {what}")
+        if not axis.any():
             raise ValueError(f"{self.label}: {what} must be a non-zero vector of 3, got {given!r}")
         return np.asarray(axis / np.linalg.norm(axis))
 
@@ -115,10 +122,7 @@ class Joint(Connection):
         return self._function(name, joint_functions.ANGLE, angle)
 
     def _given_place(self, at: npt.ArrayLike, what: str) -> Array:
-        place = np.asarray(at, dtype=np.float64)
-        if place.shape != (3,) or not np.isfinite(place).all():
-            raise ValueError(f"{self.label}: {what} must be a point of 3 numbers, got {at!r}")
-        return place
+        return vector(at, 3, f"{self.label}: {what}")
 
     def _place(self) -> Array:
         if self.at is not None:

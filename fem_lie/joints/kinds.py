@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie import joint_functions
 from fem_lie._jit import Array
+from fem_lie._wanted import number
 from fem_lie.joints.connection import Coordinate, rows
 from fem_lie.joints.joint import TURN, Joint
 
@@ -114,7 +115,7 @@ class Screw(_Turning, _Gliding):
     def check(self) -> None:
         """See the base class; the pitch must be a number other than zero."""
         super().check()
-        if not (np.isfinite(self.pitch) and self.pitch != 0.0):
+        if number(self.pitch, f"{self.label}: pitch") == 0.0:
             raise ValueError(
                 f"{self.label}: pitch must be a length per turn, not zero, got {self.pitch}"
             )

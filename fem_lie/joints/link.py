@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie.bodies import Point
+from fem_lie.bodies import Point, require_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +21,11 @@ class RigidLink:
 
     a: Point
     b: Point
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if what it joins are no points."""
+        require_point(self.a, "RigidLink: a")
+        require_point(self.b, "RigidLink: b")
 
     def check(self) -> None:
         """Raise ``ValueError`` if a point is ground, or both are the same."""

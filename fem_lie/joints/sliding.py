@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array, Indices
+from fem_lie._wanted import history, instance, text
 from fem_lie.beam import Beam
-from fem_lie.bodies import Body, Point, vector
+from fem_lie.bodies import Body, Point, require_point, vector
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.joints.connection import Connection, History, Tie, rows
 
@@ -62,6 +63,14 @@ class Sliding(Connection):
     name: str = ""
 
     selection: ClassVar[Array] = rows(*_ON_LINE)
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        kind = type(self).__name__
+        instance(self.beam, Beam, f"{kind}: beam", "a Beam")
+        require_point(self.b, f"{kind}: b")
+        history(self.travel, f"{kind}: travel")
+        text(self.name, f"{kind}: name")
 
     @property
     def label(self) -> str:

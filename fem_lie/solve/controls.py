@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
-from fem_lie.bodies import Point, vector
+from fem_lie._wanted import number
+from fem_lie.bodies import Point, require_point, vector
 
 
 class Control(Protocol):
@@ -131,6 +132,11 @@ class DisplacementControl:
     point: Point
     direction: npt.ArrayLike
     to: float
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        require_point(self.point, "DisplacementControl: point")
+        number(self.to, "DisplacementControl: to")
 
     def check(self) -> None:
         """Raise ``ValueError`` if the point is ground, or direction or displacement are zero."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fem_lie._wanted import number
 from fem_lie.solve.conserving_run import Options
 from fem_lie.solve.energy_momentum import EnergyMomentum
 
@@ -27,6 +28,7 @@ class EnergyDecaying(EnergyMomentum):
     def __post_init__(self) -> None:
         """Check the options."""
         super().__post_init__()
+        number(self.radius, "radius")
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
 

@@ -36,7 +36,7 @@ from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve import conserving_steps
 from fem_lie.solve.conserving_run import Options, Run
-from fem_lie.solve.integrator import Integrator
+from fem_lie.solve.integrator import Integrator, check_kinds
 from fem_lie.solve.policies import Automatic, Policy
 from fem_lie.solve.step_control import StepChoice
 from fem_lie.surface_pressure import SurfacePushes
@@ -63,6 +63,7 @@ class EnergyMomentum(Integrator):
 
     def __post_init__(self) -> None:
         """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
         if not self.tolerance >= 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance ≥ 0 and max_iterations ≥ 1, got "

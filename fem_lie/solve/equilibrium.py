@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._wanted import instance, number, numbers
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import follow_loads, in_proportion
 from fem_lie.solve.linear import ConvergenceError
@@ -68,6 +69,11 @@ def statics(
             not parallel to the axis, with ``spin``.
         ConvergenceError: The smallest step failed; its ``result`` holds the states before.
     """
+    for what, value in (("tolerance", tolerance), ("smallest_step", smallest_step)):
+        number(value, what)
+    for what, count in (("load_steps", load_steps), ("max_iterations", max_iterations)):
+        instance(count, int | np.integer | None, what, "a whole number")
+    levels = numbers(levels, "levels").reshape(-1).tolist()
     steps = 1 if load_steps is None else load_steps
     if steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
         raise ValueError(

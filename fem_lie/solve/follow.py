@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie._jit import Array
 from fem_lie.loads import StrainLoad
 from fem_lie.nodal import load_vector
-from fem_lie.scene import Scene
+from fem_lie.scene import Scene, require_scene
 from fem_lie.solve.arc_length import ArcLength, Path
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, Method, methods_for
 from fem_lie.solve.rotation import Rotation
@@ -91,6 +91,7 @@ def _out_of_proportion(scene: Scene) -> list[str]:
 
 def check_proportion(scene: Scene) -> None:
     """Raise ``ValueError`` if something does not grow in proportion to the load factor."""
+    require_scene(scene)
     if scene.motions:
         raise ValueError("an arc length has no time for prescribed motions: use load steps")
     for label in _out_of_proportion(scene):

@@ -15,12 +15,13 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass, field
 
+from fem_lie._wanted import choice, number
 from fem_lie.groups import Parametrisation
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve import alpha_steps, free_bodies
 from fem_lie.solve.alpha_run import Run
-from fem_lie.solve.integrator import Integrator
+from fem_lie.solve.integrator import Integrator, check_kinds
 from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import Automatic, Policy
 from fem_lie.solve.step_control import StepChoice
@@ -59,10 +60,14 @@ class GeneralisedAlpha(Integrator):
 
     def __post_init__(self) -> None:
         """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
+        number(self.radius, "radius")
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
-        # plain numbers are welcome, others raise ValueError
-        Parametrisation(self.parametrisation), Components(self.components), Index(self.index)
+        # plain numbers are welcome
+        choice(self.parametrisation, Parametrisation, "parametrisation")
+        choice(self.components, Components, "components")
+        choice(self.index, Index, "index")
         if not self.tolerance > 0 or self.max_iterations < 1:
             raise ValueError(
                 "wanted tolerance > 0 and max_iterations ≥ 1, got "

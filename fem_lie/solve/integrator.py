@@ -11,10 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from fem_lie._wanted import instance, number
 from fem_lie.results import Result
-from fem_lie.scene import Scene
+from fem_lie.scene import Scene, require_scene
 from fem_lie.solve.checkpoints import Checkpoints, fingerprint
 from fem_lie.solve.integration import Integration
+from fem_lie.solve.policies import Policy
 from fem_lie.solve.step_control import StepChoice
 from fem_lie.system import System
 
@@ -50,6 +52,9 @@ class Integrator(ABC):
             ValueError: Bad options or scene, before anything is computed.
             ConvergenceError: A step failed; its ``result`` holds what was computed.
         """
+        require_scene(scene)
+        number(duration, "duration")
+        instance(save_every, int | np.integer, "save_every", "a whole number")
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
         if isinstance(step, StepChoice):
@@ -90,6 +95,7 @@ class Integrator(ABC):
             FileNotFoundError: There is no such file, or no checkpoint yet.
             ValueError: The checkpoint belongs to another scene or other options.
         """
+        require_scene(scene)
         system = self._system(scene)
         store = Checkpoints.resume(file, fingerprint(system, self))
         steps, step, save_every = store.plan
@@ -124,7 +130,20 @@ class Integrator(ABC):
         return None
 
 
+def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
+    """Refuse options of an iteration that are of another kind than wanted.
+
+    Raises:
+        TypeError: One of them is.
+        ValueError: The tolerance is not finite.
+    """
+    number(tolerance, "tolerance")
+    instance(max_iterations, int | np.integer, "max_iterations", "a whole number")
+    instance(policy, Policy, "policy", "a Policy such as Automatic()")
+
+
 def _number_of_steps(duration: float, step: float) -> int:
+    number(step, "step")
     if not (np.isfinite(step) and step > 0 and np.isfinite(duration) and duration > 0):
         raise ValueError(f"step and duration must be positive, got {step} and {duration}")
     steps = round(duration / step)

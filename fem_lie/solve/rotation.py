@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fem_lie._jit import Array
 from fem_lie.bodies import vector
 from fem_lie.loads import NodalLoad
-from fem_lie.scene import Scene
+from fem_lie.scene import Scene, require_scene
 
 _PARALLEL = 1e-9
 
@@ -50,6 +50,7 @@ class Rotation:
 
     def check(self, scene: Scene) -> None:
         """Raise ``ValueError`` if a load fixed in space turns as seen from the turning frame."""
+        require_scene(scene)
         if not self:
             return
         self._check_parallel("gravity", scene.gravity)

@@ -15,6 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
 
+from fem_lie._wanted import positive
+
 AIM = 0.8
 """Error that is aimed at, over the tolerance."""
 
@@ -68,8 +70,7 @@ class ConstantStep(StepChoice):
 
     def check(self, duration: float) -> None:
         """See the base class."""
-        if not (isfinite(self.size) and self.size > 0):
-            raise ValueError(f"the step must be positive, got {self.size}")
+        positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
         _check_refinement(self.refinement)
@@ -107,10 +108,11 @@ class AdaptiveStep(StepChoice):
 
     def check(self, duration: float) -> None:
         """See the base class."""
-        for name in ("tolerance", "rotation_tolerance", "first", "smallest", "largest"):
+        positive(self.tolerance, "tolerance")
+        for name in ("rotation_tolerance", "first", "smallest", "largest"):
             value = getattr(self, name)
-            if value is not None and not (isfinite(value) and value > 0):
-                raise ValueError(f"{name} must be positive, got {value}")
+            if value is not None:
+                positive(value, name)
         smallest, first, largest = self._sizes(duration)
         if not smallest <= first <= largest:
             raise ValueError(

@@ -1,0 +1,308 @@
+"""Arguments of another kind than wanted: the message names what was given and what is wanted."""
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+NAN, INF = float("nan"), float("inf")
+MATERIAL = fl.Material(1e9, 0.3, 1000.0)
+SECTION = fl.Section.circle(0.01, MATERIAL)
+LAYER = fl.ShellSection.layer(0.01, MATERIAL)
+LINE = fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1), (1, 2)])
+SURFACE = fl.surface(lambda a, b: (a, b, 0.0), (2, 2))
+
+BEAM = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar")
+BODY = fl.RigidBody(1.0, (1, 1, 1), (1, 0, 0), name="mass")
+SHELL = fl.Shell(SURFACE, LAYER, name="plate")
+JOINT = fl.Revolute(BEAM.end, BODY.centre, name="hinge")
+PIN = fl.Cylindrical(BEAM.start, fl.ground(), name="pin")
+
+
+def scene() -> fl.Scene:
+    made = fl.Scene()
+    for item in (BEAM, BODY, SHELL, JOINT, PIN):
+        made.add(item)
+    return made
+
+
+WRONG = {
+    "point": [(0, 0, 1), np.zeros(3), "tip", None, 3, BEAM, JOINT.angle],
+    "coordinate": [JOINT, "angle", None, 3, BEAM.end],
+    "beam": [BEAM.end, "bar", None, BODY, SHELL],
+    "shell": [SHELL["00"], "plate", None, BODY, BEAM],
+    "number": ["three", None, (1, 2), object(), NAN, INF, 1j],
+    "vector": ["up", (1, 2), (1, 2, 3, 4), (0, NAN, 1), object(), [[1, 2, 3]], ("a", "b", "c")],
+    "array": ["up", (1, 2), object(), [[1, 2], [3]], [[[1]]], NAN],
+    "function or nothing": [3.0, "f", (1, 2), BEAM],
+    "function": [3.0, "f", None, BEAM],
+    "flag": ["no", None, 2, (1,)],
+    "name": [3, None, BEAM],
+    "group": [3, BEAM, ["all"], "missing"],
+    "whole": [1.5, "two", None, 0, -1, (1, 2)],
+    "pair": [3, "ab", None, (1, 2, 3), (0, 1), (1.5, 2)],
+    "material": ["steel", None, 3, SECTION],
+    "section": ["round", None, 3, MATERIAL, LAYER, {}],
+    "shell section": ["round", None, 3, MATERIAL, SECTION, {}],
+    "line mesh": [SURFACE, None, "mesh", [(0, 0, 0), (1, 0, 0)]],
+    "surface mesh": [LINE, None, "mesh", [(0, 0, 0), (1, 0, 0)]],
+    "formulation": ["geodesic", 2, fl.Geodesic],
+    "damping": [0.1, "much", (1, 2)],
+    "choices": [True, "all", {}],
+    "group of motions": ["SE3", 7, None],
+}
+F = lambda t: t  # noqa: E731
+STILL = BEAM.start.frame.copy()
+
+CASES: dict[str, tuple] = {
+    "Material": (fl.Material, dict(E=(1.0, "number"), nu=(0.3, "number"), density=(1.0, "number"))),
+    "Section.rectangle": (
+        fl.Section.rectangle,
+        dict(width=(1.0, "number"), height=(1.0, "number"), material=(MATERIAL, "material")),
+    ),
+    "Section.circle": (
+        fl.Section.circle, dict(radius=(1.0, "number"), material=(MATERIAL, "material"))
+    ),
+    "Section.offset": (SECTION.offset, dict(y=(1.0, "number"), z=(1.0, "number"))),
+    "Section.rotated": (SECTION.rotated, dict(angle=(1.0, "number"))),
+    "ShellSection.layer": (
+        fl.ShellSection.layer, dict(thickness=(0.1, "number"), material=(MATERIAL, "material"))
+    ),
+    "ShellSection": (
+        fl.ShellSection,
+        dict(
+            stiffness=(np.eye(8), "array"), inertia=(np.eye(2), "array"),
+            thickness=(0.1, "number"),
+        ),
+    ),
+    "Ply": (
+        fl.Ply,
+        dict(thickness=(0.1, "number"), material=(MATERIAL, "material"), angle=(3.0, "number")),
+    ),
+    "RigidBody": (
+        fl.RigidBody,
+        dict(
+            mass=(1.0, "number"), inertia=((1, 1, 1), "array"), position=((0, 0, 0), "vector"),
+            rotation=(np.eye(3), "array"), group=(fl.Group.SE3, "group of motions"),
+            name=("a", "name"),
+        ),
+    ),
+    "Beam": (
+        fl.Beam,
+        dict(
+            mesh=(LINE, "line mesh"), section=(SECTION, "section"), up=((0, 0, 1), "vector"),
+            twist=(F, "function or nothing"), formulation=(fl.Geodesic(), "formulation"),
+            damping=(fl.Damping(), "damping"), rotary_inertia=(True, "flag"),
+            group=(fl.Group.SE3, "group of motions"), name=("a", "name"),
+        ),
+    ),
+    "Beam.straight": (
+        fl.Beam.straight,
+        dict(
+            start=((0, 0, 0), "vector"), end=((1, 0, 0), "vector"), section=(SECTION, "section"),
+            cells=(2, "whole"),
+        ),
+    ),
+    "Beam.polyline": (
+        fl.Beam.polyline,
+        dict(
+            points=([(0, 0, 0), (1, 0, 0)], "array"), section=(SECTION, "section"),
+            cells=(2, "whole"),
+        ),
+    ),
+    "Beam.curve": (
+        fl.Beam.curve,
+        dict(
+            function=(lambda s: (s, 0, 0), "function"), section=(SECTION, "section"),
+            cells=(2, "whole"),
+        ),
+    ),
+    "Damping": (fl.Damping, dict(mass=(0.1, "number"), stiffness=(0.1, "array"))),
+    "surface": (
+        fl.surface, dict(function=(lambda a, b: (a, b, 0), "function"), cells=((2, 2), "pair"))
+    ),
+    "Shell": (
+        fl.Shell,
+        dict(
+            mesh=(SURFACE, "surface mesh"), section=(LAYER, "shell section"),
+            director=(lambda x: (0, 0, 1), "function or nothing"), along=((1, 0, 0), "vector"),
+            formulation=(fl.Displacement(), "formulation"), kink_angle=(0.5, "number"),
+            group=(fl.Group.SE3, "group of motions"), name=("a", "name"),
+        ),
+    ),
+    "Scene": (fl.Scene, dict(gravity=((0, 0, 1), "vector"), choices=(fl.Choices(), "choices"))),
+    "Revolute": (
+        fl.Revolute,
+        dict(
+            a=(BEAM.end, "point"), b=(BODY.centre, "point"), at=((1, 0, 0), "vector"),
+            axis=((0, 0, 1), "vector"), name=("a", "name"),
+        ),
+    ),
+    "Screw": (
+        fl.Screw, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"), pitch=(1.0, "number"))
+    ),
+    "Universal": (
+        fl.Universal,
+        dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"), second=((1, 0, 0), "vector")),
+    ),
+    "Distance": (
+        fl.Distance,
+        dict(a=(BEAM.start, "point"), b=(BODY.centre, "point"), to=((1, 1, 1), "vector")),
+    ),
+    "RollingDisc": (
+        fl.RollingDisc,
+        dict(
+            a=(fl.ground(), "point"), b=(BODY.centre, "point"), radius=(1.0, "number"),
+            axis=((0, 1, 0), "vector"), normal=((0, 0, 1), "vector"),
+        ),
+    ),
+    "RigidLink": (fl.RigidLink, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"))),
+    "Collar": (
+        fl.Collar,
+        dict(
+            beam=(BEAM, "beam"), b=(BODY.centre, "point"), at=((0.5, 0, 0), "vector"),
+            travel=(None, "function or nothing"), name=("a", "name"),
+        ),
+    ),
+    "Spring": (
+        fl.Spring,
+        dict(
+            coordinate=(JOINT.angle, "coordinate"), stiffness=(1.0, "number"),
+            damping=(0.0, "number"), name=("a", "name"),
+        ),
+    ),
+    "Drive": (
+        fl.Drive,
+        dict(
+            coordinate=(JOINT.angle, "coordinate"), function=(F, "function or nothing"),
+            name=("a", "name"),
+        ),
+    ),
+    "Gear": (
+        fl.Gear,
+        dict(
+            first=(JOINT.angle, "coordinate"), second=(PIN.angle, "coordinate"),
+            ratio=(2.0, "number"), name=("a", "name"),
+        ),
+    ),
+    "PointLoad": (
+        fl.PointLoad,
+        dict(
+            point=(BEAM.end, "point"), force=((0, 0, 1), "vector"), moment=((0, 0, 1), "vector"),
+            following=(True, "flag"), history=(F, "function or nothing"),
+        ),
+    ),
+    "LineLoad": (
+        fl.LineLoad,
+        dict(
+            beam=(BEAM, "beam"), force=((0, 0, 1), "vector"), moment=((0, 0, 1), "vector"),
+            cells=(None, "group"), following=(True, "flag"), history=(F, "function or nothing"),
+        ),
+    ),
+    "PressureLoad": (
+        fl.PressureLoad,
+        dict(
+            beam=(BEAM, "beam"), pressure=(1.0, "number"), direction=((0, 0, 1), "vector"),
+            cells=(None, "group"), history=(F, "function or nothing"),
+        ),
+    ),
+    "Temperature": (
+        fl.Temperature,
+        dict(beam=(BEAM, "beam"), rise=(1.0, "number"), expansion=(1e-5, "number")),
+    ),
+    "Eigenstrain": (fl.Eigenstrain, dict(beam=(BEAM, "beam"), strain=(np.zeros(6), "vector"))),
+    "PreStress": (fl.PreStress, dict(beam=(BEAM, "beam"), resultant=(np.zeros(6), "vector"))),
+    "EdgeLoad": (
+        fl.EdgeLoad,
+        dict(
+            shell=(SHELL, "shell"), curve=("a=1", "group"), force=((0, 0, 1), "vector"),
+            history=(F, "function or nothing"), following=(True, "flag"),
+        ),
+    ),
+    "AreaLoad": (
+        fl.AreaLoad,
+        dict(
+            shell=(SHELL, "shell"), force=((0, 0, 1), "vector"), cells=(None, "group"),
+            history=(F, "function or nothing"),
+        ),
+    ),
+    "SurfacePressure": (
+        fl.SurfacePressure,
+        dict(
+            shell=(SHELL, "shell"), pressure=(1.0, "number"), gradient=((0, 0, 1), "vector"),
+            cells=(None, "group"), history=(F, "function or nothing"),
+        ),
+    ),
+    "Clamp": (fl.Clamp, dict(point=(BEAM.start, "point"))),
+    "PrescribedMotion": (
+        fl.PrescribedMotion,
+        dict(point=(BEAM.start, "point"), motion=(lambda t: STILL, "function")),
+    ),
+    "GeneralisedAlpha": (
+        fl.GeneralisedAlpha,
+        dict(radius=(0.8, "number"), tolerance=(1e-8, "number"), max_iterations=(9, "whole")),
+    ),
+    "EnergyMomentum": (
+        fl.EnergyMomentum, dict(tolerance=(1e-8, "number"), max_iterations=(9, "whole"))
+    ),
+    "EnergyDecaying": (fl.EnergyDecaying, dict(radius=(0.8, "number"), tolerance=(0, "number"))),
+    "AdaptiveStep": (fl.AdaptiveStep, dict(tolerance=(1e-3, "number"))),
+    "DisplacementControl": (
+        fl.DisplacementControl,
+        dict(point=(BEAM.end, "point"), direction=((0, 0, 1), "vector"), to=(1.0, "number")),
+    ),
+    "turn": (BODY.turn, dict(omega=((0, 0, 1), "vector"), about=((0, 0, 1), "vector"))),
+    "move": (BODY.move, dict(velocity=((0, 0, 1), "vector"))),
+    "node": (BEAM.node, dict(index=(1, "whole"))),
+    "point by name": (BEAM.__getitem__, dict(name=("end", "group"))),
+    "Spherical": (fl.Spherical, dict(a=(BEAM.end, "point"), b=(BODY.centre, "point"))),
+}  # fmt: skip
+
+
+def _tries():
+    for name, (_, arguments) in CASES.items():
+        for argument, (_, kind) in arguments.items():
+            for k, wrong in enumerate(WRONG[kind]):
+                yield pytest.param(name, argument, wrong, id=f"{name}-{argument}-{k}")
+
+
+def _is_fine(name: str, argument: str, wrong: object) -> bool:
+    """What this argument takes though others of its kind do not."""
+    if argument in ("at", "to", "up", "along", "rotation", "director") and wrong is None:
+        return True
+    if (name, argument) == ("node", "index") and wrong in (0, -1):
+        return True
+    return (name, argument) == ("Beam", "up") and isinstance(wrong, dict)
+
+
+def _check(made: object) -> None:
+    """What a scene, or whoever takes it, checks."""
+    if isinstance(made, fl.DisplacementControl):
+        made.check()
+    elif isinstance(made, fl.AdaptiveStep):
+        made.check(1.0)
+    elif hasattr(made, "check"):
+        scene().add(made)
+
+
+@pytest.mark.parametrize(("name", "argument", "wrong"), _tries())
+def test_the_message_names_what_was_given_and_what_is_wanted(name, argument, wrong):
+    make, arguments = CASES[name]
+    if _is_fine(name, argument, wrong):
+        pytest.skip("right here")
+    given = {key: value for key, (value, _) in arguments.items()} | {argument: wrong}
+    with pytest.raises((TypeError, ValueError)) as caught:
+        _check(make(**given))
+    frame = inspect.getinnerframes(caught.tb)[-1]
+    assert Path(frame.filename).is_relative_to(Path(fl.__file__).parent), frame
+    # not by chance in numpy or in a comparison
+    assert frame.code_context is not None and frame.code_context[0].strip().startswith("raise")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_right_ones_are_taken(name):
+    make, arguments = CASES[name]
+    _check(make(**{key: value for key, (value, _) in arguments.items()}))
