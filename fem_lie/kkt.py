@@ -22,6 +22,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
+from fem_lie.idle_multipliers import IdleMultipliers
 
 if TYPE_CHECKING:
     from fem_lie.tables import Border
@@ -32,9 +33,6 @@ SOFTNESS = 1e-9
 """By how much redundant constraints yield in one iteration, over what they would without others.
 
 The matrix is regular with it, and the iteration still ends where all constraints are met."""
-
-IDLE = 1e-10
-"""Squared size of what multipliers of unit size move together, below which they move nothing."""
 
 
 @compiled
@@ -92,6 +90,11 @@ class KKT:
     Attributes:
         indptr: Rows of the pattern of node pairs, with ``indices``.
         matrix: The PETSc matrix; :meth:`fill` changes its values.
+        units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
+        unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
+        measure: What counts of each multiplier is its value times this, shape (m,).
+        idle: Multipliers that exert no force together in the present matrix, where constraints may
+            be redundant.
     """
 
     def __init__(
@@ -100,6 +103,8 @@ class KKT:
         border: Border,
         held: Flags,
         *,
+        length: float,
+        angular: Flags,
         redundant: bool = False,
     ) -> None:
         """Build the pattern.
@@ -109,11 +114,19 @@ class KKT:
                 out; the diagonal is added.
             border: Which nodes the constraints touch.
             held: Which unknowns of the nodes are zero, shape (n, 6).
+            length: Of the model.
+            angular: Which constraints are of rotations alone, shape (m,).
             redundant: Whether constraints may follow from others; they yield a little then, see
                 :data:`SOFTNESS`.
         """
-        self._redundant = redundant
+        self._redundant, self._length = redundant, length
         count, m = len(held), len(border.ptr) - 1
+        unit = 2.0 ** np.round(np.log2(length))
+        nodes = np.where(held, 1.0, [unit] * 3 + [1.0] * 3)
+        self.units = np.append(nodes, np.where(angular, 1.0, unit))
+        self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
+        self.measure = np.where(angular, 1.0 / length, 1.0)
+        self.idle: IdleMultipliers | None = None
         self.legs, self._held = border, held
         diagonal = np.arange(count)
         r = np.concatenate([diagonal, *(p[0] for p in pairs)])
@@ -210,25 +223,12 @@ class KKT:
         softness stands: the round-off of the constraints over it would move them for ever.
         """
         nodes, m = np.arange(len(self._held)), len(scale)
+        B = sp.bsr_matrix(
+            (columns[:, np.newaxis], self.legs.nodes, self.legs.ptr), shape=(m, 6 * len(nodes))
+        ).tocsr()
+        self.idle = IdleMultipliers(B, self._length, self.measure)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
         legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
         legs *= scale[self.legs.rows, np.newaxis]
         total = np.bincount(self.legs.rows, (legs**2).sum(axis=1), minlength=m)
-        total[total == 0.0] = 1.0
-        legs /= np.sqrt(total)[self.legs.rows, np.newaxis]
-        B = sp.bsr_matrix(
-            (legs[:, np.newaxis], self.legs.nodes, self.legs.ptr), shape=(m, 6 * len(nodes))
-        ).tocsr()
-        sizes, idle = np.linalg.eigh((B @ B.T).toarray())
-        idle = idle[:, sizes < IDLE] / np.sqrt(total)[:, np.newaxis]
-        self.matrix.setNullSpace(_null_space(6 * len(nodes), np.linalg.qr(idle)[0]))
-        return np.asarray(SOFTNESS * total)
-
-
-def _null_space(first: int, vectors: Array) -> PETSc.NullSpace:
-    """Spanned by orthonormal columns that begin in the row ``first``."""
-    basis = []
-    for vector in vectors.T:
-        basis.append(PETSc.Vec().createSeq(first + len(vector)))
-        basis[-1].array[first:] = vector
-    return PETSc.NullSpace().create(constant=False, vectors=basis, comm=PETSc.COMM_SELF)
+        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))

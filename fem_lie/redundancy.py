@@ -45,20 +45,3 @@ def refuse(redundant: Indices, connections: Connections) -> None:
             "constraints (e.g. Spherical instead of Revolute) or remove it, or see "
             "Scene(redundant=...)"
         )
-
-
-def minimum_norm(B: sp.csr_matrix, weights: Array, measure: Array) -> Array:
-    """The smallest multipliers that exert the forces ``Bᵀ weights``, shape (m,).
-
-    Args:
-        B: Jacobian of all constraints.
-        weights: Any multipliers.
-        measure: What counts of each is its value times this, shape (m,).
-    """
-    scaled = sp.diags(1.0 / measure) @ B
-    gram = (scaled @ scaled.T).toarray()
-    values, vectors = np.linalg.eigh(gram)
-    keep = values > _DEPENDENT * values[-1]
-    vectors = vectors[:, keep]
-    small: Array = vectors @ (vectors.T @ (weights * measure)) / measure
-    return small

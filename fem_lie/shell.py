@@ -30,6 +30,7 @@ Director = Callable[[Array], npt.ArrayLike]
 _log = logging.getLogger(__name__)
 
 _FACETS = radians(10.0)  # a circle of 18 cells
+_EQUAL = 1e-6  # components of unit vectors that are meant to be equal
 _FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
 
 
@@ -326,10 +327,14 @@ def _given(mesh: SurfaceMesh, director: Director, patches: Patches, kink_angle: 
 
 
 def _frames(points: Array, directors: Array) -> Array:
-    """Frames with given third directors; e₁ nearest to the axis that is least along them."""
+    """Frames with given third directors; e₁ nearest to the axis that is least along them.
+
+    Of axes that are equally so the first is taken: round-off must not choose.
+    """
     H = np.empty((len(points), 4, 3))
     H[:, 0], H[:, 3] = points, directors
-    axis = np.eye(3)[np.abs(directors).argmin(axis=1)]
+    along = np.abs(directors)
+    axis = np.eye(3)[(along <= along.min(axis=1, keepdims=True) + _EQUAL).argmax(axis=1)]
     e1 = axis - np.einsum("nj,nj->n", axis, directors)[:, np.newaxis] * directors
     H[:, 1] = e1 / np.linalg.norm(e1, axis=1, keepdims=True)
     H[:, 2] = np.cross(directors, H[:, 1])

@@ -25,13 +25,14 @@ from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
+from fem_lie.idle_multipliers import IdleMultipliers
 from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
 from fem_lie.nodal import Inertia, add_mass_damping, report, rigid_residual
 from fem_lie.numbering import Numbering
 from fem_lie.pressure import Pressure
-from fem_lie.redundancy import minimum_norm, redundant_constraints, refuse
+from fem_lie.redundancy import redundant_constraints, refuse
 from fem_lie.scene import Scene
 from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.tangent import Tangent
@@ -135,6 +136,7 @@ class System:
             self.numbering.supports,
             viscous=self._viscous,
             redundant=scene.redundant is not Redundant.REFUSE,
+            length=self.length,
         )
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
@@ -339,8 +341,8 @@ class System:
     def report_joints(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
         """See :meth:`~fem_lie.connections.Connections.report`."""
         if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
-            measure = np.where(self.connections.angular, 1.0 / self.length, 1.0)
-            weights = minimum_norm(self.tangent.jacobian(H), weights, measure)
+            B = self.tangent.jacobian(H)
+            weights = IdleMultipliers(B, self.length, self.kkt.measure).remove(weights)
         return self.connections.report(H, v, weights)
 
     @property

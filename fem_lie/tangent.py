@@ -45,6 +45,7 @@ class Tangent:
         *,
         viscous: bool,
         redundant: bool,
+        length: float,
     ) -> None:
         """Find the pattern.
 
@@ -57,6 +58,7 @@ class Tangent:
             axes: Fixed axes of the supports, see :class:`~fem_lie.supports.Supports`.
             viscous: Whether the viscous forces of ``elastic`` count.
             redundant: Whether constraints may follow from others.
+            length: Of the model.
         """
         self._mass, self._damping = mass, damping
         self._elastic, self._viscous = elastic, viscous
@@ -69,7 +71,10 @@ class Tangent:
         both = (np.concatenate([a, b]), np.concatenate([b, a]))
         slides = connections.sliding_pairs()
         pairs = [pair, *elastic.pairs, both, (slides[0].ravel(), slides[1].ravel())]
-        self.kkt = KKT(pairs, self._border, held, redundant=redundant)
+        angular = connections.angular
+        self.kkt = KKT(
+            pairs, self._border, held, length=length, angular=angular, redundant=redundant
+        )
         place = self.kkt.place
         self._place_mass = place(*pair)
         self._place_elastic = [place(*pair) for pair in elastic.pairs]

@@ -33,7 +33,7 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can():
     # small ones are factorised by a method that does not mind
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
     matrix = model.system.kkt.matrix
-    solver = DirectSolver(matrix, "test_indefinite_", SYMMETRIC)
+    solver = DirectSolver(model.system.kkt, "test_indefinite_", SYMMETRIC)
     A = stored(model)
     solver.factorise()
     assert solver._methods == SYMMETRIC
@@ -51,7 +51,7 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can():
 def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
     """A step that blew up is halved; the packages themselves never recover from nan."""
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
-    solver = DirectSolver(model.system.kkt.matrix, "test_finite_", methods)
+    solver = DirectSolver(model.system.kkt, "test_finite_", methods)
     values = model.system.kkt.csr[0]
     kept = values.copy()
     solver.right_hand_side[:] = 1.0

@@ -1,9 +1,16 @@
 """The converter of units, and laws that hold in each system."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
-from tests.unit_systems import METRES, MILLIMETRES, UNIT_SYSTEMS
+import fem_lie as fl
+from fem_lie.solve.linear import MOTION, DirectSolver, InaccurateSolutionError
+from fem_lie.solve.start import accelerations
+from fem_lie.system import System
+from tests.closed_loop import closed_loop
+from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
 
 def test_newtons_stay_newtons_in_millimetres_and_tonnes():
@@ -26,3 +33,78 @@ def test_there_and_back(u):
     np.testing.assert_allclose(stiff[0, 4], u.moment(matrix[0, 4]))
     np.testing.assert_allclose(stiff[4, 4], u.bending(matrix[4, 4]))
     assert METRES.time(2.0) == 2.0
+
+
+def first_accelerations(u: UnitSystem, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """At the start of the closed loop; in metres, kilograms and seconds."""
+    system = System(closed_loop(u), dynamics=True)
+    solver = DirectSolver(system.kkt, "test_units_", MOTION)
+    vdot, weights = accelerations(
+        system, solver, system.frames, system.velocities, 0.0, u.time(step)
+    )
+    vdot = np.concatenate([u.inverse.acceleration(vdot[:, :3]), u.inverse.of(vdot[:, 3:], time=-2)])
+    wrench = np.where(system.connections.angular, u.moment(1.0), u.force(1.0))
+    return vdot, weights / wrench
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-5])
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_a_closed_loop_starts_alike(u, step):
+    """Masses of 1e-18 beside constraints of one, by the solver that lost them."""
+    found, expected = first_accelerations(u, step), first_accelerations(METRES, step)
+    for a, b in zip(found, expected, strict=True):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-9 * np.abs(b).max())
+
+
+@cache
+def swing(u: UnitSystem, parameters: fl.Parameters) -> tuple[np.ndarray, int]:
+    scene = closed_loop(u, parameters=parameters)
+    result = fl.GeneralisedAlpha().run(scene, duration=u.time(0.02), step=u.time(2e-4))
+    return u.inverse.frame(result.frames), result.factorisations
+
+
+@pytest.mark.parametrize("parameters", [fl.Parameters.FIVE, fl.Parameters.SIX])
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_a_closed_loop_moves_alike(u, parameters):
+    found, matrices = swing(u, parameters)
+    expected, as_many = swing(METRES, parameters)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
+    assert matrices == as_many
+
+
+class Careless:
+    """A solver whose solutions have a relative error of their own."""
+
+    def __init__(self, ksp, error: float) -> None:
+        self._ksp, self._error = ksp, error
+
+    def solve(self, b, x) -> None:
+        self._ksp.solve(b, x)
+        x.array[:] *= 1.0 + self._error * np.cos(np.arange(len(x.array)))
+
+    def __getattr__(self, name: str):
+        return getattr(self._ksp, name)
+
+
+@pytest.mark.parametrize(
+    ("error", "refined", "package"),
+    [(0.0, False, "umfpack"), (1e-7, True, "umfpack"), (0.1, False, "mumps")],
+)
+def test_each_factorisation_is_checked_once(error, refined, package):
+    """What is not accurate is refined once, or else solved by the next method."""
+    system = System(closed_loop(), dynamics=True)
+    solver = DirectSolver(system.kkt, "test_careless_", MOTION)
+    state = system, solver, system.frames, system.velocities, 0.0, 1e-3
+    expected = accelerations(*state)[0]
+    method = MOTION[0]
+    solver._solvers[method] = Careless(solver._solver(method), error)
+    found = accelerations(*state)[0]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    assert solver._refines == refined
+    assert solver._methods[0].package == package
+
+
+def test_no_accurate_solver_is_an_error(monkeypatch):
+    monkeypatch.setattr(DirectSolver, "_error", lambda solver: 1.0)
+    with pytest.raises(InaccurateSolutionError, match=r"residual is 1\.0e\+00 of what cancels"):
+        fl.GeneralisedAlpha().run(closed_loop(), duration=1e-3, step=1e-3)

@@ -79,7 +79,7 @@ class Run(Integration[Recorder]):
         turns = system.connections.angular
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
         methods = methods_in_time(system)
-        self.solver = DirectSolver(system.kkt.matrix, options.petsc_options_prefix, methods)
+        self.solver = DirectSolver(system.kkt, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
         self._end, self._iterations, self._made = 0.0, 0, 0

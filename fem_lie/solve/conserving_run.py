@@ -107,7 +107,7 @@ class Run(Integration[History]):
         system, s, n = self.system, self.s, self.system.count
         check_velocities(system, self.h)
         push(system.frames[:n], system.velocities[:n], s.V)
-        solver = DirectSolver(system.kkt.matrix, PREFIX)
+        solver = DirectSolver(system.kkt, PREFIX)
         v = system.velocities
         vdot, s.weights[:] = accelerations(system, solver, s.H, v, 0.0, self.h)
         self._set_loads(0.0)

@@ -149,7 +149,7 @@ class ConservingSteps(Run):
         system, s, n = self.system, self.s, self.system.count
         v, change = system.velocities.copy(), np.empty_like(s.V)
         v[:n] = local(s.H[:n], s.V)
-        solver = DirectSolver(system.kkt.matrix, PREFIX)
+        solver = DirectSolver(system.kkt, PREFIX)
         after = allowed_velocities(system, solver, s.H, v, time, self.h)
         push(s.H[:n], after[:n] - v[:n], change)
         before = self._invariants()

@@ -6,6 +6,7 @@ solution would be a good part of that.
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,16 +14,25 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.solve.linear import SingularMatrixError
+from fem_lie.solve.equilibrated import (
+    ACCURATE,
+    Equilibrated,
+    InaccurateSolutionError,
+    SingularMatrixError,
+)
+
+_log = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from fem_lie.kkt import KKT
 
 
 class Factors(NamedTuple):
-    """``Aᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
+    """``(A_left A A_right)ᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
 
     Attributes:
+        left: Diagonal of ``A_left``, by which the equations are equilibrated, shape (n,); likewise
+            ``right``.
         row: Permutation ``Pᵣ``, shape (n,).
         column: Permutation ``P_c``.
         diagonal: Inverse of that of ``U``.
@@ -30,6 +40,8 @@ class Factors(NamedTuple):
         upper: The same of ``U``.
     """
 
+    left: Array
+    right: Array
     row: Indices
     column: Indices
     diagonal: Array
@@ -41,23 +53,35 @@ def factorise(kkt: KKT) -> Factors:
     """Factors of the matrix as it is now.
 
     Raises:
-        SingularMatrixError: It has none.
+        SingularMatrixError: It has none, or none that solve with it.
     """
-    values, columns, pointers = kkt.csr
-    size = len(pointers) - 1
-    if not np.isfinite(values).all():
-        raise SingularMatrixError("the matrix is not finite")
-    transposed = sp.csc_matrix((values, columns, pointers), shape=(size, size))
-    try:
-        lu = spla.splu(transposed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
-    except RuntimeError as error:
-        raise SingularMatrixError("the matrix is singular") from error
+    own = Equilibrated(kkt)
+    own.take()
+    n = len(own.left)
+    transposed = sp.csc_matrix(own.csr, shape=(n, n))
+    known = np.ones(n)
+    b, (y, x, r) = transposed.T @ known, np.empty((3, n))
+    for pivoting in ({"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.01}, {}):
+        try:
+            lu = spla.splu(transposed, **pivoting)
+        except RuntimeError as error:
+            raise SingularMatrixError("the matrix is singular") from error
+        factors = _unpacked(lu, own)
+        solve(tuple(factors), b / own.left, y, x)
+        error = own.backward_error(b, x / own.right, r)
+        if error <= ACCURATE:
+            return factors
+        _log.info("SuperLU: residual %.1e", error)
+    raise InaccurateSolutionError(f"the matrix is nearly singular: a residual of {error:.1e}")
+
+
+def _unpacked(lu: spla.SuperLU, own: Equilibrated) -> Factors:
     L, U = lu.L, lu.U
-    diagonal: Array = np.ones(size)
+    diagonal: Array = np.ones(len(own.left))
     lower = _strict(L.data, L.indices, L.indptr, diagonal)
     upper = _strict(U.data, U.indices, U.indptr, diagonal)
     row, column = lu.perm_r.astype(np.int64), lu.perm_c.astype(np.int64)
-    return Factors(row, column, np.reciprocal(diagonal), lower, upper)
+    return Factors(own.left, own.right, row, column, np.reciprocal(diagonal), lower, upper)
 
 
 @compiled
@@ -82,11 +106,11 @@ def _strict(  # type: ignore[no-untyped-def]
 @compiled
 def solve(factors: tuple[Any, ...], b: Array, y: Array, x: Array) -> None:
     """``x = A⁻¹ b``; ``y`` is work, all of shape (n,)."""
-    row, column, diagonal, lower, upper = factors
+    left, right, row, column, diagonal, lower, upper = factors
     values, indices, pointers = upper
     n = b.shape[0]
     for j in range(n):
-        y[column[j]] = b[j]
+        y[column[j]] = left[j] * b[j]
     for j in range(n):
         total = y[j]
         for k in range(pointers[j], pointers[j + 1]):
@@ -99,4 +123,4 @@ def solve(factors: tuple[Any, ...], b: Array, y: Array, x: Array) -> None:
             total -= values[k] * y[indices[k]]
         y[j] = total
     for j in range(n):
-        x[j] = y[row[j]]
+        x[j] = right[j] * y[row[j]]

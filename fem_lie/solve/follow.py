@@ -135,7 +135,7 @@ class SceneEquilibrium:
         self._scale = np.ones(system.m)
         system.set_time(1.0, 1.0)
         self._loads = system.loads
-        self._solver = DirectSolver(system.kkt.matrix, prefix, methods(system))
+        self._solver = DirectSolver(system.kkt, prefix, methods(system))
         system.elastic.reset_stress(self._H)
         self._internal, self._load = np.empty(system.size), np.zeros(system.size)
         self._forces_known = False

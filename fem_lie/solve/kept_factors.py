@@ -27,16 +27,6 @@ REACH = 2.1
 """Largest ratio of two ``m`` for which a stiff scene's matrix serves the other step."""
 
 
-class _Factors(DirectSolver):
-    """A factorisation that stays when the matrix changes."""
-
-    def factorise(self) -> None:
-        for ksp in self._solvers.values():
-            ksp.getPC().setReusePreconditioner(False)
-        super().factorise()
-        self._ksp.getPC().setReusePreconditioner(True)
-
-
 @dataclass(eq=False)
 class _Slot(Generic[Kept]):
     kept: Kept
@@ -121,9 +111,9 @@ class KeptFactors(DirectSolver):
             like: A solver for the same matrix.
             rigid: Whether no body of the scene is elastic.
         """
-        self._args = like._matrix, like._prefix, like._methods
+        self._args = like._kkt, like._prefix, like._methods
         super().__init__(*self._args)
-        self.levels = Levels[_Factors](rigid=rigid)
+        self.levels = Levels[DirectSolver](rigid=rigid)
 
     @property
     def usable(self) -> bool:
@@ -136,7 +126,7 @@ class KeptFactors(DirectSolver):
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
-        solver = self.levels.make_room() or _Factors(*self._args)
+        solver = self.levels.make_room() or DirectSolver(*self._args)
         solver.factorise()
         self.factorisations += 1
         self.levels.keep(solver, scale)
@@ -148,6 +138,11 @@ class KeptFactors(DirectSolver):
         solver.right_hand_side[:] = self.right_hand_side
         solver.solve()
         self.solution[:] = solver.solution
+
+    def times(self, x: Array) -> Array:
+        """The matrix that is in use times ``x``."""
+        assert self.levels.present is not None
+        return self.levels.present.times(x)
 
 
 def _near(a: float, b: float) -> bool:

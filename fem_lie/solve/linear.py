@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,9 +13,19 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie.solve.equilibrated import (
+    ACCURATE,
+    Equilibrated,
+    InaccurateSolutionError,
+    SingularMatrixError,
+)
+
 if TYPE_CHECKING:
+    from fem_lie.idle_multipliers import IdleMultipliers
     from fem_lie.kkt import KKT
     from fem_lie.system import System
+
+_log = logging.getLogger(__name__)
 
 
 class ConvergenceError(RuntimeError):
@@ -28,10 +39,6 @@ class ConvergenceError(RuntimeError):
         """Keep the results with the message."""
         super().__init__(message)
         self.result = result
-
-
-class SingularMatrixError(ArithmeticError):
-    """The matrix has no factorisation."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,9 @@ INDEFINITE = SYMMETRIC[1:]
 MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
 """For surfaces and trusses in time: umfpack solves twice as fast as mumps. The factors of klu grow
 faster than a truss whose bars are joined: from 2 to 8 cells of 28 bars 32 times as slow."""
+
+RESCUES = (Method("lu", "mumps"), Method("lu", "superlu"))
+"""What comes after the methods of a scene where their solutions are not accurate."""
 
 NEGATIVE = 12
 """MUMPS' INFOG of the number of negative pivots."""
@@ -110,6 +120,10 @@ def methods_on_paths(system: System) -> tuple[Method, ...]:
 class DirectSolver:
     """Factorise now, solve many times.
 
+    The matrix is equilibrated with the scene's own length, mass and time, and the first solution
+    with each factorisation is checked: where its residual is not round-off it is refined once, as
+    all with these factors are then, and where that does not help, the next method is tried.
+
     Any other direct solver of PETSc can be chosen at run time with
     ``-<prefix>pc_factor_mat_solver_type``.
 
@@ -118,24 +132,32 @@ class DirectSolver:
         right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
     """
 
-    def __init__(self, matrix: PETSc.Mat, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
+    def __init__(self, kkt: KKT, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
         """Keep the matrix; nothing is factorised yet.
 
         Args:
-            matrix: Square matrix whose values change between factorisations.
+            kkt: Its values change between factorisations.
             prefix: Prefix of the PETSc options.
             methods: What to try, one after the other.
         """
-        self._matrix, self._prefix, self._methods = matrix, prefix, tuple(methods)
+        self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
+        self._own = Equilibrated(kkt)
+        self._matrix = self._own.matrix
         if all(method.kind == "cholesky" for method in methods):
-            matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._solvers: dict[Method, PETSc.KSP] = {}
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
-        size = matrix.getSize()[0]
+        self._idle: IdleMultipliers | None = None
+        self._checked = self._refines = False
+        size = len(kkt.units)
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
-        self._b = PETSc.Vec().createWithArray(self.right_hand_side, comm=matrix.comm)
-        self._x = PETSc.Vec().createWithArray(self.solution, comm=matrix.comm)
+        self._scaled, self._found, self._left = np.zeros((3, size))
+        self._b, self._x, self._r = (
+            PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF)
+            for array in (self._scaled, self._found, self._left)
+        )
+        self._change = self._matrix.createVecRight()
 
     def factorise(self) -> None:
         """Factorise the matrix as it is now.
@@ -144,8 +166,14 @@ class DirectSolver:
             SingularMatrixError: It cannot be factorised.
         """
         # packages that met what is not finite fail on all that comes after
-        if not np.isfinite(self._matrix.norm()):
-            raise SingularMatrixError("the matrix is not finite")
+        self._own.take()
+        self._idle = self._kkt.idle
+        self._set_up()
+        self.factorisations += 1
+
+    def _set_up(self) -> None:
+        """Factorise by the first method that can."""
+        self._checked = self._refines = False
         for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
@@ -156,7 +184,6 @@ class DirectSolver:
                 del self._solvers[method]
                 failure = error
                 continue
-            self.factorisations += 1
             # what was indefinite once will be so again, and each failure costs a factorisation
             self._methods = self._methods[tried:]
             return
@@ -195,12 +222,57 @@ class DirectSolver:
         return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The matrix times ``x``."""
-        given, product = (self._matrix.createVecRight() for _ in range(2))
-        given.array[:] = x
+        """The matrix that was factorised times ``x``."""
+        given, product = self._matrix.createVecs()
+        given.array[:] = x / self._own.right
         self._matrix.mult(given, product)
-        return np.array(product.array, dtype=np.float64)
+        return np.asarray(product.array / self._own.left, dtype=np.float64)
 
     def solve(self) -> None:
-        """Solve with the last factorisation."""
+        """Solve with the last factorisation.
+
+        Raises:
+            InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
+        """
+        np.multiply(self.right_hand_side, self._own.left, out=self._scaled)
         self._ksp.solve(self._b, self._x)
+        if self._refines:
+            self._refine()
+        elif not self._checked:
+            self._check()
+        np.multiply(self._found, self._own.right, out=self.solution)
+        if self._idle is not None:
+            first = self.solution.size - len(self._kkt.measure)
+            self.solution[first:] = self._idle.remove(self.solution[first:])
+
+    def _check(self) -> None:
+        """Make sure that what was found is a solution."""
+        error = self._error()
+        if error > ACCURATE:
+            self._refine()
+            error = self._error()
+            self._refines = True
+        given = self._methods[1:]
+        others = iter((*given, *(method for method in RESCUES if method not in self._methods)))
+        while error > ACCURATE:
+            _log.info("%s: residual %.1e", self._methods[0].package, error)
+            method = next(others, None)
+            if method is None:
+                raise InaccurateSolutionError(
+                    f"no solver could solve with the matrix: the residual is {error:.1e} of what "
+                    "cancels in it; the constraints or the stiffness may be nearly singular here"
+                )
+            self._methods = (method,)
+            self._set_up()
+            self._ksp.solve(self._b, self._x)
+            error = self._error()
+        self._checked = True
+
+    def _error(self) -> float:
+        return self._own.backward_error(self._scaled, self._found, self._left)
+
+    def _refine(self) -> None:
+        """Solve for the residual, once."""
+        self._error()
+        self._ksp.solve(self._r, self._change)
+        self._found += self._change.array

@@ -6,7 +6,8 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._jit import Array
-from fem_lie.solve.linear import DirectSolver, SingularMatrixError
+from fem_lie.solve.equilibrated import InaccurateSolutionError, SingularMatrixError
+from fem_lie.solve.linear import DirectSolver
 from fem_lie.solve.scheme import Scheme
 from fem_lie.solve.steps import State, extrapolate
 from fem_lie.system import System
@@ -100,6 +101,7 @@ def accelerations(
 
     Raises:
         ValueError: The mass matrix is singular.
+        InaccurateSolutionError: No solver could solve the equations.
     """
     n, m = system.count, system.m
     v, driven = with_driven(system, v, time, step)
@@ -116,20 +118,23 @@ def accelerations(
     _, second = system.connections.rates(H, v)
     drive, _ = system.connections.rates(H, rate)
     r[6 * n :] = second + drive - system.connections.target_rates(time, step)[1]
-    _fill(system, H, step)
+    scale = _fill(system, H, step)
+    r[6 * n :] *= scale
     try:
         solver.factorise()
+        solver.solve()
+    except InaccurateSolutionError:
+        raise
     except SingularMatrixError as error:
         raise ValueError(
             "the mass matrix is singular: a body or section lacks (rotary) inertia"
         ) from error
-    solver.solve()
     system.supports.turn_back(H, solver.solution[: 6 * n].reshape(n, 6))
-    return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -solver.solution[6 * n :]
+    return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -scale * solver.solution[6 * n :]
 
 
-def _fill(system: System, H: Array, step: float) -> None:
-    """``M + h² K/4`` bordered by the unscaled constraints, into the KKT.
+def _fill(system: System, H: Array, step: float) -> Array:
+    """``M + h² K/4`` bordered by the constraints, into the KKT; returns their scale, (m,).
 
     Modes that the step does not resolve would start with accelerations that mean nothing to it.
     """
@@ -140,7 +145,10 @@ def _fill(system: System, H: Array, step: float) -> None:
     tangent.add_springs(H)
     tangent.add_dampers(H, 0.5 * step)
     tangent.add_mass(H, system.kinds)
-    tangent.fill(tangent.A + 0.25 * step**2 * tangent.K, H, np.ones(system.m))
+    tangent.A += 0.25 * step**2 * tangent.K
+    scale = tangent.constraint_scale(H)
+    tangent.fill(tangent.A, H, scale)
+    return scale
 
 
 def set_start(
@@ -212,7 +220,7 @@ def allowed_velocities(
     solver.right_hand_side[: 6 * n] = 0.0
     solver.right_hand_side[6 * n :] = constraint_rates(system, H, v)
     solver.right_hand_side[6 * n :] -= system.connections.target_rates(time, step)[0]
-    _fill(system, H, step)
+    solver.right_hand_side[6 * n :] *= _fill(system, H, step)
     solver.factorise()
     solver.solve()
     v[:n] -= solver.solution[: 6 * n].reshape(n, 6)
@@ -252,7 +260,7 @@ def velocity_defect(
     solver.right_hand_side[6 * n :] = system.tangent.jacobian(s.H) @ left.ravel()
     # what binds velocities asks for nothing
     solver.right_hand_side[solver.right_hand_side.size - system.connections.of_velocities :] = 0.0
-    _fill(system, s.H, h)
+    solver.right_hand_side[6 * n :] *= _fill(system, s.H, h)
     solver.factorise()
     solver.solve()
     across = solver.solution[: 6 * n].reshape(n, 6).copy()

@@ -160,7 +160,7 @@ class LoadSteps:
         self.multipliers: Array = np.zeros(system.m)
         self._zero = np.zeros((system.count, 6))
         self._scale = np.ones(system.m)
-        self._solver = DirectSolver(system.kkt.matrix, prefix, methods_for(system))
+        self._solver = DirectSolver(system.kkt, prefix, methods_for(system))
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0

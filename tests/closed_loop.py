@@ -1,0 +1,55 @@
+"""A closed loop of a plate, beams and a rigid body on the ground, in any system of units."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import fem_lie as fl
+from tests.unit_systems import METRES, UnitSystem
+
+
+def closed_loop(
+    u: UnitSystem = METRES,
+    *,
+    gravity: float = 9.81,
+    parameters: fl.Parameters = fl.Parameters.AUTOMATIC,
+) -> fl.Scene:
+    """Ground, beam, plate, beam, rigid body, ground: a hinge about y, and spherical joints.
+
+    All of steel; the plate is 0.4 by 0.2 by 0.01. With six parameters it is hinged to a beam.
+    """
+    steel = fl.Material(u.stress(2e11), 0.3, u.density(7800.0))
+    section = fl.Section.rectangle(u.length(0.02), u.length(0.02), steel)
+    scene = fl.Scene(gravity=u.acceleration([0.0, 0.0, -gravity]))
+    low, high = u.length([0, 0.1, 0]), u.length([0.1, 0.1, 0.5])
+    far, foot = u.length([0.5, 0.1, 0.5]), u.length([0.6, 0.1, 0.1])
+    left = scene.add(fl.Beam.straight(low, high, section, cells=2, name="left"))
+    plate = scene.add(
+        fl.Shell(
+            fl.surface(lambda a, b: u.length([0.1 + 0.4 * a, 0.2 * b, 0.5]), (4, 2)),
+            fl.ShellSection.layer(u.length(0.01), steel),
+            parameters=parameters,
+            name="plate",
+        )
+    )
+    right = scene.add(fl.Beam.straight(far, foot, section, cells=2, name="right"))
+    block = scene.add(
+        fl.RigidBody(
+            u.mass(3.0), u.inertia([0.02, 0.03, 0.04]), u.length([0.6, 0.1, 0.0]), name="block"
+        )
+    )
+    scene.add(fl.Revolute(fl.ground(), left.start, axis=(0, 1, 0), name="root"))
+    scene.add(fl.Spherical(left.end, nearest(plate, high), name="near"))
+    corner = nearest(plate, far)
+    if parameters == fl.Parameters.SIX:
+        scene.add(fl.Revolute(corner, right.start, axis=(0, 1, 0), name="far"))
+    else:
+        scene.add(fl.Spherical(corner, right.start, name="far"))
+    scene.add(fl.Spherical(right.end, block.centre, at=foot, name="foot"))
+    scene.add(fl.Spherical(block.centre, fl.ground(), at=u.length([0.7, 0.1, -0.1]), name="ground"))
+    return scene
+
+
+def nearest(body: fl.Shell, place: np.ndarray) -> fl.Point:
+    """The node of a body that is nearest to a place."""
+    return body.node(int(np.linalg.norm(body.frames[:, 0] - place, axis=1).argmin()))
