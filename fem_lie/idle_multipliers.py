@@ -23,25 +23,29 @@ _PASSES = 2  # round-off over IDLE is what the first leaves
 class IdleMultipliers:
     """Takes the idle part out of multipliers."""
 
-    def __init__(self, B: sp.csr_matrix, length: float, measure: Array) -> None:
+    def __init__(self, scaled: sp.csr_matrix, measure: Array) -> None:
         """Factorise.
 
         Args:
-            B: Jacobian of all constraints in the twists of nodes, shape (m, 6 n).
-            length: Of the model: what a rotation counts.
+            scaled: Jacobian of all constraints over ``measure``, in unknowns of one dimension;
+                shape (m, n).
             measure: What counts of each multiplier is its value times this, shape (m,): the part
                 that is taken out is at right angles to the rest in that.
         """
         self._measure = measure
-        columns = np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6)
-        scaled = sp.diags(1.0 / measure) @ B @ sp.diags(columns)
         gram = scaled @ scaled.T
         self._bound = IDLE * max(float(gram.diagonal().max(initial=0.0)), np.finfo(float).tiny)
-        shifted = (gram + self._bound * sp.identity(B.shape[0])).tocsc()
+        shifted = (gram + self._bound * sp.identity(len(measure))).tocsc()
         options = {"SymmetricMode": True}
         self._factors = scipy.sparse.linalg.splu(
             shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
         )
+
+    @classmethod
+    def of(cls, B: sp.csr_matrix, length: float, measure: Array) -> IdleMultipliers:
+        """From the Jacobian in the twists of nodes, (m, 6 n), of a model of this ``length``."""
+        columns = np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6)
+        return cls(sp.diags(1.0 / measure) @ B @ sp.diags(columns), measure)
 
     def remove(self, multipliers: Array) -> Array:
         """The smallest multipliers that exert the same forces, shape (m,)."""

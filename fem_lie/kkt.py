@@ -22,7 +22,6 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.idle_multipliers import IdleMultipliers
 
 if TYPE_CHECKING:
     from fem_lie.tables import Border
@@ -93,8 +92,7 @@ class KKT:
         units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
         unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
         measure: What counts of each multiplier is its value times this, shape (m,).
-        idle: Multipliers that exert no force together in the present matrix, where constraints may
-            be redundant.
+        redundant: Whether constraints may follow from others.
     """
 
     def __init__(
@@ -119,14 +117,13 @@ class KKT:
             redundant: Whether constraints may follow from others; they yield a little then, see
                 :data:`SOFTNESS`.
         """
-        self._redundant, self._length = redundant, length
+        self.redundant = redundant
         count, m = len(held), len(border.ptr) - 1
         unit = 2.0 ** np.round(np.log2(length))
         nodes = np.where(held, 1.0, [unit] * 3 + [1.0] * 3)
         self.units = np.append(nodes, np.where(angular, 1.0, unit))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
-        self.idle: IdleMultipliers | None = None
         self.legs, self._held = border, held
         diagonal = np.arange(count)
         r = np.concatenate([diagonal, *(p[0] for p in pairs)])
@@ -172,7 +169,7 @@ class KKT:
         for constraint in range(m):
             nodes = border.nodes[border.ptr[constraint] : border.ptr[constraint + 1]]
             row = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
-            columns.append(np.append(row, 6 * count + constraint) if self._redundant else row)
+            columns.append(np.append(row, 6 * count + constraint) if self.redundant else row)
             lengths.append(len(columns[-1]))
         self._row_pointers = np.concatenate([[0], np.cumsum(lengths)]).astype(PETSc.IntType)
         self._columns = np.concatenate(columns).astype(PETSc.IntType)
@@ -198,7 +195,7 @@ class KKT:
         """
         _clear_held(columns, self.legs.nodes, self._held)
         _clear_held(rows, self.legs.nodes, self._held)
-        softness = self._soften(blocks, columns, scale) if self._redundant else np.empty(0)
+        softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
         _fill(
             self.indptr,
             self.indices,
@@ -223,10 +220,6 @@ class KKT:
         softness stands: the round-off of the constraints over it would move them for ever.
         """
         nodes, m = np.arange(len(self._held)), len(scale)
-        B = sp.bsr_matrix(
-            (columns[:, np.newaxis], self.legs.nodes, self.legs.ptr), shape=(m, 6 * len(nodes))
-        ).tocsr()
-        self.idle = IdleMultipliers(B, self._length, self.measure)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
         legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
         legs *= scale[self.legs.rows, np.newaxis]

@@ -342,7 +342,7 @@ class System:
         """See :meth:`~fem_lie.connections.Connections.report`."""
         if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
             B = self.tangent.jacobian(H)
-            weights = IdleMultipliers(B, self.length, self.kkt.measure).remove(weights)
+            weights = IdleMultipliers.of(B, self.length, self.kkt.measure).remove(weights)
         return self.connections.report(H, v, weights)
 
     @property

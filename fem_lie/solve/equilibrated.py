@@ -13,8 +13,10 @@ from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices, compiled
+from fem_lie.idle_multipliers import IdleMultipliers
 
 if TYPE_CHECKING:
     from fem_lie.kkt import KKT
@@ -131,3 +133,13 @@ class Equilibrated:
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
         """Of the solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""
         return float(_backward_error(*self.csr, b, x, r))
+
+    def idle(self) -> IdleMultipliers | None:
+        """What exerts no force together in this matrix, if its constraints may be redundant."""
+        if not self._kkt.redundant:
+            return None
+        n, m = len(self.left), len(self._kkt.measure)
+        B = sp.csr_matrix(self.csr, shape=(n, n))[: n - m, n - m :].T.tocsr()
+        size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        size[size == 0.0] = 1.0
+        return IdleMultipliers(sp.diags(1.0 / size) @ B, size)

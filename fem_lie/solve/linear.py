@@ -167,7 +167,7 @@ class DirectSolver:
         """
         # packages that met what is not finite fail on all that comes after
         self._own.take()
-        self._idle = self._kkt.idle
+        self._idle = self._own.idle()
         self._set_up()
         self.factorisations += 1
 
@@ -240,10 +240,10 @@ class DirectSolver:
             self._refine()
         elif not self._checked:
             self._check()
-        np.multiply(self._found, self._own.right, out=self.solution)
         if self._idle is not None:
-            first = self.solution.size - len(self._kkt.measure)
-            self.solution[first:] = self._idle.remove(self.solution[first:])
+            multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
+            multipliers[:] = self._idle.remove(multipliers)
+        np.multiply(self._found, self._own.right, out=self.solution)
 
     def _check(self) -> None:
         """Make sure that what was found is a solution."""
