@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from fem_lie._jit import Array, Indices
+from fem_lie._jit import Indices
 from fem_lie.connections import Connections
 
 _NOTHING = 1e-10  # of a row whose entries would be of order 1, or over the length

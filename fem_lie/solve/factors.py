@@ -68,11 +68,11 @@ def factorise(kkt: KKT) -> Factors:
             raise SingularMatrixError("the matrix is singular") from error
         factors = _unpacked(lu, own)
         solve(tuple(factors), b / own.left, y, x)
-        error = own.backward_error(b, x / own.right, r)
-        if error <= ACCURATE:
+        left = own.backward_error(b, x / own.right, r)
+        if left <= ACCURATE:
             return factors
-        _log.info("SuperLU: residual %.1e", error)
-    raise InaccurateSolutionError(f"the matrix is nearly singular: a residual of {error:.1e}")
+        _log.info("SuperLU: residual %.1e", left)
+    raise InaccurateSolutionError(f"the matrix is nearly singular: a residual of {left:.1e}")
 
 
 def _unpacked(lu: spla.SuperLU, own: Equilibrated) -> Factors:
