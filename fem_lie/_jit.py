@@ -70,7 +70,7 @@ def inlined_series(function: F) -> F:
     return _njit(function, forceinline=True, fastmath={"contract"})
 
 
-class Compiling(event.Listener):  # type: ignore[misc]
+class Compiling(event.Listener):
     """Says once in a process that machine code of this package is made.
 
     Attributes:
@@ -130,7 +130,7 @@ def _njit(function: F, **options: Any) -> F:
     return dispatcher
 
 
-class _CalledFromPython(CPUDispatcher):  # type: ignore[misc]
+class _CalledFromPython(CPUDispatcher):
     """A compiled function; others that are compiled call another copy of it.
 
     What takes arguments from Python is more code than most functions are: a record of fifty arrays
