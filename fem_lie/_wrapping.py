@@ -27,6 +27,7 @@ class CompiledForm:
         coefficients: Functions in the order in which FFCx's function wants them packed.
         constants: Constants in that order.
         address: Of FFCx's function; 0 if the form is zero, as second derivatives may be.
+        signature: The same for the same form, in any process.
     """
 
     def __init__(self, form: ufl.Form) -> None:
@@ -44,6 +45,7 @@ class CompiledForm:
         positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
         self.coefficients = [given[i] for i in positions]
         self.constants = list(form.constants())
+        self.signature = self._form.module.ffi.string(data.signature).decode()
         self.address = 0
         self.cells: npt.NDArray[np.int32] = np.empty(0, dtype=np.int32)
         if count == 1:

@@ -171,6 +171,11 @@ class Assembly:
         return self._forms
 
     @property
+    def contents(self) -> tuple[str, list[Array], list[Array]]:
+        """What its energy is, see :attr:`~fem_lie.kernel.LocalFrameForms.contents`."""
+        return self._forms.contents
+
+    @property
     def cells(self) -> npt.NDArray[np.int32]:
         """Nodes of each cell, shape (m, k)."""
         return self._residual.cells

@@ -34,6 +34,7 @@ from ufl.core.expr import Expr
 from ufl.variable import Variable
 
 from fem_lie import _compat, ufcx
+from fem_lie._jit import Array
 from fem_lie._wrapping import CompiledForm, Wrapping, packed_size
 from fem_lie.ufcx import MAP_SIGNATURE, FrameMap, frame_function, stack
 
@@ -278,9 +279,21 @@ class LocalFrameForms:
         extra: Sequence[fem.Function] = (),
     ) -> None:
         V, form = self.increment.function_space, self._wrapping.form
+        self._stored = energy
         self.energy = form(ufcx.energy_kernel, [], [energy])
         self.residual = form(ufcx.residual_kernel, [V], residual, extra)
         self.tangent = form(ufcx.tangent_kernel, [V, V], tangent)
+
+    @property
+    def contents(self) -> tuple[str, list[Array], list[Array]]:
+        """What the energy is: its signature, the constants, and the coefficients as they are now.
+
+        They are the same in any process; what the state of the nodes decides is not among them.
+        """
+        own = self._wrapping.state, self._wrapping.coordinates, self.local
+        given = [f for f in self._stored.coefficients if not any(f is other for other in own)]
+        values = [np.asarray(c.value, dtype=np.float64) for c in self._stored.constants]
+        return self._stored.signature, values, [f.x.array.copy() for f in given]
 
     @property
     def local_change(self) -> fem.Form:

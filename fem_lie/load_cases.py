@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from fem_lie import lie
@@ -151,6 +153,13 @@ class LoadCases:
     def constant(self) -> Array:
         """Forces on (x, d₁, d₂, d₃) fixed in space that have no history, (n, 4, 3)."""
         return self._cases[0].dead
+
+    @property
+    def contents(self) -> tuple[Any, ...]:
+        """All that forces are made of, but for the histories."""
+        cases = [case.arrays() for case in self._cases]
+        pressures = [pressure.contents for pressure in self.pressures]
+        return cases, self._strains, self._case_of_pressure, pressures
 
     def _set_strains(self, amplitude: Array) -> None:
         for number in dict.fromkeys(number for _, number, _ in self._strains):

@@ -100,6 +100,11 @@ class Pressure:
         return self._pairs
 
     @property
+    def contents(self) -> tuple[Array | Indices, ...]:
+        """All that the forces are made of."""
+        return self._pairs, self._across
+
+    @property
     def across(self) -> Array:
         """``w`` of all pieces times the amplitude, shape (s, 3)."""
         return np.tile(self.amplitude * self._across, (len(self._pairs), 1))

@@ -122,6 +122,11 @@ class SurfacePushes:
         self.columns: Indices = np.tile(cells, (1, count)).ravel()
         self._blocks = np.empty((len(cells), count, count, 6, 6))
 
+    @property
+    def contents(self) -> tuple[Array | Indices, ...]:
+        """All that the forces are made of."""
+        return self._faces
+
     def add_forces(self, H: Array, out: Array) -> None:
         """Subtract the forces at frames ``H`` from ``out``, shape (n, 6)."""
         _add_forces(H, *self._faces, self.amplitude, out)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from typing import Any
 
 from mpi4py import MPI
 
@@ -182,6 +183,11 @@ class System:
     def pressures(self) -> Sequence[Pressure | SurfacePushes]:
         """The forces of each pressure."""
         return self._loads.pressures
+
+    @property
+    def load_contents(self) -> tuple[Any, ...]:
+        """See :attr:`~fem_lie.load_cases.LoadCases.contents`."""
+        return self._loads.contents
 
     @property
     def mass_damping(self) -> Inertia | None:

@@ -297,9 +297,11 @@ def test_every_policy_gives_the_same_motion():
 class Own(fl.Policy):
     """A policy that cannot be a rule of a compiled loop."""
 
-    def fresh(self) -> fl.Policy:
-        return Own()
+    def begin(self, bound: bool) -> fl.Decisions:
+        return InTheThird()
 
+
+class InTheThird(fl.Decisions):
     def before_iteration(self, iteration: int) -> bool:
         return iteration == 3
 

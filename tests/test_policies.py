@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.linear import CHAINS, MOTION, methods_in_time
-from fem_lie.solve.policies import Update
+from fem_lie.solve.policies import AutomaticDecisions, Update
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.staleness import staleness
 from fem_lie.system import System
@@ -18,8 +18,8 @@ MATERIAL = fl.Material(7e10, 0.3, 2700.0)
 
 
 def asked(policy: fl.Policy, iterations: int, *, bound: bool = True) -> list[Update | bool]:
-    policy.bound = bound
-    return [policy.before_iteration(k) for k in range(1, iterations + 1)]
+    decisions = policy.begin(bound)
+    return [decisions.before_iteration(k) for k in range(1, iterations + 1)]
 
 
 def test_a_limit_refreshes_the_constraints_first():
@@ -30,8 +30,7 @@ def test_a_limit_refreshes_the_constraints_first():
 
 
 def test_automatic_refreshes_the_constraints_until_that_no_longer_helps():
-    policy = fl.Automatic(cost=6, refresh=4, patience=20)
-    policy.bound = True
+    policy = fl.Automatic(cost=6, refresh=4, patience=20).begin(bound=True)
     seen = []
     for iterations in (2, 3, 4, 5, 3, 5, 5, 3, 3, 3, 3, 3, 3, 3):
         seen.append(policy.before_iteration(1))
@@ -39,8 +38,7 @@ def test_automatic_refreshes_the_constraints_until_that_no_longer_helps():
     # 2 more than the best of 2, then 1 after a refreshment: lost until the seventh of these
     assert seen.index(CONSTRAINTS) == 4
     assert ALL in seen[5:] and seen.count(ALL) == 1
-    policy = fl.Automatic(cost=6, refresh=4)
-    assert not policy.bound and policy.before_iteration(1) is NONE
+    assert fl.Automatic(cost=6, refresh=4).begin(bound=False).before_iteration(1) is NONE
 
 
 def arm(index: fl.Index = fl.Index.THREE, policy: fl.Policy | None = None, step: float = 1e-3):
@@ -114,9 +112,11 @@ def test_stabilised_velocities_keep_momenta():
 class Deaf(fl.Automatic):
     """As without asking: all is made anew when new constraints no longer bring back the best."""
 
-    def fresh(self) -> fl.Policy:
-        return Deaf(self.cost, self.patience, self.refresh)
+    def begin(self, bound: bool) -> fl.Decisions:
+        return DeafDecisions(self, bound)
 
+
+class DeafDecisions(AutomaticDecisions):
     asks = False
 
 

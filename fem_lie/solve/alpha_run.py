@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError, methods_in_time
 from fem_lie.solve.options import Components, Index
-from fem_lie.solve.policies import EveryIteration, Policy, Update
+from fem_lie.solve.policies import Decisions, EveryIteration, Update
 from fem_lie.solve.projection import project
 from fem_lie.solve.recorder import Recorder
 from fem_lie.solve.scheme import (
@@ -57,6 +57,9 @@ class Run(Integration[Recorder]):
         books: What loads, drives and supports have done.
     """
 
+    _refreshes: ClassVar[bool] = True
+    """Whether the border of the kept matrix may be made anew by itself."""
+
     def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
         """Allocate everything; nothing is computed yet.
 
@@ -65,10 +68,9 @@ class Run(Integration[Recorder]):
             system: The equations.
             step: Step size.
         """
-        super().__init__(options.policy, system, step)
+        super().__init__(options.policy, system, step, bound=self._refreshes and system.m > 0)
         self.options, self.p = options, parameters(options.radius, step, system.length)
         system.velocity_factor = 1.0 / self.p.damping
-        self.policy.bound = system.m > 0
         self.s = State.start(system.frames, system.kinds)
         self._projects = options.index == Index.STABILISED_TWO and system.m > 0
         self._turned = options.components == Components.INERTIAL
@@ -163,7 +165,6 @@ class Run(Integration[Recorder]):
         kept = {"H": self.s.H, "H1": self.s.H1, "motion": self.s.motion, "weights": self.weights}
         kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
         kept |= {"blocks": self.system.tangent.A, "counts": np.array(counts)}
-        kept |= {f"policy.{name}": np.array(x) for name, x in vars(self.policy).items()}
         return super().memory() | self.books.memory() | kept
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -176,8 +177,6 @@ class Run(Integration[Recorder]):
         self._index, self._born = (int(x) for x in kept["numbers"][2:])
         if system.time_dependent:
             system.set_time(self._index * self.h)
-        for name, value in vars(self.policy).items():
-            setattr(self.policy, name, type(value)(kept[f"policy.{name}"]))
         system.tangent.A[:] = kept["blocks"]
         super().restore(kept)
         system.kkt.matrix.stateIncrease()
@@ -197,26 +196,26 @@ class Run(Integration[Recorder]):
         and with the stress as an iterate.
         """
         weights = self.weights.copy()
-        count = self._iterate(self.policy, carried=False)
-        if count == 0 and self.policy.rescue:
+        count = self._iterate(self.decisions, carried=False)
+        if count == 0 and self.options.policy.rescue:
             in_vain = self._made
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
             self.system.elastic.reset_stress(self.s.H)
-            count = self._iterate(EveryIteration(), carried=True)
+            count = self._iterate(EveryIteration().begin(bound=False), carried=True)
             count += in_vain if count else 0
         return count
 
-    def _iterate(self, policy: Policy, *, carried: bool) -> int:
+    def _iterate(self, decisions: Decisions, *, carried: bool) -> int:
         """Predict, and correct until it converges; returns the iterations, 0 on failure."""
         try:
-            return self._newton(policy, carried)
+            return self._newton(decisions, carried)
         except SingularMatrixError:
             self._increment = np.inf
             return 0
 
-    def _newton(self, policy: Policy, carried: bool) -> int:
+    def _newton(self, decisions: Decisions, carried: bool) -> int:
         system, s = self.system, self.s
         self._motion = max(predict(*self._plain), self._motion)
         tolerance = self._tolerance()
@@ -226,7 +225,7 @@ class Run(Integration[Recorder]):
             if not carried:
                 system.elastic.settle(s.H1)
             system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
-            update = policy.before_iteration(iteration)
+            update = decisions.before_iteration(iteration)
             if self.solver.factorisations == 0 or update == Update.ALL or update is True:
                 self._factorise(None if carried else s.H1)
             elif update == Update.CONSTRAINTS:
@@ -241,9 +240,9 @@ class Run(Integration[Recorder]):
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
-                policy.after_step(iteration)
-                if policy.asks and not self._turned:
-                    policy.answer(iteration, ratio, self._staleness())
+                decisions.after_step(iteration)
+                if decisions.asks and not self._turned:
+                    decisions.answer(iteration, ratio, self._staleness())
                 if self._projects:
                     project(system, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)

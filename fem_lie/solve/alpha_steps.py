@@ -81,6 +81,9 @@ class _Saved(NamedTuple):
 class AlphaSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
+    # factors are kept whole
+    _refreshes = False
+
     def __init__(self, options: GeneralisedAlpha, system: System, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""
         super().__init__(options, system, control.size)
@@ -89,7 +92,7 @@ class AlphaSteps(Run):
         self.factors = KeptFactors(self._starter, rigid=not system.numbering.assemblies)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
-        self.policy = OrMissing(self.policy, self.factors)
+        self.decisions = OrMissing(self.decisions, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
         self._error, self._warm = TimeError(system), False
 

@@ -8,27 +8,30 @@ the same to the last bit as if it had never been interrupted.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem_lie import _results_file
 from fem_lie.info import SceneInfo
 from fem_lie.results import Array
-from fem_lie.system import System
+from fem_lie.solve.fingerprint import Fingerprint
 
 
-def fingerprint(system: System, scheme: Any) -> str:
-    """Of what a run is about: scene and options. A checkpoint is of no use to any other."""
-    parts = [system.frames, system.velocities, *system.inertia, *system.table, system.held]
-    options = vars(scheme) | {"policy": (type(scheme.policy), vars(scheme.policy))}
-    digest = hashlib.sha256(f"{type(scheme)} {options}".encode())
-    for part in (*parts, system.conservative):
-        digest.update(np.ascontiguousarray(part).tobytes())
-    return digest.hexdigest()
+class Plan(NamedTuple):
+    """What a run is to do.
+
+    Attributes:
+        steps: Number of steps.
+        step: Step size.
+        save_every: Every so many steps are kept.
+    """
+
+    steps: int
+    step: float
+    save_every: int
 
 
 class Checkpoints:
@@ -38,52 +41,53 @@ class Checkpoints:
         every: Steps between two checkpoints.
         row: Rows of results that belong to the last checkpoint.
         memory: State at the last checkpoint, or empty.
-        plan: Steps, step size and interval of saving.
+        plan: What is to be done.
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], every: int, plan: tuple[int, float, int], mark: str
+        self, path: str | os.PathLike[str], every: int, plan: Plan, fingerprint: Fingerprint
     ) -> None:
         """Start anew.
 
         Args:
             path: File of results.
             every: Steps between two checkpoints.
-            plan: Steps, step size and interval of saving.
-            mark: See :func:`fingerprint`.
+            plan: What is to be done.
+            fingerprint: Of scene and scheme.
 
         Raises:
             ValueError: ``every`` is not positive.
         """
         if every < 1:
             raise ValueError(f"checkpoint_every must be at least 1, got {every}")
-        self._path, self.every, self.plan, self._mark = Path(path), every, plan, mark
+        self._path, self.every, self.plan, self._fingerprint = Path(path), every, plan, fingerprint
         self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
         self._rows = np.zeros(1, dtype=np.int64)
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str], mark: str) -> Checkpoints:
+    def resume(cls, path: str | os.PathLike[str], fingerprint: Fingerprint) -> Checkpoints:
         """Go on from the last checkpoint beside a file of results.
 
         Raises:
             FileNotFoundError: There is no file of results or no checkpoint.
-            ValueError: The checkpoint belongs to another scene or other options.
+            ValueError: The checkpoint belongs to another scene or other options, which are named,
+                or is of another version.
         """
         file = Path(path)
-        beside = _beside(file)
-        for wanted in (file, beside):
-            if not wanted.is_file():
-                raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
-        with np.load(beside, allow_pickle=False) as stored:
+        require_files(file)
+        with np.load(_beside(file), allow_pickle=False) as stored:
             kept = {name: stored[name] for name in stored.files}
-        if str(kept.pop("mark")) != mark:
+        if "fingerprint" not in kept:
+            raise ValueError(f"{str(_beside(file))!r} is not a checkpoint of this version")
+        steps, every_row, every, index = (int(number) for number in kept.pop("plan"))
+        plan = Plan(steps, float(kept.pop("step")), every_row)
+        found = fingerprint.differences(kept.pop("fingerprint"), plan.step, index)
+        if found:
             raise ValueError(
-                f"cannot resume from {str(beside)!r}: it belongs to another scene, or to other "
-                "options of the scheme"
+                f"cannot resume from {str(_beside(file))!r}: it belongs to another scene or to "
+                f"other options of the scheme; what differs: {_listed(found)}"
             )
-        steps, every_row, every = (int(number) for number in kept.pop("plan"))
-        plan = (steps, float(kept.pop("step")), every_row)
-        store = cls(file, every, plan, mark)
+        store = cls(file, every, plan, fingerprint)
         store.row, store.seconds = int(kept.pop("row")), float(kept.pop("seconds"))
         store.memory = kept
         return store
@@ -99,23 +103,25 @@ class Checkpoints:
             found["elastic"][:] = 0.0
         return found
 
-    def write(self, row: int, seconds: float, memory: dict[str, Array]) -> None:
+    def write(self, index: int, row: int, seconds: float, memory: dict[str, Array]) -> None:
         """Replace the checkpoint.
 
         Args:
+            index: Steps made.
             row: Rows of results up to here.
             seconds: Wall time up to here.
             memory: All that the next steps depend on.
         """
         self._rows[0] = row
-        steps, step, every_row = self.plan
+        plan = self.plan
         target = _beside(self._path)
         unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
         own: dict[str, Any] = {
-            "plan": np.array([steps, every_row, self.every]),
-            "step": np.array(step),
+            "plan": np.array([plan.steps, plan.save_every, self.every, index]),
+            "step": np.array(plan.step),
+            "fingerprint": self._fingerprint.packed(plan.step, index),
         }
-        own |= {"row": np.array(row), "seconds": np.array(seconds), "mark": np.array(self._mark)}
+        own |= {"row": np.array(row), "seconds": np.array(seconds)}
         try:
             with unfinished.open("wb") as file:
                 np.savez(file, **(own | memory))
@@ -132,6 +138,22 @@ class Checkpoints:
     def finish(self, numbers: dict[str, float]) -> None:
         """Say in the file what the run took."""
         _results_file.finish(self._path, numbers)
+
+
+_NAMED = 6
+"""Most differences that an error lists."""
+
+
+def _listed(names: list[str]) -> str:
+    others = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {others} others" if others > 0 else "")
+
+
+def require_files(path: Path) -> None:
+    """Raise ``FileNotFoundError`` if there is no file of results, or no checkpoint beside it."""
+    for wanted in (path, _beside(path)):
+        if not wanted.is_file():
+            raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
 
 
 def _beside(path: Path) -> Path:

@@ -166,12 +166,12 @@ class Run(Integration[History]):
             else:
                 code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
             if code == loop.DONE and self.rule is None:
-                self.policy.after_step(int(counters[loop.LAST]))
+                self.decisions.after_step(int(counters[loop.LAST]))
             if code != loop.MATRIX:
                 return code
             iteration = int(counters[loop.ITERATION])
             asked = always or self.rule is not None or self._factors is None
-            if asked or self.policy.before_iteration(iteration):
+            if asked or self.decisions.before_iteration(iteration):
                 try:
                     self._factorise()
                 except SingularMatrixError:

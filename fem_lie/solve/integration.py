@@ -31,18 +31,19 @@ class Integration(ABC, Generic[Kept]):
     Attributes:
         system: The equations.
         h: Step size.
-        policy: When to factorise.
+        decisions: When to factorise.
     """
 
-    def __init__(self, policy: Policy, system: System, step: float) -> None:
+    def __init__(self, policy: Policy, system: System, step: float, *, bound: bool = False) -> None:
         """Nothing is computed yet.
 
         Args:
-            policy: When to factorise; a fresh one is kept.
+            policy: When to factorise.
             system: The equations.
             step: Step size.
+            bound: Whether the constraints may be refreshed by themselves.
         """
-        self.system, self.h, self.policy = system, float(step), policy.fresh()
+        self.system, self.h, self.decisions = system, float(step), policy.begin(bound)
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
         _log.info("%s; matrix: %s", system.describe(), type(policy).__name__)
@@ -96,7 +97,7 @@ class Integration(ABC, Generic[Kept]):
                     raise ConvergenceError(self._failure(history.steps), self._result(history))
                 self._record(history)
                 if history.checkpoint_due(self.index):
-                    history.write_checkpoint(self.memory())
+                    history.write_checkpoint(self.index, self.memory())
         return self._result(history)
 
     def memory(self) -> dict[str, Array]:
@@ -104,12 +105,15 @@ class Integration(ABC, Generic[Kept]):
         system = self.system
         kept = {"matrix": system.kkt.csr[0], "joints": system.connections.memory}
         carried = system.elastic.carried()
-        return kept | {f"carried.{k}": part for k, part in enumerate(carried)}
+        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
+        learned = self.decisions.memory()
+        return kept | {f"policy.{name}": value for name, value in learned.items()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         system = self.system
         system.connections.memory = kept["joints"]
+        self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})
         carried = range(len(system.elastic.carried()))
         system.elastic.restore([kept[f"carried.{k}"] for k in carried])
         system.kkt.csr[0][:] = kept["matrix"]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ import numpy as np
 from fem_lie._wanted import instance, number
 from fem_lie.results import Result
 from fem_lie.scene import Scene, require_scene
-from fem_lie.solve.checkpoints import Checkpoints, fingerprint
+from fem_lie.solve.checkpoints import Checkpoints, Plan, require_files
+from fem_lie.solve.fingerprint import Fingerprint
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.step_control import StepChoice
@@ -72,10 +74,11 @@ class Integrator(ABC):
             if result is not None:
                 return result
         system, store = self._system(scene), None
-        run = self._integration(system, step)
         if file is not None:
             every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
-            store = Checkpoints(file, every, (steps, step, save_every), fingerprint(system, self))
+            plan = Plan(steps, step, save_every)
+            store = Checkpoints(file, every, plan, Fingerprint(system, self))
+        run = self._integration(system, step)
         return run.integrate(run.history(steps, save_every, progress, store))
 
     def resume(
@@ -93,11 +96,13 @@ class Integrator(ABC):
 
         Raises:
             FileNotFoundError: There is no such file, or no checkpoint yet.
-            ValueError: The checkpoint belongs to another scene or other options.
+            ValueError: The checkpoint belongs to another scene or other options; the message says
+                what differs. Functions of time are compared by their values on the steps made.
         """
         require_scene(scene)
+        require_files(Path(file))
         system = self._system(scene)
-        store = Checkpoints.resume(file, fingerprint(system, self))
+        store = Checkpoints.resume(file, Fingerprint(system, self))
         steps, step, save_every = store.plan
         run = self._integration(system, step)
         history = run.history(steps, save_every, progress, store)

@@ -16,7 +16,7 @@ import numpy as np
 
 from fem_lie._jit import Array
 from fem_lie.solve.linear import DirectSolver
-from fem_lie.solve.policies import Policy
+from fem_lie.solve.policies import Decisions
 
 Kept = TypeVar("Kept")
 
@@ -150,18 +150,12 @@ def _near(a: float, b: float) -> bool:
     return bool(abs(np.log2(a / b)) < 0.1)
 
 
-class OrMissing(Policy):
-    """A policy that also wants a matrix where none serves."""
+class OrMissing(Decisions):
+    """Those of a policy, and a matrix where none serves."""
 
-    def __init__(self, inner: Policy, factors: KeptFactors) -> None:
+    def __init__(self, inner: Decisions, factors: KeptFactors) -> None:
         """Ask ``inner`` where ``factors`` has one."""
-        # factors are kept whole: constraints are not renewed alone
-        inner.bound = False
-        self._inner, self._factors, self.rescue = inner, factors, inner.rescue  # type: ignore[misc]
-
-    def fresh(self) -> Policy:
-        """The same policy without memory."""
-        return OrMissing(self._inner.fresh(), self._factors)
+        self._inner, self._factors = inner, factors
 
     def before_iteration(self, iteration: int) -> bool:
         """When one of both wants it."""

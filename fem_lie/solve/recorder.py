@@ -154,10 +154,10 @@ class History:
         """Whether the state after step ``index`` is to be written."""
         return self._store is not None and index % self._store.every == 0
 
-    def write_checkpoint(self, memory: dict[str, Array]) -> None:
+    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
         """Write all that the next steps depend on."""
         assert self._store is not None
-        self._store.write(self.row, self.seconds, memory)
+        self._store.write(index, self.row, self.seconds, memory)
 
     def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
         """What was kept so far, with the numbers of whole matrices and of borders alone."""
@@ -234,6 +234,6 @@ class Recorder(History):
         self.times[row], self.iterations[row] = index * self._h, self._count
         self.row += 1
 
-    def write_checkpoint(self, memory: dict[str, Array]) -> None:
+    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
         """See the base class."""
-        super().write_checkpoint(memory | {"count": np.array(self._count)})
+        super().write_checkpoint(index, memory | {"count": np.array(self._count)})

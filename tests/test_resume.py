@@ -1,0 +1,269 @@
+"""A run goes on with the same equations and options only, and to the last bit."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import cos, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+import ufl
+
+import fem_lie as fl
+from fem_lie.elements.formulation import Formulation
+from fem_lie.solve.integrator import Integrator
+from fem_lie.solve.recorder import History
+
+STEPS, STEP = 6, 2e-3
+Function = Callable[[float], float]
+DAMPING, GEODESIC = fl.Damping(mass=1.0, stiffness=1e-4), fl.Geodesic()
+
+
+@dataclass(frozen=True)
+class Case:
+    """A beam on a driven hinge, with a spring to a rigid body, and what may be changed of it."""
+
+    young: float = 1e9
+    density: float = 1100.0
+    damping: fl.Damping = DAMPING
+    formulation: Formulation = GEODESIC
+    group: fl.Group = fl.Group.SE3
+    velocity: float = 0.2
+    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
+    axis: tuple[float, ...] = (0.0, 1.0, 0.0)
+    drive: Function | None = lambda t: 0.1 * t * t
+    spring: tuple[float, ...] = (3.0, 0.1, 0.9)
+    inertia: tuple[float, ...] = (0.2, 0.2, 0.2)
+    force: tuple[float, ...] = (0.0, 0.0, 2.0)
+    following: bool = False
+    history: Function | None = sin
+    pressure: float = 0.1
+    pressed: Function | None = None
+    strain: float = 1e-4
+    motion: Function = lambda t: 0.01 * t**2
+    held: bool = True
+    gyroscopic: bool | None = None
+
+    def scene(self) -> fl.Scene:
+        scene = fl.Scene(self.gravity, choices=fl.Choices(gyroscopic=self.gyroscopic))
+        section = fl.Section.circle(0.01, fl.Material(self.young, 0.3, self.density))
+        options = {"formulation": self.formulation, "group": self.group, "damping": self.damping}
+        beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options))
+        body = scene.add(fl.RigidBody(0.1, self.inertia, (1.0, 0.5, 0)))
+        body.move((0, self.velocity, 0))
+        carrier = scene.add(fl.RigidBody(0.1, 0.1 * np.ones(3), (0, -1.0, 0)))
+        hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=self.axis))
+        rope = scene.add(fl.Distance(beam.end, body.centre))
+        scene.add(fl.Drive(hinge.angle, self.drive))
+        k, c, rest = self.spring
+        scene.add(fl.Spring(rope.length, k, c, rest))
+        scene.add(
+            fl.PointLoad(beam.end, self.force, following=self.following, history=self.history)
+        )
+        scene.add(fl.PressureLoad(beam, self.pressure, history=self.pressed))
+        scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
+        place = carrier.centre.frame
+
+        def moved(t: float) -> np.ndarray:
+            frame = place.copy()
+            frame[0, 0] += self.motion(t)
+            return frame
+
+        scene.add(fl.PrescribedMotion(carrier.centre, moved))
+        post = scene.add(fl.Beam.straight((0, 2, 0), (0, 2, 0.5), section, cells=1))
+        if self.held:
+            scene.add(fl.Clamp(post.start))
+        return scene
+
+
+def run(scene: fl.Scene, scheme: Integrator, file: Path) -> fl.Result:
+    return scheme.run(
+        scene, duration=STEPS * STEP, step=STEP, file=file, checkpoint_every=STEPS // 2
+    )
+
+
+CHANGES = {
+    "Young's modulus": ({"young": 1.1e9}, "stiffness of beam 1"),
+    "density": ({"density": 1200.0}, "density of beam 1"),
+    "damping of mass": ({"damping": fl.Damping(2.0, 1e-4)}, "damping of beam 1"),
+    "viscosity": ({"damping": fl.Damping(1.0, 2e-4)}, "damping of beam 1"),
+    "element": ({"formulation": fl.Director(1)}, "formulation of beam 1"),
+    "group": ({"group": fl.Group.R3xSO3}, "group of beam 1"),
+    "velocity": ({"velocity": 0.3}, "velocities of rigidbody 1"),
+    "gravity": ({"gravity": (0, 0, -9.0)}, r"gravity \(\[0.0, 0.0, -9.0\], was \[0.0, 0.0, -9.81"),
+    "joint": ({"axis": (0.1, 1, 0)}, "ties of Revolute"),
+    "drive": ({"drive": lambda t: 0.2 * t * t}, "function of Drive.*up to time 0.012"),
+    "no drive": ({"drive": None}, "function of connection 3"),
+    "spring": ({"spring": (4.0, 0.1, 0.9)}, "stiffness, damping and rest of Spring"),
+    "damper": ({"spring": (3.0, 0.2, 0.9)}, "stiffness, damping and rest of Spring"),
+    "rest": ({"spring": (3.0, 0.1, 1.0)}, "stiffness, damping and rest of Spring"),
+    "inertia": ({"inertia": (0.3, 0.2, 0.2)}, "gram of rigidbody 1"),
+    "force": ({"force": (0, 0, 3.0)}, r"force of load 1 \(PointLoad\)"),
+    "following": ({"following": True}, r"following of load 1 \(PointLoad\) \(True, was False"),
+    "history": ({"history": cos}, "history of load 1"),
+    "no history": ({"history": None}, "history of load 1"),
+    "pressure": ({"pressure": 0.2}, r"pressure of load 2 .* \(0.2, was 0.1\)"),
+    "history of pressure": ({"pressed": cos}, "history of load 2"),
+    "strain": ({"strain": 2e-4}, "strain of load 3"),
+    "motion": ({"motion": lambda t: 0.02 * t**2}, "motion 1, of rigidbody 2.centre"),
+    "clamp": ({"held": False}, "point of clamp 1"),
+    "choices": ({"gyroscopic": True}, "choices"),
+}
+SCHEMES = {
+    "generalised alpha": fl.GeneralisedAlpha(),
+    "conserving": fl.EnergyMomentum(),
+    "decaying": fl.EnergyDecaying(),
+}
+
+
+@pytest.fixture(scope="module", params=SCHEMES)
+def kept(request, tmp_path_factory):
+    """A scheme, and the file of a run of it with checkpoints."""
+    file = tmp_path_factory.mktemp("resume") / "run.h5"
+    run(Case().scene(), SCHEMES[request.param], file)
+    return SCHEMES[request.param], file
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_changed_scene_is_refused_and_the_change_named(kept, change):
+    scheme, file = kept
+    options, named = CHANGES[change]
+    with pytest.raises(ValueError, match=f"(?s)another scene.*what differs: .*{named}"):
+        scheme.resume(replace(Case(), **options).scene(), file)
+
+
+@pytest.mark.parametrize(
+    "options", [{"policy": fl.Limit(5)}, {"policy": fl.Automatic(cost=39.0)}, {"tolerance": 1e-9}]
+)
+def test_other_options_are_refused_and_named(kept, options):
+    scheme, file = kept
+    (name,) = options
+    with pytest.raises(ValueError, match=f"other options of the scheme.*option {name}"):
+        replace(scheme, **options).resume(Case().scene(), file)
+    with pytest.raises(ValueError, match=r"scheme \(.*, was"):
+        SCHEMES["decaying" if scheme != SCHEMES["decaying"] else "conserving"].resume(
+            Case().scene(), file
+        )
+
+
+def test_what_does_not_touch_the_steps_made_may_change(kept):
+    """Names, and what functions return later: nobody can know that."""
+    scheme, file = kept
+    later = replace(Case(), history=lambda t: sin(t) if t < 1.0 else 7.0).scene()
+    later.bodies[0].name = "boom"
+    assert len(scheme.resume(later, file).times) == STEPS + 1
+
+
+def doubled(e):
+    return e[0] ** 2 + e[1] ** 2
+
+
+def shell(law: Callable) -> fl.Scene:
+    scene = fl.Scene(gravity=(0, 0, -1.0))
+    section = fl.ShellSection.layer(0.1, fl.Material(1e4, 0.0, 1.0))
+    mesh = fl.surface(lambda u, v: (u, v, 0), (1, 1))
+    scene.add(fl.Shell(mesh, section, formulation=fl.HuWashizu(law=law)))
+    return scene
+
+
+def test_another_law_of_the_same_name_is_refused(tmp_path):
+    file, scheme = tmp_path / "run.h5", fl.GeneralisedAlpha()
+
+    def law(factor: float) -> Callable:
+        return lambda e: 0.5 * factor * ufl.inner(e, e)
+
+    run(shell(law(1e3)), scheme, file)
+    assert len(scheme.resume(shell(law(1e3)), file).times) == STEPS + 1
+    with pytest.raises(ValueError, match="energy of the elements of shell 1"):
+        scheme.resume(shell(law(2e3)), file)
+
+
+# --- to the last bit, with all that a run remembers in play ---
+
+
+class EverySeventh(fl.Policy):
+    """A policy of a user's own, with memory."""
+
+    def begin(self, bound: bool) -> fl.Decisions:
+        return CountsToSeven()
+
+
+class CountsToSeven(fl.Decisions):
+    def __init__(self) -> None:
+        self.steps, self.taken = 0, np.zeros(2)
+
+    def before_iteration(self, iteration: int) -> bool:
+        # both kinds of memory decide: a number and an array
+        return iteration == 1 and self.steps % 7 == 3 and self.taken[0] == self.steps
+
+    def after_step(self, iterations: int) -> None:
+        self.steps += 1
+        self.taken += 1.0
+
+
+def slowing() -> fl.Scene:
+    """Two soft bars on hinges turn, fast at the start, and are braked."""
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e7, 0.3, 1200.0))
+    options = {"cells": 2, "damping": fl.Damping(mass=120.0)}
+    one = scene.add(fl.Beam.straight((0, 0, 0), (0.3, 0, 0), section, **options))
+    two = scene.add(fl.Beam.straight((0.3, 0, 0), (0.3, 0.5, 0), section, **options))
+    scene.add(fl.Spherical(fl.ground(), one.start))
+    scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0.2)))
+    for bar in (one, two):
+        bar.turn((3, 1, -8), about=(0, 0, 0))
+    return scene
+
+
+POLICIES = {
+    "automatic": fl.Automatic(cost=2, refresh=8),
+    "limit": fl.Limit(5),
+    "constraints": fl.ConstraintsOnly(5),
+    "every": fl.EveryIteration(),
+    "never": fl.Never(),
+    "own": EverySeventh(),
+}
+FELT = {
+    "generalised alpha": lambda policy: fl.GeneralisedAlpha(tolerance=1e-8, policy=policy),
+    "stabilised": lambda policy: fl.GeneralisedAlpha(
+        tolerance=1e-8, index=fl.Index.STABILISED_TWO, policy=policy
+    ),
+    "inertial": lambda policy: fl.GeneralisedAlpha(
+        tolerance=1e-8, components=fl.Components.INERTIAL, policy=policy
+    ),
+    "conserving": lambda policy: fl.EnergyMomentum(tolerance=1e-5, policy=policy),
+    "decaying": lambda policy: fl.EnergyDecaying(radius=0.9, tolerance=1e-6, policy=policy),
+}
+"""With tolerances that decide how many iterations a step takes."""
+
+
+def stopped(monkeypatch, scheme: Integrator, scene: fl.Scene, file: Path, at: int, **plan) -> None:
+    """Run up to a checkpoint after step ``at``, as if the user had stopped it there."""
+    write = History.write_checkpoint
+
+    def once(self: History, index: int, memory: dict) -> None:
+        write(self, index, memory)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(History, "write_checkpoint", once)
+    with pytest.raises(KeyboardInterrupt):
+        scheme.run(scene, file=file, checkpoint_every=at, **plan)
+    monkeypatch.undo()
+
+
+def same(a: fl.Result, b: fl.Result) -> None:
+    for name in ("times", "frames", "velocities", "joint_forces", "joint_coordinates", "kinetic"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+    np.testing.assert_array_equal(a.iterations, b.iterations)
+    assert (a.k_updates, a.phi_updates) == (b.k_updates, b.phi_updates)
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("scheme", FELT)
+def test_resumed_is_uninterrupted_to_the_last_bit(monkeypatch, tmp_path, scheme, policy):
+    chosen = FELT[scheme](POLICIES[policy])
+    plan = {"duration": 0.025, "step": 5e-4}
+    whole = chosen.run(slowing(), **plan)
+    file = tmp_path / "run.h5"
+    stopped(monkeypatch, chosen, slowing(), file, 34, **plan)
+    same(chosen.resume(slowing(), file), whole)
