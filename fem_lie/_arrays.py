@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from fem_lie._lines import Array, Indices
-from fem_lie._wanted import text
+from fem_lie._wanted import numbers, shown, text
 
 _log = logging.getLogger(__name__)
 
@@ -45,9 +45,9 @@ def whole_number(cells: int) -> int:
 def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
     """Finite coordinates, shape (n, 3), or ``ValueError``."""
     try:
-        points: Array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"points must be numbers of shape (n, 3), got {value!r:.200}") from None
+        points = numbers(value, "points")
+    except TypeError:
+        raise ValueError(f"points must be numbers of shape (n, 3), got {shown(value)}") from None
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise ValueError(f"points must have shape (n, 3), got {points.shape}")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from typing import Any, TypeVar
 
@@ -95,6 +96,26 @@ def history(value: object, what: str) -> None:
     """
     if value is not None and not callable(value):
         raise TypeError(f"{what} must be a function of time or None, got {shown(value)}")
+
+
+def at_time(function: Callable[[float], Any], time: float, what: str) -> float:
+    """What a function of time gives, finite or not.
+
+    Args:
+        function: The function.
+        time: The time.
+        what: Its name for messages.
+
+    Raises:
+        TypeError: It gives no number.
+    """
+    found = function(time)
+    if isinstance(found, float):
+        return found
+    array = np.asarray(found)
+    if array.ndim or array.dtype.kind not in "iufb":
+        raise TypeError(f"{what} must give a number; at time {time:g} it gave {shown(found)}")
+    return float(array)
 
 
 def flag(value: object, what: str) -> None:

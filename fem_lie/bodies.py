@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array
-from fem_lie._wanted import choice, instance, text
+from fem_lie._wanted import choice, instance, numbers, text
 from fem_lie.groups import Group
 
 if TYPE_CHECKING:
@@ -30,12 +30,27 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
         ValueError: It is something else; the message says what was given for what.
     """
     try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        array = numbers(value, what)
+    except TypeError:
         raise ValueError(f"{what} must be {size} numbers, got {value!r}") from None
     if array.shape != (size,) or not np.isfinite(array).all():
         raise ValueError(f"{what} must be {size} finite numbers, got {value!r}")
     return array
+
+
+def direction(value: npt.ArrayLike, what: str) -> Array:
+    """A unit vector along ``value``, shape (3,), however long that is.
+
+    Raises:
+        ValueError: It is zero, or not three finite numbers.
+    """
+    given = vector(value, 3, what)
+    largest = np.abs(given).max()
+    if largest == 0.0:
+        raise ValueError(f"{what} must not be zero, got {value!r}")
+    # squares of very small or large numbers are none
+    scaled = given / largest
+    return np.asarray(scaled / np.linalg.norm(scaled))
 
 
 class HeldRotation(NamedTuple):

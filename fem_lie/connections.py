@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import constraints, lie, rolling, sliding
 from fem_lie._jit import Array, Indices
+from fem_lie._wanted import at_time
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
 from fem_lie.joint_table import views
@@ -258,7 +259,7 @@ class Connections:
         """
         values = self._base.copy()
         for row, history in self._drives:
-            values[row] = history(time)
+            values[row] = at_time(history, time, self.items[self.owner[row]].label)
             if not np.isfinite(values[row]):
                 label = self.items[self.owner[row]].label
                 raise ValueError(f"{label} is {values[row]} at time {time:g}")

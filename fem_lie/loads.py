@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
-from fem_lie._wanted import flag, history, instance
+from fem_lie._wanted import at_time, flag, history, instance, number, numbers
 from fem_lie.beam import Beam
-from fem_lie.bodies import Body, Point, require_point, vector
+from fem_lie.bodies import Body, Point, direction, require_point, vector
 
 History = Callable[[float], float]
 
@@ -35,7 +35,8 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
     if not histories:
         return np.zeros((len(at), 0))
-    values = [[history(time) for history in histories.values()] for time in map(float, at)]
+    named = [(given, f"the history of load {k + 1}") for k, given in histories.items()]
+    values = [[at_time(given, time, what) for given, what in named] for time in map(float, at)]
     factors = np.array(values, dtype=np.float64).reshape(len(at), len(histories))
     if not np.isfinite(factors).all():
         t, k = np.argwhere(~np.isfinite(factors))[0]
@@ -256,9 +257,9 @@ class PressureLoad(Load):
 
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite, or its direction is zero or along the axis."""
-        push = vector(self.direction, 3, f"direction of the pressure on {self.beam.label}")
-        vector([self.pressure], 1, f"pressure on {self.beam.label}")
-        if not push.any() or abs(push[0]) > 1e-9 * np.linalg.norm(push):
+        push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
+        number(self.pressure, f"pressure on {self.beam.label}")
+        if abs(push[0]) > 1e-9:
             raise ValueError(
                 f"the direction of the pressure on {self.beam.label} must be across the axis "
                 f"(0, y, z), got {self.direction}"
@@ -272,8 +273,8 @@ class PressureLoad(Load):
 
     def across(self) -> Array:
         """``w = m × e₁`` times the pressure, shape (3,)."""
-        push = np.asarray(self.direction, dtype=np.float64)
-        return self.pressure * np.cross(push / np.linalg.norm(push), [1.0, 0.0, 0.0])
+        push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
+        return self.pressure * np.cross(push, [1.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -403,7 +404,7 @@ class PrescribedMotion:
         """Raise ``ValueError`` if the motion does not start at the point's frame."""
         if self.point.is_ground:
             raise ValueError("a prescribed motion needs a point of a body, got ground")
-        start = np.asarray(self.motion(0.0), dtype=np.float64)
+        start = numbers(self.motion(0.0), f"the motion of {self.point.label}")
         gap = np.abs(start - self.point.frame).max() if start.shape == (4, 3) else np.inf
         if not gap <= 1e-8 * max(1.0, np.abs(self.point.frame).max()):
             raise ValueError(
@@ -418,7 +419,7 @@ class PrescribedMotion:
             ValueError: That is not a place and three unit vectors, each across the others, of a
                 right-handed system.
         """
-        frame = np.asarray(self.motion(time), dtype=np.float64)
+        frame = numbers(self.motion(time), f"the motion of {self.point.label}")
         if frame.shape != (4, 3) or not np.isfinite(frame).all():
             raise ValueError(
                 f"the motion of {self.point.label} must be a finite frame of shape (4, 3); at time "

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array, Indices, compiled
-from fem_lie.bodies import vector
+from fem_lie.bodies import direction
 
 if TYPE_CHECKING:
     from fem_lie.mesh import LineMesh
@@ -109,9 +109,9 @@ def cell_frames(
     frames[:, :, 0] = mesh.points[mesh.cells]
     tangents = mesh.tangents / np.linalg.norm(mesh.tangents, axis=-1, keepdims=True)
     frames[:, :, 1] = tangents
-    direction = _directions(mesh, up)
-    free = np.isnan(direction[:, 0])
-    e2 = np.cross(direction[~free, np.newaxis], tangents[~free])
+    wanted = _directions(mesh, up)
+    free = np.isnan(wanted[:, 0])
+    e2 = np.cross(wanted[~free, np.newaxis], tangents[~free])
     sine = np.linalg.norm(e2, axis=-1, keepdims=True)
     if sine.min(initial=1.0) <= _ALONG:
         place = frames[~free, :, 0][np.unravel_index(sine.argmin(), sine.shape[:2])]
@@ -132,9 +132,9 @@ def cell_frames(
 
 def _directions(mesh: LineMesh, up: Up | None) -> Array:
     """Unit vector for each cell, nan where there is none, shape (m, 3)."""
-    direction = np.full((len(mesh.cells), 3), np.nan)
+    found = np.full((len(mesh.cells), 3), np.nan)
     if up is None:
-        return direction
+        return found
     everywhere = np.arange(len(mesh.cells))
     given = (
         [(mesh.group(group), value) for group, value in up.items()]
@@ -142,11 +142,8 @@ def _directions(mesh: LineMesh, up: Up | None) -> Array:
         else [(everywhere, up)]
     )
     for cells, value in given:
-        unit = vector(value, 3, "up")
-        if not unit.any():
-            raise ValueError(f"up must not be zero, got {value!r}")
-        direction[cells] = unit / np.linalg.norm(unit)
-    return direction
+        found[cells] = direction(value, "up")
+    return found
 
 
 @compiled

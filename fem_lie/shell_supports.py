@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
-from fem_lie.bodies import Body, Point, vector
+from fem_lie.bodies import Body, Point, direction
 from fem_lie.surface import SurfaceMesh
 
 
@@ -66,10 +66,7 @@ class SupportedSurface(Body):
                 normal, a director is not in that plane, or a node is on planes that are not
                 perpendicular to each other.
         """
-        nodes, n = self.mesh.nodes(name), vector(normal, 3, f"normal of symmetry {name!r}")
-        if not n.any():
-            raise ValueError(f"the normal of symmetry {name!r} must not be zero")
-        n = n / np.linalg.norm(n)
+        nodes, n = self.mesh.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
         all_sides = np.isin(self.leaders, nodes)
         heights, tilts = self.frames[nodes, 0] @ n, self.frames[all_sides, 3] @ n
         if np.ptp(heights) > 1e-6 * self.size or np.abs(tilts).max() > 1e-6:
@@ -93,19 +90,17 @@ class SupportedSurface(Body):
         Raises:
             ValueError: There is nothing of this name, or the direction is zero.
         """
-        nodes, n = self.mesh.nodes(name), vector(normal, 3, f"direction of guide {name!r}")
-        if not n.any():
-            raise ValueError(f"the direction of guide {name!r} must not be zero")
+        nodes, n = self.mesh.nodes(name), direction(normal, f"the direction of guide {name!r}")
         for node in nodes:
             self._hold_along(int(node), n)
 
-    def _hold_along(self, node: int, direction: Array) -> None:
+    def _hold_along(self, node: int, along: Array) -> None:
         """Hold one more translation of a node, along axes fixed in space from here on."""
         held, axes = self.held[node], self.supports[node]
         own = axes if np.isfinite(axes[0, 0]) else self.frames[node, 1:]
         before = own[held[:3]]
-        rest = direction - before.T @ (before @ direction)
-        if np.linalg.norm(rest) <= 1e-9 * np.linalg.norm(direction):
+        rest = along - before.T @ (before @ along)
+        if np.linalg.norm(rest) <= 1e-9:
             return  # held already, as where a diaphragm meets a plane of symmetry
         known = np.vstack([before, rest / np.linalg.norm(rest)])
         # the others are any that are perpendicular

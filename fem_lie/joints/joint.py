@@ -12,7 +12,7 @@ import numpy.typing as npt
 from fem_lie import joint_functions
 from fem_lie._jit import Array
 from fem_lie._wanted import text
-from fem_lie.bodies import Point, require_point, vector
+from fem_lie.bodies import Point, direction, require_point, vector
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
@@ -98,10 +98,7 @@ class Joint(Connection):
         return np.asarray(e1 / np.linalg.norm(e1))
 
     def _direction(self, given: npt.ArrayLike, what: str) -> Array:
-        axis = vector(given, 3, f"{self.label}: {what}")
-        if not axis.any():
-            raise ValueError(f"{self.label}: {what} must be a non-zero vector of 3, got {given!r}")
-        return np.asarray(axis / np.linalg.norm(axis))
+        return direction(given, f"{self.label}: {what}")
 
     def _tie(self, selection: Array, functions: Array, of: Sequence[int], angle: Array) -> Tie:
         pair = self.frames()

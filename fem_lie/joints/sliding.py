@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array, Indices
-from fem_lie._wanted import history, instance, text
+from fem_lie._wanted import at_time, history, instance, text
 from fem_lie.beam import Beam
 from fem_lie.bodies import Body, Point, require_point, vector
 from fem_lie.elements.geodesic import Geodesic
@@ -125,10 +125,12 @@ class Sliding(Connection):
         if gap > 1e-6 * self.beam.size:
             raise ValueError(f"{self.label}: the place {place} is {gap:g} off the beam's axis")
         frame[0] = place
-        if self.travel is not None and abs(self.travel(0.0) - s) > 1e-6 * self.beam.size:
-            raise ValueError(
-                f"{self.label}: travel must start at arclength {s:g}, got {self.travel(0.0):g}"
-            )
+        if self.travel is not None:
+            begin = at_time(self.travel, 0.0, f"{self.label}: travel")
+            if not abs(begin - s) <= 1e-6 * self.beam.size:
+                raise ValueError(
+                    f"{self.label}: travel must start at arclength {s:g}, got {begin:g}"
+                )
         driven = int(self.travel is not None)
         selection = np.vstack([self.selection, np.zeros((driven, 12))])
         advance = np.append(np.zeros(len(self.selection)), np.ones(driven))

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
-from fem_lie._wanted import number
-from fem_lie.bodies import Point, require_point, vector
+from fem_lie._wanted import number, positive
+from fem_lie.bodies import Point, direction, require_point
 
 
 class Control(Protocol):
@@ -142,18 +142,13 @@ class DisplacementControl:
         """Raise ``ValueError`` if the point is ground, or direction or displacement are zero."""
         if self.point.is_ground:
             raise ValueError("displacement control needs a point of a body, got ground")
-        direction = vector(self.direction, 3, f"direction of control at {self.point.label}")
-        if not direction.any() or not 0.0 < self.to < np.inf:
-            raise ValueError(
-                "displacement control needs a direction and a displacement > 0 to go to, got "
-                f"{self.direction!r} and {self.to!r}"
-            )
+        direction(self.direction, f"direction of control at {self.point.label}")
+        positive(self.to, "displacement to go to under displacement control")
 
     def along(self, count: int, node: int) -> Along:
         """On the node of the point, of ``count`` nodes."""
         pattern = np.zeros((count, 3))
-        direction = np.asarray(self.direction, dtype=np.float64)
-        pattern[node] = direction / np.linalg.norm(direction)
+        pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
         return Along(pattern, self.to)
 
 
