@@ -396,6 +396,31 @@ def test_at_takes_an_equilibrium():
         fl.vibrations(scene, at=result)
 
 
+@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)])
+@pytest.mark.parametrize("cells", [2, 4])
+def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
+    """What statics leaves is small beside the loads, of which the sum of all forces knows none."""
+    section = fl.Section.rectangle(0.02, 0.04, fl.Material(1e9, 0.3, 7800.0))
+    scene = fl.Scene(gravity=(0, G, -2))
+
+    def arc(s):
+        return s, 0.4 * s * (1 - s), 0
+
+    options = {"up": (0, 0, 1), "formulation": formulation}
+    body = scene.add(fl.Beam.curve(arc, section, cells=cells, **options))
+    scene.add(fl.Clamp(body.start))
+    scene.add(fl.PointLoad(body.end, force=(-3, 20, 5)))
+    found = fl.vibrations(scene, 2)
+    exact = fl.vibrations(scene, 2, at=fl.statics(scene, load_steps=4, tolerance=1e-13))
+    np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=1e-7)
+    other = fl.Scene(gravity=(0, G, -2))
+    body = other.add(fl.Beam.curve(arc, section, cells=cells, **options))
+    other.add(fl.Clamp(body.start))
+    other.add(fl.PointLoad(body.end, force=(-3, 20, 5.01)))
+    with pytest.raises(ValueError, match="no equilibrium"):
+        fl.vibrations(scene, 2, at=fl.statics(other))
+
+
 def test_bad_input():
     scene, body = beam(cells=1)
     with pytest.raises(ValueError, match="count must be 1 … 6, the degrees of freedom, got 7"):

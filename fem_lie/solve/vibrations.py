@@ -139,18 +139,32 @@ class _Linear:
         n = 6 * system.count
         self.v = self.rotation.velocities(self.H[: system.count])
         none, r = np.zeros_like(self.v), np.empty(system.size)
+        state = self.H, self.v, none, np.zeros(system.m), np.ones(system.m)
         system.elastic.reset_stress(self.H)
-        system.residual(self.H, self.v, none, np.zeros(system.m), np.ones(system.m), r)
-        self.gap = float(np.abs(r[n:]).max(initial=0.0)) / max(1.0, system.length)
+        system.applied(*state, r)
+        applied = self._largest(r)
+        system.residual(*state, r)
+        lengths = np.where(system.connections.angular, 1.0, system.length)
+        self.gap = float((np.abs(r[n:]) / lengths).max(initial=0.0))
         self.B = system.tangent.jacobian(self.H) @ sp.diags(self.weight)
         force = self.weight * r[:n]
         self.multipliers: Array = np.zeros(system.m)
         if system.m:
             gram = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
             self.multipliers = -gram.solve(self.B @ force)
-        self.force = float(np.abs(force).max(initial=0.0))
+        # where no joint takes it, what is left is all of the sum
+        self.force = max(applied, float(np.abs(force).max(initial=0.0)))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
         self.blocks = linearised(system, self.H, self.v, self.multipliers)
+
+    def _largest(self, r: Array) -> float:
+        """The largest of the forces ``r`` on what is free to move, in units of energy."""
+        system = self.system
+        forces = r[: 6 * system.count].reshape(-1, 6).copy()
+        if system.supports:
+            system.supports.turn(self.H, forces)
+        forces[system.held] = 0.0
+        return float(np.abs(self.weight * forces.ravel()).max(initial=0.0))
 
     def balanced(self, tolerance: float = _BALANCED) -> bool:
         """Whether joints can balance all other forces."""
