@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie import lie
 from fem_lie.solve.options import Index
+from fem_lie.system import System
 
 Z = (0, 0, 1)
 SCHEME = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
@@ -49,6 +51,47 @@ def test_wheels_on_a_gear_turn_against_each_other():
     moment = result.joint_force(gear)[5:, 5]
     np.testing.assert_allclose(moment, 0.7 - 0.3 * alpha, atol=1e-6)
     assert result.coordinate(gear, "angle").shape == result.times.shape
+
+
+def test_a_pinion_drives_a_rack():
+    """Angle and displacement on one gear: (J + m r²) α = M."""
+    radius, moment = 0.2, 0.7
+    scene = fl.Scene()
+    pinion, rack = body(scene), body(scene, (0, radius, 0))
+    wheel = scene.add(fl.Revolute(fl.ground(), pinion.centre, axis=Z))
+    guide = scene.add(fl.Prismatic(fl.ground(), rack.centre, axis=(1, 0, 0)))
+    gear = scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=1 / radius))
+    scene.add(fl.PointLoad(pinion.centre, moment=(0, 0, moment)))
+    result = SCHEME.run(scene, duration=2.0, step=1e-2)
+    turned = 0.5 * moment / (0.3 + 2.0 * radius**2) * result.times**2
+    np.testing.assert_allclose(result.coordinate(wheel), turned, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(result.coordinate(guide), -radius * turned, rtol=0, atol=1e-7)
+    for name, joint in (("angle", wheel), ("displacement", guide)):
+        np.testing.assert_array_equal(result.coordinate(gear, name), result.coordinate(joint))
+
+
+def test_full_turns_are_part_of_the_memory():
+    """What is taken back forgets no turn, and keeps none that came later."""
+    scene = fl.Scene()
+    wheel = body(scene)
+    hinge = scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=Z))
+    scene.add(fl.Spring(hinge.angle, stiffness=2.0))
+    system = System(scene, dynamics=True)
+    connections, none = system.connections, np.zeros((system.count, 6))
+
+    def turn_to(*angles: float) -> None:
+        for angle in angles:
+            system.frames[0, 1:] = lie.so3_exp(np.array([0, 0, angle])).T
+            connections.accept(system.frames)
+
+    turn_to(2.0, 4.0, 6.0)
+    memory = connections.memory.copy()
+    turn_to(8.0, 10.0, 12.0)
+    connections.memory = memory
+    turn_to(7.0)
+    coordinates = connections.report(system.frames, none, np.zeros(system.m))[1]
+    np.testing.assert_allclose(coordinates, 7.0, rtol=1e-12)
+    assert system.stored_energy(system.frames) == pytest.approx(7.0**2, rel=1e-12)
 
 
 @pytest.mark.parametrize("index", Index)

@@ -172,6 +172,23 @@ def test_bead_on_a_driven_rod():
     np.testing.assert_allclose(force[1:-1], coriolis[1:-1], atol=2e-3 * np.abs(coriolis).max())
 
 
+@pytest.mark.parametrize(("kind", "free"), [(fl.Sliding, 3), (fl.Collar, 1), (fl.Sleeve, 0)])
+def test_moments_turn_what_the_joint_leaves_free(kind, free):
+    """On a stiff rail: all axes, the rail's alone, none."""
+    scene = fl.Scene()
+    stiff = fl.Section.circle(0.05, fl.Material(2e11, 0.3, 8000.0))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), stiff, cells=2))
+    scene.add(fl.Clamp(beam.start))
+    ball = scene.add(fl.RigidBody(1.0, (0.01,) * 3, (0.6, 0, 0)))
+    scene.add(kind(beam, ball.centre))
+    moment = np.array([0.02, 0.03, -0.01])
+    scene.add(fl.PointLoad(ball.centre, moment=moment))
+    result = fl.GeneralisedAlpha(tolerance=1e-9).run(scene, duration=1.0, step=1e-2)
+    # constant moments about fixed axes turn a ball by M t²/2J
+    turned = lie.so3_log(result.rotation(ball.centre)[-1])
+    np.testing.assert_allclose(turned, np.where(np.arange(3) < free, 50 * moment, 0), atol=1e-5)
+
+
 def test_travel_is_driven_and_the_end_is_an_error():
     scene = fl.Scene()
     beam = scene.add(rail())
