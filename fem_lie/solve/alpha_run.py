@@ -17,6 +17,7 @@ from fem_lie.groups import turn_all, turn_all_back, twists
 from fem_lie.results import Result
 from fem_lie.solve.books import Books
 from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.contradiction import contradiction, contradicts
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError, methods_in_time
 from fem_lie.solve.options import Components, Index
@@ -187,6 +188,8 @@ class Run(Integration[Recorder]):
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         residual = float(np.abs(self.r).max())
+        if self.reason:
+            return f"step {self._index} of {steps} (time {self._end:g}) failed: {self.reason}"
         return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
 
     def _step(self) -> int:
@@ -195,7 +198,7 @@ class Run(Integration[Recorder]):
         A step that diverges with the kept matrix is done again with a new one in every iteration
         and with the stress as an iterate.
         """
-        weights = self.weights.copy()
+        weights, self.reason = self.weights.copy(), ""
         count = self._iterate(self.decisions, carried=False)
         if count == 0 and self.options.policy.rescue:
             in_vain = self._made
@@ -239,6 +242,8 @@ class Run(Integration[Recorder]):
             ratio, remaining = estimate(self._increment, previous, ratio)
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
+                if system.kkt.redundant and self._contradicts(tolerance, stagnant):
+                    return 0
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 decisions.after_step(iteration)
                 if decisions.asks and not self._turned:
@@ -253,6 +258,16 @@ class Run(Integration[Recorder]):
                 return 0
             previous = self._increment
         return 0
+
+    def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
+        """Whether what is left of the constraints' violation is not the iteration's."""
+        values = self.r[6 * self.system.count :] / self.scale
+        # increments of an iteration that goes nowhere explain nothing
+        allowed = tolerance if stagnant else max(tolerance, self._increment)
+        if not contradicts(values, self.measure, allowed):
+            return False
+        self.reason = contradiction(self.system, self.s.H1, values)
+        return True
 
     def _staleness(self) -> float:
         """See :mod:`fem_lie.solve.staleness`; in the direction of the last correction."""

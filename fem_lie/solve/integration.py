@@ -32,6 +32,7 @@ class Integration(ABC, Generic[Kept]):
         system: The equations.
         h: Step size.
         decisions: When to factorise.
+        reason: Why the last step failed, where more is known than that it did not converge.
     """
 
     def __init__(self, policy: Policy, system: System, step: float, *, bound: bool = False) -> None:
@@ -44,6 +45,7 @@ class Integration(ABC, Generic[Kept]):
             bound: Whether the constraints may be refreshed by themselves.
         """
         self.system, self.h, self.decisions = system, float(step), policy.begin(bound)
+        self.reason = ""
         spin = float(np.abs(system.velocities[:, 3:]).max())
         system.choices = system.scene.choices.resolve(spin * step)
         _log.info("%s; matrix: %s", system.describe(), type(policy).__name__)

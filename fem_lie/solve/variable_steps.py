@@ -32,10 +32,12 @@ class Stepper(Protocol[Kept]):
     Attributes:
         system: The equations.
         h: Size of the present step.
+        reason: Why the last step failed, where more is known than that it did not converge.
     """
 
     system: System
     h: float
+    reason: str
 
     @property
     def frames(self) -> Array:
@@ -139,6 +141,7 @@ class VariableSteps:
                 ended, iterations = self._attempt(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
                     text = self._log.underflow(control, time, *self._last)
+                    text += f". {stepper.reason}" if stepper.reason else ""
                     raise ConvergenceError(text, self._completed(watch.seconds))
                 if not iterations:
                     continue

@@ -1,0 +1,110 @@
+"""Redundant constraints: mechanisms that move, that cannot, and the joint forces of both."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse as sp
+
+import fem_lie as fl
+from fem_lie.idle_multipliers import IdleMultipliers
+from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
+
+Z = (0.0, 0.0, 1.0)
+
+
+def four_bar(tilt: float, u: UnitSystem = METRES) -> fl.Scene:
+    """Rigid bars, hinged about z; one of the hinges is tilted, and the first is driven."""
+    scene = fl.Scene(redundant=fl.Redundant.MINIMUM_NORM)
+
+    def bar(x: float, y: float, upright: bool, name: str) -> fl.RigidBody:
+        across, along = (0.1, 1e-3) if upright else (1e-3, 0.2)
+        inertia = u.inertia([across, along, 0.1 if upright else 0.2])
+        return scene.add(fl.RigidBody(u.mass(1.0), inertia, u.length([x, y, 0]), name=name))
+
+    crank, coupler = bar(0.0, 0.5, True, "crank"), bar(0.75, 1.0, False, "coupler")
+    rocker = bar(1.5, 0.5, True, "rocker")
+    axis = (np.sin(tilt), 0.0, np.cos(tilt))
+    root = scene.add(fl.Revolute(fl.ground(), crank.centre, at=(0, 0, 0), axis=Z, name="A"))
+    at = u.length([0, 1, 0])
+    scene.add(fl.Revolute(crank.centre, coupler.centre, at=at, axis=Z, name="B"))
+    at = u.length([1.5, 1, 0])
+    scene.add(fl.Revolute(coupler.centre, rocker.centre, at=at, axis=axis, name="C"))
+    at = u.length([1.5, 0, 0])
+    scene.add(fl.Revolute(rocker.centre, fl.ground(), at=at, axis=Z, name="D"))
+    second = u.time(1.0)
+    scene.add(fl.Drive(root.angle, lambda t: 1.0 - np.cos(t / second), name="motor"))
+    return scene
+
+
+STEPS = {"constant": lambda u: u.time(1e-2), "adaptive": lambda u: fl.AdaptiveStep(u.length(1e-4))}
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+@pytest.mark.parametrize("steps", STEPS)
+@pytest.mark.parametrize("tilt", [0.02, 0.5])
+def test_a_driven_loop_that_cannot_move_fails_and_names_its_joints(tilt, steps, u):
+    names = r"A, B, C, D(, motor)? contradict each other"
+    with pytest.raises(fl.ConvergenceError, match=names) as caught:
+        fl.GeneralisedAlpha().run(four_bar(tilt, u), duration=u.time(0.5), step=STEPS[steps](u))
+    violations = caught.value.result.joint_violations
+    # lengths and angles: those of lengths in metres
+    assert violations.max() / max(1.0, u.metre) < 1e-5
+
+
+@pytest.mark.parametrize("steps", STEPS)
+def test_the_same_loop_with_parallel_hinges_moves(steps):
+    result = fl.GeneralisedAlpha().run(four_bar(0.0), duration=0.5, step=STEPS[steps](METRES))
+    assert result.joint_violations.max() < 1e-8
+    np.testing.assert_allclose(result.joint_coordinates[-1, 0], 1.0 - np.cos(0.5), atol=1e-9)
+
+
+def random_rows(seed: int, m: int, n: int, rank: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=(m, rank)) @ rng.normal(size=(rank, n)) / n
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_filter_is_the_projection(seed):
+    """Against the null space by singular values, in the measure that was asked for."""
+    B, rng = random_rows(seed, 9, 12, 6), np.random.default_rng(seed)
+    measure, x = rng.uniform(0.2, 5.0, 9), rng.normal(size=9)
+    found = IdleMultipliers.of(sp.csr_matrix(B), 1.0, measure).remove(x)
+    idle = scipy.linalg.null_space((B / measure[:, np.newaxis]).T, rcond=1e-8)
+    scaled = measure * x
+    np.testing.assert_allclose(found, (scaled - idle @ (idle.T @ scaled)) / measure, atol=1e-8)
+    np.testing.assert_allclose(B.T @ found, B.T @ x, atol=1e-8)
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+def test_minimum_norm_measures_moments_by_the_length_of_the_model(u):
+    """One body, held by a ball and by a clamp: of all forces that hold it, the smallest.
+
+    The length of the model is what a moment counts: joint forces are those of a least squares
+    problem that is solved here with all forces and moments of both joints.
+    """
+    length = 4.0
+    scene = fl.Scene(gravity=u.acceleration([0, 0, -10.0]), redundant=fl.Redundant.MINIMUM_NORM)
+    mass, inertia = u.mass(2.0), u.inertia([0.1, 0.1, 0.1])
+    body = scene.add(fl.RigidBody(mass, inertia, (0, 0, 0), name="body"))
+    far = scene.add(fl.RigidBody(mass, inertia, u.length([length, 0, 0]), name="far"))
+    places = np.array([[-1.0, 0, 0], [0.5, 0, 0]])
+    scene.add(fl.Spherical(fl.ground(), body.centre, at=u.length(places[0]), name="ball"))
+    scene.add(fl.Fixed(fl.ground(), body.centre, at=u.length(places[1]), name="clamp"))
+    scene.add(fl.Fixed(fl.ground(), far.centre, name="other"))
+    result = fl.GeneralisedAlpha().run(scene, duration=u.time(0.1), step=u.time(0.01))
+    forces = u.inverse.wrench(result.joint_forces[-1, :2]).reshape(2, 2, 3)
+    axes = [joint.frame()[1:] for joint in scene.joints[:2]]
+    found = np.concatenate([[f @ e for f, e in zip(forces, axes, strict=True)]]).reshape(2, 6)
+    # unknowns: force of the ball, force and moment of the clamp over the length
+    B = np.zeros((6, 9))
+    for k, place in enumerate(places):
+        B[:3, 3 * k : 3 * k + 3] = np.eye(3)
+        x, y, z = place
+        B[3:, 3 * k : 3 * k + 3] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
+    B[3:, 6:] = length * np.eye(3)
+    least = np.linalg.lstsq(B, np.array([0, 0, 20.0, 0, 0, 0]), rcond=None)[0]
+    expected = np.zeros((2, 6))
+    expected[0, :3], expected[1, :3] = least[:3], least[3:6]
+    expected[1, 3:] = length * least[6:]
+    # joints act on the ground with the opposite
+    np.testing.assert_allclose(found, -expected, atol=1e-4)
