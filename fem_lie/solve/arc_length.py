@@ -12,6 +12,10 @@ radius.
 
 The elimination of λ is that of Riks (Int. J. Solids Struct. 15 (1979) 529), with the constraint
 linearised at each iterate.
+
+Which way is forward is told by the twists of the last step, in the nodes' own axes: the end of a
+beam that is rolled up goes round in circles, and its displacements of two steps may have any angle,
+while its twist stays what it is. A path that goes down along states it has passed is given up.
 """
 
 from __future__ import annotations
@@ -25,6 +29,11 @@ import numpy as np
 
 from fem_lie._jit import Array
 from fem_lie.solve.linear import ConvergenceError, SingularMatrixError
+
+_AHEAD = 0.4  # cosine between the twists of two steps: never less
+_AGAINST = 0.9  # cosine between the twists of a step and one backwards
+_KNOWN = 3  # steps in a row along known states
+_NEAR = 0.05  # of the distance from where the path turned
 
 
 class Equilibrium(Protocol):
@@ -58,6 +67,10 @@ class Equilibrium(Protocol):
 
     def translations(self, dx: Array) -> Array:
         """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
+        ...
+
+    def twists(self, dx: Array) -> Array:
+        """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
         ...
 
     def state(self) -> Any:
@@ -136,8 +149,10 @@ class _Follower:
     def __init__(self, options: ArcLength, model: Equilibrium) -> None:
         self._options, self._model = options, model
         self._factor, self._length = 0.0, options.first_step * model.diameter
-        self._last: Array | None = None  # displacements of the last step
+        self._twist: Array | None = None  # of the last step
+        self._moved: Array
         self._path = Path()
+        self._passed = Passed(model.positions())
 
     def run(self, levels: Sequence[float]) -> Path:
         for cap in levels:
@@ -161,6 +176,9 @@ class _Follower:
                     done = self._iterate(residual, load, cap, origin, first=count == 1)
         except (_Lost, SingularMatrixError):
             done = False
+        twist = model.twists(self._moved)
+        # a step has its length at two states and more: one is behind, others on other paths
+        done = done and (self._twist is None or _cosine(twist, self._twist) > _AHEAD)
         if not done:
             model.restore(before)
             self._factor = factor
@@ -174,12 +192,19 @@ class _Follower:
                     path,
                 )
             return
-        self._last = model.positions() - origin
+        here = model.positions()
+        self._twist = twist
         path.factors.append(self._factor)
         path.iterations.append(count)
         self._length *= min(2.0, max(0.5, sqrt(options.good_iterations / count)))
         if self._factor == cap:
-            self._length = min(self._length, 3 * _rms(self._last))
+            self._length = min(self._length, 3 * rms(here - origin))
+        if self._passed.again(self._factor, here, twist):
+            raise ConvergenceError(
+                f"the path runs back from load factor {max(path.factors):g} to "
+                f"{self._factor:g}, along states that it has passed",
+                path,
+            )
 
     def _balanced(self, residual: Array, load: Array, cap: float) -> bool:
         """Whether the wanted load is reached, and in equilibrium."""
@@ -196,12 +221,13 @@ class _Follower:
         wanted, room = self._change(x_r, x_f, origin, first), cap - self._factor
         change = min(wanted, room)
         dx = x_r + change * x_f
-        moved = _rms(model.translations(dx))
+        moved = rms(model.translations(dx))
         if not np.isfinite(moved) or moved > 4 * self._length:
             raise _Lost
         # not by addition: it must be the wanted load to the last digit
         self._factor = cap if wanted >= room else self._factor + change
         model.move(dx)
+        self._moved = dx if first else self._moved + dx
         # residuals of slender structures may have more round-off than the tolerance allows
         enough = options.tolerance if self._factor == cap else options.loose
         return not first and moved < enough * self._length
@@ -211,19 +237,62 @@ class _Follower:
         model, length = self._model, self._length
         u_f = model.translations(x_f)
         if first:
-            forward = self._last is None or float(np.sum(u_f * self._last)) >= 0
-            return (1.0 if forward else -1.0) * length / _rms(u_f)
+            forward = self._twist is None or float(np.sum(model.twists(x_f) * self._twist)) >= 0
+            return (1.0 if forward else -1.0) * length / rms(u_f)
         now = model.positions() - origin
-        distance = _rms(now)
+        distance = rms(now)
         gradient = now / (distance * len(now))
         u_r = model.translations(x_r)
         return float((length - distance - np.sum(gradient * u_r)) / np.sum(gradient * u_f))
+
+
+class Passed:
+    """States that a path has passed, and whether it comes along them once more.
+
+    Beyond a limit point a path goes down, too, and where it snaps back most nodes go back; but it
+    parts from the way up. A step runs back if its end lies on the chord of a step that was made
+    upwards at this load factor, seen from where the path turned, and its twists are against those
+    of that step.
+    """
+
+    def __init__(self, places: Array) -> None:
+        """Begin with positions (n, 3) at load factor 0."""
+        self._factors, self._places = [0.0], [places]
+        self._twists: list[Array] = []
+        self._count = 0
+
+    def again(self, factor: float, places: Array, twist: Array) -> bool:
+        """Keep the end of a step; whether it and the one before ran back."""
+        factors = np.array(self._factors)
+        back = factor < factors[-1] and self._against(factor, places, twist, factors)
+        self._count = self._count + 1 if back else 0
+        self._factors.append(factor)
+        self._places.append(places)
+        self._twists.append(twist)
+        return self._count >= _KNOWN
+
+    def _against(self, factor: float, places: Array, twist: Array, factors: Array) -> bool:
+        """Whether a step to here goes against one that was made upwards."""
+        near = _NEAR * rms(places - self._places[int(factors.argmax())])
+        upwards = (factors[:-1] <= factor) & (factor < factors[1:])
+        for k in np.flatnonzero(upwards):
+            chord = self._places[k + 1] - self._places[k]
+            part = (factor - factors[k]) / (factors[k + 1] - factors[k])
+            beside = rms(self._places[k] + part * chord - places) < near
+            if beside and _cosine(twist, self._twists[k]) < -_AGAINST:
+                return True
+        return False
 
 
 class _Lost(Exception):
     """The iteration left the neighbourhood of its step."""
 
 
-def _rms(u: Array) -> float:
+def _cosine(a: Array, b: Array) -> float:
+    """Of the angle between two vectors of any shape."""
+    return float(np.sum(a * b) / sqrt(float(np.sum(a * a)) * float(np.sum(b * b))))
+
+
+def rms(u: Array) -> float:
     """Root of the mean square of vectors, shape (n, 3)."""
     return float(np.sqrt(np.sum(u * u) / len(u)))

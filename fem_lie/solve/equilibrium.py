@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,9 @@ from fem_lie.scene import Scene
 from fem_lie.solve.follow import follow_loads, in_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.rotation import Rotation
-from fem_lie.solve.statics import LoadSteps, StaticResult
+from fem_lie.solve.statics import LoadSteps, SingularStartError, StaticResult
+
+_MANY = 10  # load steps where those to whole levels and the arc length fail
 
 _log = logging.getLogger(__name__)
 
@@ -40,9 +43,10 @@ def statics(
     How it gets there is chosen by what was measured. Scenes with shells are followed by the
     load-capped arc length (:func:`~fem_lie.solve.follow.follow_loads`). Others go from one level to
     the next at once, which on beams takes the fewest solutions wherever it converges, and by the
-    arc length where it does not. Where that is impossible, because not all loads are in proportion
-    to the load factor or with ``spin`` or plain Newton, and where ``load_steps`` are given, there
-    are load steps; one that fails is halved, later ones grow back.
+    arc length where it does not. Where that fails, too, there are load steps; one that fails is
+    halved, later ones grow back. Where ``load_steps`` are given they come first, and the arc length
+    if they fail. Where it is impossible, because not all loads are in proportion to the load factor
+    or with ``spin`` or plain Newton, there are load steps alone.
 
     With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
     frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
@@ -84,19 +88,46 @@ def statics(
         raise ValueError(f"the load factors must be positive and increase, got {levels}")
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
-    choice = load_steps is None and carried_stress and not rotation and in_proportion(scene)
-    if choice and any(body.uncoupled for body in scene.bodies):
+
+    def stepped(count: int, smallest: float) -> StaticResult:
+        newton = LoadSteps(
+            scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
+        )
+        return newton.run(levels, levels[-1] / count, smallest)
+
+    def followed() -> StaticResult:
         return follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
-    newton = LoadSteps(
-        scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
-    )
-    step = levels[-1] / steps
-    try:
-        return newton.run(levels, step, step if choice else smallest_step)
-    except ConvergenceError as error:
-        if not choice or newton.singular:
-            raise
-        _log.info("%s Now by arc length.", error)
-        before = newton.result()
-    path = follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
-    return replace(path, failed_iterations=path.failed_iterations + before.total_iterations)
+
+    if not carried_stress or rotation or not in_proportion(scene):
+        return stepped(steps, smallest_step)
+    if load_steps is not None:
+        return _first_that_arrives([lambda: stepped(steps, smallest_step), followed])
+    halved = partial(stepped, _MANY, smallest_step)
+    if any(body.uncoupled for body in scene.bodies):
+        return _first_that_arrives([followed, halved])
+    return _first_that_arrives([lambda: stepped(1, levels[-1]), followed, halved])
+
+
+def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticResult:
+    """Try one road after the other; what was in vain is counted.
+
+    Raises:
+        ConvergenceError: None arrives; its ``result`` is the longest.
+    """
+    errors: list[ConvergenceError] = []
+    for road in roads:
+        try:
+            found = road()
+        except ConvergenceError as error:
+            errors.append(error)
+            if isinstance(error, SingularStartError):
+                break
+            _log.info("%s Now another way.", error)
+        else:
+            vain = sum(error.result.total_iterations for error in errors)
+            return replace(found, failed_iterations=found.failed_iterations + vain)
+    if len(errors) == 1:
+        raise errors[0]
+    farthest = max(errors, key=lambda error: error.result.factors.max(initial=0.0))
+    tries = " ".join(f"({k}) {error}" for k, error in enumerate(errors, 1))
+    raise ConvergenceError(f"{len(errors)} ways were tried: {tries}", farthest.result)

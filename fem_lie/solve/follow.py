@@ -204,6 +204,12 @@ class SceneEquilibrium:
         u = dx[: 6 * count].reshape(-1, 6)[:, :3]
         return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
 
+    def twists(self, dx: Array) -> Array:
+        """See the protocol."""
+        twists = dx[: 6 * self.system.count].reshape(-1, 6).copy()
+        twists[:, 3:] *= self.diameter
+        return twists
+
     def state(self) -> _State:
         """See the protocol; angles of joints are counted on from here."""
         self.system.connections.accept(self._H)

@@ -140,6 +140,10 @@ class StaticResult:
         draw(self.info, states, path, paths=paths, triads=frames, title=title, units=units)
 
 
+class SingularStartError(ConvergenceError):
+    """A step began with a singular matrix: no other way of loading helps."""
+
+
 class LoadSteps:
     """Newton's method from one accepted state to the next; it keeps those that were accepted."""
 
@@ -213,12 +217,13 @@ class LoadSteps:
                     continue
                 now /= 2
                 if now < smallest:
-                    raise ConvergenceError(self._failure(reached, target), self.result())
+                    kind = SingularStartError if self._singular else ConvergenceError
+                    raise kind(self._failure(reached, target), self.result())
                 _log.info("step to load factor %g failed, halved to %g", target, now)
         return self.result()
 
     @property
-    def singular(self) -> bool:
+    def _singular(self) -> bool:
         """Whether the last step failed at once, because its matrix is singular."""
         return self.iterations == 1 and not np.isfinite(self.last)
 
