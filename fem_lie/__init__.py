@@ -5,6 +5,7 @@ from fem_lie.bodies import Body, Point, ground
 from fem_lie.buckling_modes import BucklingModes
 from fem_lie.choices import Choices, Redundant
 from fem_lie.drilling import Parameters
+from fem_lie.element_turns import CoarseElementsWarning
 from fem_lie.elements.directors import Director, director_strains
 from fem_lie.elements.formulation import Formulation
 from fem_lie.elements.geodesic import Geodesic
@@ -129,6 +130,7 @@ __all__ = [
     "BucklingModes",
     "Choices",
     "Clamp",
+    "CoarseElementsWarning",
     "Collar",
     "Components",
     "ConstantStep",

@@ -16,6 +16,7 @@ from fem_lie._jit import Array, Indices
 from fem_lie._wanted import flag, instance, number, numbers, text
 from fem_lie.assembly import Assembly, NodalInertia
 from fem_lie.bodies import NO_HOLDS, Body, Holds, Point
+from fem_lie.element_turns import Turning
 from fem_lie.elements.formulation import CellData, Formulation, cellwise
 from fem_lie.elements.geodesic import Geodesic
 from fem_lie.frames import NodalFrames
@@ -332,6 +333,11 @@ class Beam(Body):
         """What the formulation makes of the section stiffness of each element, (m, 6, 6)."""
         a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
+
+    def turning(self) -> Turning:
+        """See the base class."""
+        along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
+        return Turning(along, np.arange(len(along)), self.formulation.largest_turn, whole=True)
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).

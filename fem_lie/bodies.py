@@ -21,6 +21,7 @@ from fem_lie.groups import Group
 
 if TYPE_CHECKING:
     from fem_lie.assembly import Assembly
+    from fem_lie.element_turns import Turning
 
 
 def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
@@ -203,6 +204,10 @@ class Body:
         """Add a translation, global components, to the initial velocities."""
         given = vector(velocity, 3, "velocity")
         self._add_velocity(np.tile(given, (len(self.frames), 1)), np.zeros(3))
+
+    def turning(self) -> Turning | None:
+        """How far its elements may turn from end to end, or ``None`` if it has none."""
+        return None
 
     def cells_of(self, group: str | None = None) -> npt.NDArray[np.int64]:
         """Elements of a named group (default: all).

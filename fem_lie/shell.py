@@ -17,6 +17,7 @@ from fem_lie._wanted import choice, instance, number
 from fem_lie.assembly import Assembly
 from fem_lie.bodies import NO_HOLDS, HeldRotation, Holds, vector
 from fem_lie.drilling import Parameters, drilling_stiffness
+from fem_lie.element_turns import Turning
 from fem_lie.elements.shell_formulation import HellingerReissner, ShellFormulation
 from fem_lie.groups import Group
 from fem_lie.shell_assembly import ShellAssembly
@@ -32,6 +33,9 @@ _log = logging.getLogger(__name__)
 _FACETS = radians(10.0)  # a circle of 18 cells
 _EQUAL = 1e-6  # components of unit vectors that are meant to be equal
 _FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
+
+
+_LARGEST_TURN = {1: pi / 2, 2: 3.0}  # rad, along an edge by the degree, see element_turns
 
 
 class Shell(SupportedSurface):
@@ -211,6 +215,17 @@ class Shell(SupportedSurface):
         dN = np.array([s - 0.5, s + 0.5, -2 * s])
         speed = np.linalg.norm(np.einsum("kg,ekj->egj", dN, x), axis=2)
         return edges, np.einsum("g,kg,eg->ek", w, N, speed)
+
+    def turning(self) -> Turning:
+        """See the base class; along all edges of the cells."""
+        ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
+        along, limit = self.connectivity[:, ends], _LARGEST_TURN[self.mesh.degree]
+        if self.mesh.degree == 2:
+            corners = len(self.mesh.corners[0])
+            inside = self.connectivity[:, corners : corners + len(ends), np.newaxis]
+            along = np.concatenate([along[:, :, :1], inside, along[:, :, 1:]], axis=2)
+        elements = np.repeat(np.arange(len(along)), len(ends))
+        return Turning(along.reshape(len(elements), -1), elements, limit, whole=False)
 
     def areas(self) -> Array:
         """Area that each node of each cell carries, shape (m, k)."""

@@ -24,6 +24,7 @@ from fem_lie.carried_drilling import CarriedDrilling
 from fem_lie.choices import Choices, Redundant
 from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
+from fem_lie.element_turns import ElementTurns
 from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
 from fem_lie.idle_multipliers import IdleMultipliers
@@ -71,6 +72,7 @@ class System:
         velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
             the matrix are like those of positions.
         choices: What :meth:`fill_matrix` takes in.
+        turns: How far elements turn from end to end.
         length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
     """
 
@@ -139,6 +141,7 @@ class System:
             redundant=scene.redundant is not Redundant.REFUSE,
             length=self.length,
         )
+        self.turns = ElementTurns(self.numbering)
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
@@ -371,6 +374,18 @@ class System:
         self.supports.turn_back(H, h)
         retract(H[: self.count], h)
         return self.tangent.symmetric_pressures(H)
+
+    def check_turns(self, H: Array, when: str) -> None:
+        """Warn where an element turns nearly as far as it may, at frames ``H`` of the leaders.
+
+        Raises:
+            FoldedElementError: One turns farther.
+        """
+        self.turns.check(self.numbering.attachment.frames(H), when)
+
+    def turn_hint(self, H: Array) -> str:
+        """What to say of the element that turns most, after a failure, if that may be why."""
+        return self.turns.hint(self.numbering.attachment.frames(H))
 
     def describe(self) -> str:
         """What the scene consists of and what was chosen, in one line, for the log."""

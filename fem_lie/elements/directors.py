@@ -104,6 +104,9 @@ def _angle_over_sine(u: Expr) -> Expr:
     return 1 / fraction
 
 
+_FOLDS = 1.5266  # rad: of three nodes, where ∂²W/∂φ² of the middle one is no longer positive
+
+
 @dataclass(frozen=True)
 class Director(Formulation):
     """Beam element with interpolated positions and directors, ``R³ × SO(3)``.
@@ -132,6 +135,11 @@ class Director(Formulation):
     def __post_init__(self) -> None:
         if self.degree not in (1, 2):
             raise ValueError(f"the degree of a Director must be 1 or 2, got {self.degree!r}")
+
+    @property
+    def largest_turn(self) -> float:
+        """See the base class; with three nodes the one inside runs away to one end beyond it."""
+        return _FOLDS if self.degree == 2 else super().largest_turn
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
         """See the base class."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from math import pi
 from typing import ClassVar
 
 import basix.ufl
@@ -47,6 +48,14 @@ class Formulation(ABC):
 
     degree: int
     bows: ClassVar[bool] = False
+
+    @property
+    def largest_turn(self) -> float:
+        """Of an element from end to end, rad, see :mod:`fem_lie.element_turns`.
+
+        It is π, where a rotation has two logarithms, unless the element folds before.
+        """
+        return pi
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
         """What the element takes for the section stiffness of its cells, shape (m, 6, 6).

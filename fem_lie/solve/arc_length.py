@@ -28,6 +28,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from fem_lie._jit import Array
+from fem_lie.element_turns import FoldedElementError
 from fem_lie.solve.linear import ConvergenceError, SingularMatrixError
 
 _AHEAD = 0.4  # cosine between the twists of two steps: never less
@@ -71,6 +72,14 @@ class Equilibrium(Protocol):
 
     def twists(self, dx: Array) -> Array:
         """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
+        ...
+
+    def check_turns(self, factor: float) -> None:
+        """Raise ``FoldedElementError`` if the present state is none of the structure."""
+        ...
+
+    def turn_hint(self) -> str:
+        """What to say of the present state, if that may be why it does not go on."""
         ...
 
     def state(self) -> Any:
@@ -151,7 +160,7 @@ class _Follower:
         self._factor, self._length = 0.0, options.first_step * model.diameter
         self._twist: Array | None = None  # of the last step
         self._moved: Array
-        self._path = Path()
+        self._path, self._folded = Path(), ""
         self._passed = Passed(model.positions())
 
     def run(self, levels: Sequence[float]) -> Path:
@@ -174,6 +183,10 @@ class _Follower:
                 if not done:
                     count += 1
                     done = self._iterate(residual, load, cap, origin, first=count == 1)
+            if done:
+                model.check_turns(self._factor)
+        except FoldedElementError as error:
+            done, self._folded = False, f" It folds: {error}."
         except (_Lost, SingularMatrixError):
             done = False
         twist = model.twists(self._moved)
@@ -188,10 +201,11 @@ class _Follower:
             if self._length < options.smallest_step * model.diameter:
                 raise ConvergenceError(
                     f"no equilibrium beyond load factor {factor:g}: steps of "
-                    f"{2 * self._length:.1e} still fail",
+                    f"{2 * self._length:.1e} still fail.{self._folded or model.turn_hint()}",
                     path,
                 )
             return
+        self._folded = ""
         here = model.positions()
         self._twist = twist
         path.factors.append(self._factor)

@@ -210,6 +210,14 @@ class SceneEquilibrium:
         twists[:, 3:] *= self.diameter
         return twists
 
+    def check_turns(self, factor: float) -> None:
+        """See the protocol."""
+        self.system.check_turns(self._H, f"at load factor {factor:g}")
+
+    def turn_hint(self) -> str:
+        """See the protocol."""
+        return self.system.turn_hint(self._H)
+
     def state(self) -> _State:
         """See the protocol; angles of joints are counted on from here."""
         self.system.connections.accept(self._H)

@@ -12,6 +12,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from fem_lie.element_turns import FoldedElementError
 from fem_lie.results import Array, Result
 from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.linear import ConvergenceError
@@ -89,7 +90,7 @@ class Integration(ABC, Generic[Kept]):
         """
         if history.row == 0:
             self.start()
-            self._record(history)
+            self._keep(history)
         watch = Stopwatch(history.seconds)
         with history:
             while self.index < history.steps:
@@ -97,10 +98,20 @@ class Integration(ABC, Generic[Kept]):
                 history.seconds = watch.seconds
                 if not done:
                     raise ConvergenceError(self._failure(history.steps), self._result(history))
-                self._record(history)
+                self._keep(history)
                 if history.checkpoint_due(self.index):
                     history.write_checkpoint(self.index, self.memory())
         return self._result(history)
+
+    def _keep(self, history: Kept) -> None:
+        """Keep the present state, if it is one to be kept; its elements must not have folded."""
+        row = history.row
+        self._record(history)
+        try:
+            for kept in range(row, history.row):
+                self.system.turns.check(history.frames[kept], f"at time {history.times[kept]:g}")
+        except FoldedElementError as error:
+            raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

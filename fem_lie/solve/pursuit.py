@@ -13,6 +13,7 @@ from math import acos, inf, sqrt
 
 import numpy as np
 
+from fem_lie.element_turns import FoldedElementError
 from fem_lie.solve.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.locate import Bracket, bisect, critical
 from fem_lie.solve.path_result import PathState
@@ -120,6 +121,7 @@ class Pursuit:
                 if length < _SMALLEST * self._resolution:
                     found.reason = (
                         f"steps of {2 * length:.1e} still fail beyond load factor {here.factor:g}"
+                        f"{self._hint(here)}"
                     )
                 continue
             count += 1
@@ -144,6 +146,12 @@ class Pursuit:
             first = replace(first, sign=float(np.sign(self._fixed.rate(first.velocity, 1.0))))
         return replace(first, sign=-first.sign, iterations=0) if backwards else first
 
+    def _hint(self, here: Station) -> str:
+        """What to say of the state beyond which nothing goes."""
+        self.model.restore(here.state)
+        hint = self.model.turn_hint()
+        return f".{hint}" if hint else ""
+
     def _arc(self, here: Station) -> Arc:
         """The metric of a step: displacements over the largest so far."""
         moved = here.places - self._places
@@ -166,6 +174,12 @@ class Pursuit:
         except LostError as error:
             self.found.failed_steps += 1
             self.found.failed_iterations += error.iterations + 1
+            return None
+        try:
+            self.model.check_turns(new.factor)
+        except FoldedElementError as error:
+            self.found.reason = f"an element folds: {error}"
+            self.found.failed_iterations += new.iterations
             return None
         if self._fixed is None and self._bends(here, new, arc, length):
             self.found.failed_steps += 1

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._jit import Array, compiled
 from fem_lie.bodies import Point
+from fem_lie.element_turns import FoldedElementError
 from fem_lie.elements.shell_maps import retract
 from fem_lie.info import SceneInfo
 from fem_lie.joints import Connection
@@ -169,6 +170,7 @@ class LoadSteps:
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
+        self._folded = ""
         system.elastic.reset_stress(self.H)
         self._fill()
         self._scale[:] = system.tangent.constraint_scale(self.H)
@@ -232,6 +234,7 @@ class LoadSteps:
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
             f"{self.last:.2e} (tolerance {self._tolerance:g}). {self.advice()}"
+            f"{self._folded or self.system.turn_hint(self.H)}"
         )
 
     def advice(self) -> str:
@@ -255,7 +258,7 @@ class LoadSteps:
         system.set_time(factor, factor)
         self.H[system.count + 1 :] = system.prescribed_frames(factor)
         previous = np.inf
-        self.iterations = 0
+        self.iterations, self._folded = 0, ""
         while self.iterations < self._max:
             self.iterations += 1
             try:
@@ -267,6 +270,11 @@ class LoadSteps:
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
             # quadratic convergence: the next increment is this one times the ratio squared
             if self.last * ratio**2 <= self._tolerance:
+                try:
+                    system.check_turns(self.H, f"at load factor {factor:g}")
+                except FoldedElementError as error:
+                    self._folded = f" It folds: {error}."
+                    break
                 self._factors.append(factor)
                 self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))

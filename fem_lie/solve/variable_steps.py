@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from fem_lie._jit import Array
+from fem_lie.element_turns import FoldedElementError
 from fem_lie.results import Result
 from fem_lie.solve.growing_recorder import Growing, StepLog
 from fem_lie.solve.linear import ConvergenceError
@@ -124,6 +125,7 @@ class VariableSteps:
         self._stepper, self._control, self._recorder = stepper, control, recorder
         self._finer, self._parts, self._rejections = finer, parts, 0
         self._log = StepLog(stepper.system)
+        self._watch = Stopwatch()
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
 
     def integrate(self) -> Result:
@@ -134,15 +136,15 @@ class VariableSteps:
         """
         stepper, control = self._stepper, self._control
         stepper.begin(control.size)
+        self._watch, index, time = Stopwatch(), 0, 0.0
         self._keep(0.0, 0, 0, event=True)
-        watch, index, time = Stopwatch(), 0, 0.0
         with self._recorder:
             while not control.finished:
                 ended, iterations = self._attempt(time, index)
                 if control.size < control.smallest * (1.0 - 1e-9):
                     text = self._log.underflow(control, time, *self._last)
                     text += f". {stepper.reason}" if stepper.reason else ""
-                    raise ConvergenceError(text, self._completed(watch.seconds))
+                    raise ConvergenceError(text, self._completed(self._watch.seconds))
                 if not iterations:
                     continue
                 index, time = index + 1, ended
@@ -154,12 +156,18 @@ class VariableSteps:
                 if lands and not control.finished:
                     stepper.pass_event(time + side(time, stepper.h))
                     self._keep(time, index, 0, event=True)
-        return self._completed(watch.seconds)
+        return self._completed(self._watch.seconds)
 
     def _keep(self, time: float, index: int, iterations: int, *, event: bool) -> None:
         if self._recorder.wants(index, iterations, event):
             self._stepper.record(self._recorder, index, iterations)
             self._recorder.stamp(time)
+            try:
+                frames = self._recorder.frames[self._recorder.row - 1]
+                self._stepper.system.turns.check(frames, f"at time {time:g}")
+            except FoldedElementError as error:
+                result = self._completed(self._watch.seconds)
+                raise ConvergenceError(f"an element folds: {error}", result) from None
 
     def _completed(self, seconds: float) -> Result:
         return self._log.complete(self._recorder.result(self._stepper.factorisations, seconds))
