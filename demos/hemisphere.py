@@ -90,7 +90,7 @@ def main(
     if formulation not in FORMULATIONS:
         raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
     chosen = FORMULATIONS[formulation]
-    fl.follow_loads(pinched(thickness, quarter(2), chosen))  # compiles
+    fl.follow_loads(pinched(thickness, quarter(4), chosen))  # compiles
     result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh), chosen))
     moved = {name: result.position(f"hemisphere.{name}")[-1] for name in ("00", "10")}
     record = {

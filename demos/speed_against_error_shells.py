@@ -87,7 +87,7 @@ def main(
     print("element       method            mesh  unknowns    error  iter.   CPU s")
     for element in ELEMENTS:
         for method in STEPS:
-            measure(element, method, 2, 1)  # compiles
+            measure(element, method, meshes[0], 1)  # compiles
             for mesh in meshes:
                 row = measure(element, method, mesh, repeats)
                 if row is None:
