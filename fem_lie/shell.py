@@ -15,7 +15,7 @@ from fem_lie._jit import Array, Indices
 from fem_lie._patches import Patches
 from fem_lie._wanted import choice, instance, number
 from fem_lie.assembly import Assembly
-from fem_lie.bodies import NO_HOLDS, HeldRotation, Holds, vector
+from fem_lie.bodies import NO_HOLDS, HeldRotation, Holds, direction, vector
 from fem_lie.drilling import Parameters, drilling_stiffness
 from fem_lie.element_turns import Turning
 from fem_lie.elements.shell_formulation import HellingerReissner, ShellFormulation
@@ -293,10 +293,10 @@ def _axes(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Director | N
         x = mesh.points[mesh.cells]
         return np.asarray(x[:, 1] - x[:, 0])
     values = [along(centre) for centre in centres] if callable(along) else [along] * len(centres)
-    axes = np.array([vector(value, 3, "along") for value in values])
+    axes = np.array([direction(value, "along") for value in values])
     normals = mesh.normals.mean(axis=1)
     across = np.linalg.norm(np.cross(normals, axes), axis=1)
-    bad = np.flatnonzero(~(across > 1e-6 * np.linalg.norm(normals, axis=1) * 1.0))
+    bad = np.flatnonzero(~(across > 1e-6 * np.linalg.norm(normals, axis=1)))
     if len(bad):
         raise ValueError(
             f"along must not be normal to the surface; in cell {bad[0]}, at {centres[bad[0]]}, "

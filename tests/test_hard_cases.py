@@ -226,3 +226,21 @@ def test_too_large_a_step_fails_with_the_announced_error():
     with pytest.raises(fl.ConvergenceError, match="smaller step") as info:
         violent(0.1)
     assert info.value.result.times[0] == 0.0
+
+
+@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha, fl.EnergyMomentum])
+@pytest.mark.parametrize("policy", [fl.Automatic(), fl.EveryIteration(), fl.Never()])
+def test_a_failure_advises_what_can_help(scheme, policy):
+    """Steps that fail are done again with full iteration by all policies that may do so."""
+    scene = fl.Scene()
+    bar = scene.add(
+        fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, MATERIAL), cells=2)
+    )
+    scene.add(fl.Spherical(fl.ground(), bar.start))
+    bar.turn((0, 0, 300), about=bar.start)
+    with pytest.raises(fl.ConvergenceError, match="Try a smaller step") as info:
+        scheme(policy=policy, max_iterations=4).run(scene, duration=0.5, step=0.1, progress=False)
+    text = str(info.value)
+    assert ("policy" in text) == isinstance(policy, fl.Never) and "EveryIteration" not in text
+    loose = "a tolerance such as 1e-10" if scheme is fl.EnergyMomentum else "a larger tolerance"
+    assert loose in text

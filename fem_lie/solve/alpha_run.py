@@ -190,7 +190,8 @@ class Run(Integration[Recorder]):
         residual = float(np.abs(self.r).max())
         if self.reason:
             return f"step {self._index} of {steps} (time {self._end:g}) failed: {self.reason}"
-        return failure(self._index, steps, self.p.h, limit, self._increment, residual, tolerance)
+        rescued, reached = self.options.policy.rescue, self._increment
+        return failure(self._index, steps, self.p.h, limit, reached, residual, tolerance, rescued)
 
     def _step(self) -> int:
         """One step; returns its iterations, those that failed, too; 0 if all has failed.

@@ -182,7 +182,9 @@ class Run(Integration[History]):
         increment = float(self.numbers[loop.INCREMENT])
         largest = float(np.abs(self.this.r[0]).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
-        return failure(self.index + 1, steps, self.h, limit, increment, largest, tolerance)
+        rescued = self.options.policy.rescue
+        index = self.index + 1
+        return failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
 
     # --- loads ---
 

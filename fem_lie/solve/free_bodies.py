@@ -271,5 +271,7 @@ class Run:
     def _failure(self, index: int, steps: int, failed: Array) -> str:
         name = self.scene.bodies[int(failed[0])].label
         limit, tolerance = self.options.limit, self.options.tolerance
-        text = scheme.failure(index, steps, self.p.h, limit, failed[1], failed[2], tolerance)
+        rescued = self.options.rescue
+        reached = index, steps, self.p.h, limit, failed[1], failed[2]
+        text = scheme.failure(*reached, tolerance, rescued)
         return f"{name}: {text}"

@@ -72,12 +72,17 @@ def failure(
     increment: float,
     residual: float,
     tolerance: float,
+    rescued: bool,
 ) -> str:
-    """What to say of a step that failed."""
+    """What to say of a step that failed; ``rescued``: in spite of full iteration."""
+    looser = "a larger tolerance" if tolerance > 0.0 else "a tolerance such as 1e-10 for round-off"
+    remedies = ["Try a smaller step", looser]
+    if not rescued:
+        remedies.append("a policy that may make new matrices (Automatic())")
     return (
         f"step {index} of {steps} (time {index * step:g}) did not converge in {limit} iterations: "
-        f"last increment {increment:.2e}, residual {residual:.2e}, tolerance {tolerance:g}. Try a "
-        "smaller step, a larger tolerance, or policy=EveryIteration()"
+        f"last increment {increment:.2e}, residual {residual:.2e}, tolerance {tolerance:g}. "
+        f"{', or '.join(remedies)}"
     )
 
 

@@ -12,6 +12,8 @@ from fem_lie.solve.scheme import Scheme
 from fem_lie.solve.steps import State, extrapolate
 from fem_lie.system import System
 
+_LARGEST = 1e150  # the square of more is no number
+
 
 def check_velocities(system: System, step: float) -> None:
     """Check the initial velocities of the bodies against clamps and joints.
@@ -100,7 +102,7 @@ def accelerations(
         Shapes (n, 6) and (m,).
 
     Raises:
-        ValueError: The mass matrix is singular.
+        ValueError: The mass matrix is singular, or forces are beyond the range of numbers.
         InaccurateSolutionError: No solver could solve the equations.
     """
     n, m = system.count, system.m
@@ -120,6 +122,9 @@ def accelerations(
     r[6 * n :] = second + drive - system.connections.target_rates(time, step)[1]
     scale = _fill(system, H, step)
     r[6 * n :] *= scale
+    largest = float(np.abs(r).max(initial=0.0))
+    if not largest < _LARGEST:
+        raise ValueError(f"forces at the start are {largest:.1e}: too large to be computed with")
     try:
         solver.factorise()
         solver.solve()
