@@ -153,7 +153,7 @@ class Run(Integration[Recorder]):
 
     def _record(self, history: Recorder) -> None:
         s = self.s
-        state = s.H, s.twist1, self.weights
+        state = s.H, s.twist1, s.rate1, self.weights
         history.record(self._index, *state, self._iterations, self.books.total)
 
     def _result(self, history: Recorder) -> Result:

@@ -236,7 +236,8 @@ class AlphaSteps(Run):
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """See the protocol."""
         s = self.s
-        recorder.record(index, s.H, s.twist1, self.weights, iterations, self.books.total)
+        state = s.H, s.twist1, s.rate1, self.weights
+        recorder.record(index, *state, iterations, self.books.total)
 
     # --- what changes in a step ---
 

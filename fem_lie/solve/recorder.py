@@ -62,6 +62,7 @@ class History:
             "frames": (rows, n, 4, 3),
             "velocities": (rows, n, 6),
             "joint_forces": (rows, len(info.joints), 6),
+            "reactions": (rows, len(info.supports.at), 6),
             "joint_violations": (rows, len(info.joints)),
             "joint_coordinates": (rows, sum(len(joint.coordinates) for joint in info.joints)),
             "invariants": (rows, 7),
@@ -83,6 +84,7 @@ class History:
         )
         self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
         self.joint_violations = arrays["joint_violations"]
+        self.reactions = arrays["reactions"]
         self.joint_coordinates = arrays["joint_coordinates"]
         self.elastic, self.potential = arrays["elastic"], arrays["potential"]
         self.balance, self.impulses = arrays["balance"], arrays["impulses"]
@@ -171,6 +173,7 @@ class History:
             frames=self.frames[keep],
             velocities=self.velocities[keep],
             joint_forces=self.joint_forces[keep],
+            reactions=self.reactions[keep],
             joint_coordinates=self.joint_coordinates[keep],
             joint_violations=self.joint_violations[keep],
             kinetic=self.invariants[keep, 0],
@@ -211,6 +214,7 @@ class Recorder(History):
         index: int,
         H: Array,
         v: Array,
+        a: Array,
         multipliers: Array,
         iterations: int,
         booked: Array,
@@ -228,6 +232,7 @@ class Recorder(History):
         forces, coordinates, violations = system.report_joints(H, v, multipliers)
         self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
         self.joint_violations[row] = violations
+        self.reactions[row] = system.reactions(H, v, a, multipliers)
         self.potential[row] = system.report(H, v, self.invariants[row])
         self.elastic[row] = system.stored_energy(H)
         self.book(row, booked)
