@@ -249,6 +249,15 @@ class Assembly:
         """Carry again what was carried when it was copied."""
         self.carried[:] = carried
 
+    def reset(self, carried: Array) -> None:
+        """Be as when it was made; ``carried``: what was carried then."""
+        self.restore(carried)
+        self._forms.increment.x.array[:] = 0.0
+        if self._eigenstrain is not None:
+            self._eigenstrain.x.array[:] = 0.0
+            self._residual.pack()
+            self._energy.pack()
+
     def settle(self, H: Array) -> None:
         """Make the cells' own unknowns those of frames ``H``, if forces there depend on them.
 

@@ -189,6 +189,10 @@ class Body:
         """
         return True
 
+    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+        """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
+        return self.drills(holds), None
+
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -12,8 +14,10 @@ from fem_lie._wanted import choice, instance, shown
 from fem_lie.bodies import Body, HeldRotation, Holds, vector
 from fem_lie.choices import Choices, Redundant
 from fem_lie.held_rotations import Holding, held_by
-from fem_lie.joints import Connection, Joint, RigidLink
+from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.loads import Clamp, Load, PrescribedMotion
+from fem_lie.numbering import Numbering
+from fem_lie.shared_setup import SharedSetup
 
 if TYPE_CHECKING:
     from fem_lie.plot import Units
@@ -62,6 +66,7 @@ class Scene:
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
+        self._shared: SharedSetup | None = None
 
     def add(self, item: Item) -> Item:
         """Add a body, joint, spring, drive, load, support and so on, and return it.
@@ -124,6 +129,73 @@ class Scene:
         """
         self._check_points("drills", body)
         return body.drills(self.held_rotations().get(body, ()))
+
+    def with_loads(self, *loads: Load, gravity: npt.ArrayLike | None = None) -> Scene:
+        """The same scene under other loads, for sweeps: nothing else is set up anew.
+
+        Bodies, joints, springs, supports and motions are those of this scene. The nodes' numbering,
+        the assembled forms of the elements and their inertia are shared by all scenes that were
+        made from one; results are to the last bit those of a scene that is built anew. Change
+        nothing of the bodies meanwhile: all would be set up anew.
+
+        Args:
+            loads: All loads of the new scene; those of this one are left out.
+            gravity: Acceleration of free fall, global components; default: that of this scene.
+
+        Raises:
+            ValueError: A load is bad in itself, or on a body that is not in the scene.
+        """
+        scene = self._copy(self.connections)
+        if gravity is not None:
+            scene.gravity = vector(gravity, 3, "gravity")
+        for load in loads:
+            instance(load, Load, "Scene.with_loads", "a load")
+            scene.add(load)
+        return scene
+
+    def with_drives(self, functions: Mapping[Drive, Callable[[float], float] | None]) -> Scene:
+        """The same scene and loads with other functions of drives, see :meth:`with_loads`.
+
+        Args:
+            functions: The new function of each drive that changes; results may be asked for it by
+                the old drive.
+
+        Raises:
+            ValueError: A drive is not in the scene, or its function does not start at the
+                coordinate's value.
+        """
+        strange = [drive for drive in functions if drive not in self.connections]
+        if strange:
+            raise ValueError(f"{strange[0].label} is not in the scene; add it first")
+        changed = [
+            replace(item, function=functions[item])
+            if isinstance(item, Drive) and item in functions
+            else item
+            for item in self.connections
+        ]
+        for item in changed:
+            item.check()
+        scene = self._copy(changed)
+        scene.loads = list(self.loads)
+        return scene
+
+    def _copy(self, connections: Sequence[Connection]) -> Scene:
+        """The same without loads; what is set up is shared."""
+        scene = Scene(self.gravity, choices=self.choices, redundant=self.redundant)
+        scene.bodies, scene.joints = list(self.bodies), list(self.joints)
+        scene.connections, scene.links = list(connections), list(self.links)
+        scene.clamps, scene.motions = list(self.clamps), list(self.motions)
+        self._shared = self._shared or SharedSetup()
+        scene._shared = self._shared
+        return scene
+
+    def numbered(self) -> Numbering:
+        """The numbering of its nodes, with the assembled forms of the elements, made anew."""
+        return Numbering(self.bodies, self.links, self.held_rotations())
+
+    def numbering_for(self, user: object) -> Numbering:
+        """The same, shared with scenes that differ in loads and drives alone, if there are any."""
+        return self.numbered() if self._shared is None else self._shared.numbering(self, user)
 
     def picture(
         self,

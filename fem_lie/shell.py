@@ -148,6 +148,11 @@ class Shell(SupportedSurface):
             return False
         return self.parameters is Parameters.SIX or self._has_kinks or bool(holds)
 
+    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+        """See the base class."""
+        drills = self.drills(holds)
+        return drills, self.drilling_stiffness(holds) if drills else None
+
     def drilling_stiffness(self, holds: Sequence[HeldRotation]) -> Array:
         """γ of each cell, see :mod:`fem_lie.drilling`, shape (m,).
 

@@ -10,36 +10,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from fem_lie._jit import Array
-from fem_lie.bodies import Body, Point
 from fem_lie.scene import Scene
 from fem_lie.system import System
-
-_OF_A_BODY = (
-    "frames",
-    "velocities",
-    "leaders",
-    "elements",
-    "connectivity",
-    "lengths",
-    "stiffness",
-    "density",
-    "gram",
-    "damping",
-    "axes",
-    "formulation",
-    "group",
-    "drills",
-    "held",
-    "supports",
-)
-"""Attributes, of those that a body has, on which equations depend."""
+from fem_lie.told import Told, attributes, told_of_body
 
 _DIGEST = "digest "
 _SHORT = 60
@@ -62,7 +40,7 @@ class Fingerprint:
         """
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
-        self._told = _Told(system.scene)
+        self._told = Told(system.scene.bodies)
         self._add("scheme", type(scheme))
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
@@ -83,10 +61,9 @@ class Fingerprint:
         for name in ("gravity", "redundant", "choices"):
             self._add(name, getattr(scene, name))
         for k, body in enumerate(scene.bodies, start=1):
-            for name in _OF_A_BODY:
-                if hasattr(body, name):
-                    value = getattr(body, name)
-                    self._add(f"{name} of body {k}", value, f"{name} of {body.label}")
+            for name, value in told_of_body(body):
+                self._add(f"{name} of body {k}", value, f"{name} of {body.label}")
+            self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
                 ("ties", (type(item), item.size, item.ties())),
@@ -97,7 +74,7 @@ class Fingerprint:
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
         for kind in ("links", "loads", "clamps", "motions"):
             for k, item in enumerate(getattr(scene, kind), start=1):
-                for name, value in _attributes(item):
+                for name, value in attributes(item):
                     what = f"{name} of {kind[:-1]} {k}"
                     self._add(what, value, f"{what} ({type(item).__name__})")
 
@@ -168,50 +145,3 @@ def _brief(text: bytes) -> str:
     if len(text) <= _SHORT:
         return text.decode()
     return _DIGEST + hashlib.sha256(text).hexdigest()[:32]
-
-
-class _Told:
-    """Says in bytes what a thing is, the same in any process.
-
-    Of functions nothing is told: what they return is compared elsewhere.
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        """Bodies are told by their numbers in the scene."""
-        self._number = {body: number for number, body in enumerate(scene.bodies, start=1)}
-
-    def of(self, value: Any) -> bytes:
-        """Numbers to their last bit."""
-        if isinstance(value, np.ndarray):
-            if value.size <= 6:
-                return repr(value.tolist()).encode()
-            return b"%r %r " % (value.shape, value.dtype.str) + value.tobytes()
-        if isinstance(value, Body):
-            return b"body %d" % self._number[value]
-        if isinstance(value, Point):
-            return b"ground" if value.body is None else self.of((value.body, value.node))
-        if isinstance(value, Enum):
-            return str(value).encode()
-        if value is None or isinstance(value, bool | int | float | str | np.generic):
-            return repr(value).encode()
-        if isinstance(value, list | tuple | range):
-            return b"(" + b", ".join(map(self.of, value)) + b")"
-        if isinstance(value, dict):
-            return self.of(list(value.items()))
-        return self._of_object(value)
-
-    def _of_object(self, value: Any) -> bytes:
-        if isinstance(value, type):
-            return value.__qualname__.encode()
-        if callable(value):
-            return b"function"
-        return type(value).__qualname__.encode() + self.of(_attributes(value))
-
-
-def _attributes(value: Any) -> list[tuple[str, Any]]:
-    names = (
-        [f.name for f in fields(value)]
-        if is_dataclass(value)
-        else sorted(getattr(value, "__dict__", ()))
-    )
-    return [(name, getattr(value, name)) for name in names]
