@@ -33,7 +33,6 @@ from fem_lie.imperfections import (
     RandomImperfection,
     imperfect,
 )
-from fem_lie.inertia import gram_from_rigid
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import (
     Collar,
@@ -234,7 +233,6 @@ __all__ = [
     "follow_loads",
     "follow_path",
     "from_dolfinx",
-    "gram_from_rigid",
     "ground",
     "imperfect",
     "local_frame_forms",

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fem_lie.info import BodyInfo, JointInfo, SceneInfo, SupportInfo
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 7
+_FORMAT, _VERSION = "fem_lie results", 6
 _NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
 _OTHERS = (*_NUMBERS, "info", "steps")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in _OTHERS)
@@ -42,24 +43,30 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
         unfinished.unlink(missing_ok=True)
 
 
-def create(path: Path, info: SceneInfo, arrays: dict[str, np.ndarray]) -> None:
-    """Write a file with room for ``arrays``, to be filled in by :func:`pages`.
+def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
+    """Write a file with room for rows of arrays, see :mod:`fem_lie._results_rows`.
 
-    The structure of the file never changes after that: a process that is killed leaves it whole.
+    Args:
+        path: Of the file.
+        info: Bodies and joints.
+        shapes: Of a row of each array.
+        rows: How many of each there will be at most.
     """
     import h5py
 
+    kinds = dict.fromkeys(shapes, np.dtype(np.float64)) | {"iterations": np.dtype(np.int64)}
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with h5py.File(unfinished, "w") as file:
             file.attrs.update({"format": _FORMAT, "version": _VERSION})
             for name in _NUMBERS:
-                file.attrs[name] = 0
+                file.attrs[name] = 0.0
             properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
             properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-            for name, array in {**arrays, "rows": np.zeros(1, dtype=np.int64)}.items():
-                kind = h5py.h5t.py_create(array.dtype, logical=True)
-                space = h5py.h5s.create_simple(array.shape)
+            whole = {name: (rows, *shape) for name, shape in shapes.items()}
+            for name, shape in (*whole.items(), ("rows", (1,))):
+                kind = h5py.h5t.py_create(kinds.get(name, np.dtype(np.int64)), logical=True)
+                space = h5py.h5s.create_simple(shape)
                 h5py.h5d.create(file.id, name.encode(), kind, space, properties)
             _write_info(file, info)
         os.replace(unfinished, path)
@@ -67,35 +74,13 @@ def create(path: Path, info: SceneInfo, arrays: dict[str, np.ndarray]) -> None:
         unfinished.unlink(missing_ok=True)
 
 
-def pages(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of a file made by :func:`create` and ``rows``, the number of valid ones.
-
-    They are mapped into memory: what is written to them is in the file.
-    """
-    import h5py
-
-    found: dict[str, np.ndarray] = {}
-    with h5py.File(path, "r") as file:
-        places = {
-            name: (item.id.get_offset(), item.dtype, item.shape)
-            for name, item in file.items()
-            if isinstance(item, h5py.Dataset)
-        }
-    for name, (offset, kind, shape) in places.items():
-        if offset is None:  # an array without values has no place
-            found[name] = np.empty(shape, dtype=kind)
-        else:
-            found[name] = np.memmap(path, dtype=kind, mode="r+", offset=offset, shape=shape)
-    return found
-
-
 def finish(path: Path, numbers: dict[str, float]) -> None:
-    """Set factorisations and seconds of a file made by :func:`create`."""
+    """Set factorisations and seconds of a file made by :func:`create`, where they are."""
     import h5py
 
     with h5py.File(path, "r+") as file:
         for name in _NUMBERS:
-            file.attrs[name] = numbers[name]
+            file.attrs.modify(name, float(numbers[name]))
 
 
 def _write_info(file: Any, info: SceneInfo) -> None:
@@ -104,8 +89,6 @@ def _write_info(file: Any, info: SceneInfo) -> None:
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
         _write_joint(file.create_group(f"joints/{i}"), joint)
-    for field in fields(SupportInfo):
-        file[f"supports/{field.name}"] = getattr(info.supports, field.name)
 
 
 def read(path: str | os.PathLike[str]) -> Result:
@@ -154,7 +137,6 @@ def _read(file: Any) -> Result:
             tuple(_read_body(group) for group in _groups(file, "bodies")),
             tuple(_read_joint(group) for group in _groups(file, "joints")),
             float(file.attrs["mass"]),
-            SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
         ),
     )
 

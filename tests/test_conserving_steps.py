@@ -228,7 +228,7 @@ def test_what_there_is_not_is_refused_before_a_file_is_made(tmp_path):
     scheme, file = fl.EnergyMomentum(), tmp_path / "run.h5"
     with pytest.raises(ValueError, match="with constant steps only"):
         scheme.run(scene, duration=1.0, step=fl.AdaptiveStep(1e-3), file=file)
-    with pytest.raises(ValueError, match="tolerance must be positive, got 0"):
+    with pytest.raises(ValueError, match="tolerance must be a positive finite number, got 0"):
         scheme.run(scene, duration=1.0, step=fl.AdaptiveStep(0.0))
     with pytest.raises(ValueError, match="redundant constraints: use GeneralisedAlpha"):
         redundant, _, _ = bars()

@@ -11,6 +11,7 @@ from fem_lie.groups import move
 from fem_lie.solve import free_bodies, free_body, scheme
 from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.saving import Saving
 from fem_lie.system import System
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
@@ -42,13 +43,13 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
     # the compiled loop has all terms in its matrix
     scene.choices = fl.Choices(gyroscopic=True)
     run = Run(options, System(scene, dynamics=True), step)
-    return run.integrate(Recorder(run.system, steps, step, 1, False))
+    return run.integrate(Recorder(run.system, steps, step, Saving(), False))
 
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     for body in scene.bodies:
         body.group = fl.Group.R3xSO3
-    return free_bodies.Run(options, scene, step).integrate(steps, 1, False)
+    return free_bodies.Run(options, scene, step).integrate(steps, Saving(), False)
 
 
 # --- the same as by the other road --------------------------------------------------------------
@@ -102,9 +103,10 @@ def test_several_bodies_are_as_exact_as_the_general_road():
 
 def test_which_scenes_take_the_compiled_loop(caplog):
     class Mine(fl.Policy):
-        def fresh(self):
-            return self
+        def begin(self, bound):
+            return Always()
 
+    class Always(fl.Decisions):
         def before_iteration(self, iteration):
             return True
 

@@ -315,12 +315,12 @@ def test_step_that_does_not_converge_is_tried_smaller():
 @pytest.mark.parametrize(
     ("choice", "message"),
     [
-        (fl.AdaptiveStep(0.0), "tolerance must be positive, got 0.0"),
-        (fl.AdaptiveStep(1e-3, rotation_tolerance=-1.0), "rotation_tolerance must be positive"),
+        (fl.AdaptiveStep(0.0), "tolerance must be a positive finite number, got 0.0"),
+        (fl.AdaptiveStep(1e-3, rotation_tolerance=-1.0), "rotation_tolerance must be a positive"),
         (fl.AdaptiveStep(1e-3, first=2.0, largest=0.5), "smallest ≤ first ≤ largest"),
         (fl.AdaptiveStep(1e-3, events=(1.5,)), r"events must be in \(0, 1\), got \[1.5\]"),
         (fl.AdaptiveStep(1e-3, refinement=0), "refinement must be at least 1, got 0"),
-        (fl.ConstantStep(-1.0), "the step must be positive, got -1.0"),
+        (fl.ConstantStep(-1.0), "the step must be a positive finite number, got -1.0"),
         (fl.ConstantStep(0.3), "duration 1.0 is not a multiple of the step 0.3"),
     ],
 )

@@ -24,6 +24,7 @@ from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import Decisions, EveryIteration, Update
 from fem_lie.solve.projection import project
 from fem_lie.solve.recorder import Recorder
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.scheme import (
     DIVERGED,
     ROTATION,
@@ -89,10 +90,10 @@ class Run(Integration[Recorder]):
         self.books = Books(system)
 
     def history(
-        self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
-        return Recorder(self.system, steps, self.h, save_every, progress, store)
+        return Recorder(self.system, steps, self.h, saving, progress, store)
 
     @property
     def index(self) -> int:
@@ -151,10 +152,10 @@ class Run(Integration[Recorder]):
         s = self.s
         self.books.add(self.h, end, s.H, s.twist1, s.rate1, self.weights)
 
-    def _record(self, history: Recorder) -> None:
+    def _record(self, history: Recorder) -> bool:
         s = self.s
-        state = s.H, s.twist1, s.rate1, self.weights
-        history.record(self._index, *state, self._iterations, self.books.total)
+        state = s.H, s.twist1, self.weights
+        return history.record(self._index, *state, self._iterations, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)

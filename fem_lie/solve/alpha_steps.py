@@ -26,6 +26,7 @@ from fem_lie.results import Result
 from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.growing_recorder import GrowingRecorder
 from fem_lie.solve.kept_factors import KeptFactors, OrMissing
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.scheme import ROTATION, ROUND_OFF, parameters
 from fem_lie.solve.start import (
     allowed_velocities,
@@ -56,12 +57,12 @@ def run(
     system: System,
     duration: float,
     choice: StepChoice,
-    save_every: int,
+    saving: Saving,
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
     control = choice.control(duration, system.length, ORDER)
-    recorder = GrowingRecorder(system, duration, save_every, progress)
+    recorder = GrowingRecorder(system, duration, saving, progress)
     stepper, finer = AlphaSteps(options, system, control), None
     if choice.refinement > 1:
         finer = AlphaSteps(options, system, control)
@@ -236,8 +237,7 @@ class AlphaSteps(Run):
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """See the protocol."""
         s = self.s
-        state = s.H, s.twist1, s.rate1, self.weights
-        recorder.record(index, *state, iterations, self.books.total)
+        recorder.fill(0.0, s.H, s.twist1, self.weights, self.books.total)
 
     # --- what changes in a step ---
 

@@ -38,6 +38,7 @@ from fem_lie.solve import conserving_steps
 from fem_lie.solve.conserving_run import Options, Run
 from fem_lie.solve.integrator import Integrator, check_kinds
 from fem_lie.solve.policies import Automatic, Policy
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.step_control import StepChoice
 from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.system import System
@@ -83,11 +84,11 @@ class EnergyMomentum(Integrator):
         scene: Scene,
         duration: float,
         choice: StepChoice,
-        save_every: int,
+        saving: Saving,
         progress: bool | None,
     ) -> Result:
         system, options = self._system(scene), self._told()
-        return conserving_steps.run(options, system, duration, choice, save_every, progress)
+        return conserving_steps.run(options, system, duration, choice, saving, progress)
 
     def _told(self) -> Options:
         return Options(self.tolerance, self.policy, self.max_iterations)

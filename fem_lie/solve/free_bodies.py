@@ -26,6 +26,7 @@ from fem_lie.solve import free_body, scheme
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import refuse_ranks
 
@@ -196,10 +197,10 @@ class Run:
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
         free_body.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
-    def integrate(self, steps: int, save_every: int, progress: bool | None) -> Result:
+    def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
         """All steps; see :meth:`GeneralisedAlpha.run`."""
         info = SceneInfo(self.numbering.bodies(), (), float(self.bodies.mass.sum()))
-        history = History(info, steps, self.p.h, save_every, progress)
+        history = History(info, steps, self.p.h, saving, progress)
         self.start()
         history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
         start = np.zeros(1, dtype=np.int64)
@@ -208,9 +209,12 @@ class Run:
         self._advance(history, range(1, 1), failed)  # compilation is not integration
         watch = Stopwatch()
         chunk = max(1, min(history.refresh, _CHUNK // self.numbering.count))
+        chunk = min(chunk, history.room or chunk)
         with history:
             for first in range(1, steps + 1, chunk):
                 wanted = range(first, min(first + chunk, steps + 1))
+                if history.room:
+                    history.make_room(len(wanted))
                 last, count, made = self._advance(history, wanted, failed, count)
                 factorisations += made
                 if last and history.show:

@@ -24,6 +24,7 @@ from fem_lie.solve.alpha_run import Run
 from fem_lie.solve.integrator import Integrator, check_kinds
 from fem_lie.solve.options import Components, Index
 from fem_lie.solve.policies import Automatic, Policy
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.step_control import StepChoice
 from fem_lie.system import System
 
@@ -85,16 +86,16 @@ class GeneralisedAlpha(Integrator):
         scene: Scene,
         duration: float,
         choice: StepChoice,
-        save_every: int,
+        saving: Saving,
         progress: bool | None,
     ) -> Result:
-        return alpha_steps.run(self, self._system(scene), duration, choice, save_every, progress)
+        return alpha_steps.run(self, self._system(scene), duration, choice, saving, progress)
 
     def _compiled(
-        self, scene: Scene, steps: int, step: float, save_every: int, progress: bool | None
+        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
     ) -> Result | None:
         exponential = self.parametrisation == Parametrisation.EXPONENTIAL
         if not (exponential and free_bodies.applies(scene, self.policy)):
             return None
         _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
-        return free_bodies.Run(self, scene, step).integrate(steps, save_every, progress)
+        return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)

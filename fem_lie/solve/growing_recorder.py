@@ -10,6 +10,7 @@ from tqdm import tqdm
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
 from fem_lie.solve.recorder import History, Recorder
+from fem_lie.solve.saving import NEAR, Saving
 from fem_lie.solve.step_control import Control
 from fem_lie.solve.time_error import StepError
 from fem_lie.step_history import StepHistory
@@ -22,62 +23,66 @@ _PERCENT = 100
 class Growing(History):
     """A history for steps of any number and size; its bar shows the time."""
 
-    def _grow_with(self, duration: float, save_every: int, progress: bool | None) -> None:
-        self._duration, self._wanted = duration, save_every
+    def _grow_with(self, duration: float, saving: Saving, progress: bool | None) -> None:
+        self._duration, self._saving, self._before = duration, saving, 0.0
         # ``None``: not where there is no terminal
         hidden = None if progress is None else not progress
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
 
-    def wants(self, index: int, iterations: int, event: bool) -> bool:
-        """Whether the step ``index`` is one to be kept; then there is room for it.
+    def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
+        """Whether the state after step ``index`` is to be filled in; then there is room for it.
 
-        Events are: with two rows, of the sides before and after, and so are start and end.
+        Args:
+            time: Of the state.
+            ahead: Largest size of the next step: times may be between its ends.
+            index: Steps made.
+            iterations: Of the last one.
+            event: Whether something jumps there: two rows are kept, of the sides before and after.
+                So are start and end.
         """
-        if index % self._wanted and not event:
-            return False
-        if self.row == len(self.times):
-            self._grow()
-        return True
+        times = self._saving.times
+        if times is None:
+            wanted = event or index % self._saving.every == 0
+        else:
+            slack = NEAR * ahead
+            first, end = np.searchsorted(times, [self._before - slack, time + ahead + slack])
+            wanted = bool(first < end)
+        self._before = time
+        self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
+        if wanted:
+            self.make_room()
+        return wanted
 
     def stamp(self, time: float) -> None:
         """Say at what time the last row is."""
         self.times[self.row - 1] = time
-        self._bar.update(int(_PERCENT * time / self._duration) - self._bar.n)
-
-    def _grow(self) -> None:
-        rows = len(self.times)
-        for name, old in vars(self).items():
-            if isinstance(old, np.ndarray) and len(old) == rows:
-                setattr(self, name, np.concatenate([old, np.empty_like(old)]))
 
 
 class GrowingHistory(Growing):
     """Of a scheme that fills the rows itself."""
 
     def __init__(
-        self, info: SceneInfo, duration: float, save_every: int, progress: bool | None
+        self, info: SceneInfo, duration: float, saving: Saving, progress: bool | None
     ) -> None:
         """For a run of the given duration; see :class:`~fem_lie.solve.recorder.History`."""
-        super().__init__(info, _ROWS, 1.0, 1, False)
-        self._grow_with(duration, save_every, progress)
+        super().__init__(info, _ROWS, 1.0, Saving(1, saving.times), False)
+        self._grow_with(duration, saving, progress)
 
 
 class GrowingRecorder(Growing, Recorder):
     """That takes what it keeps from the equations of a scene."""
 
     def __init__(
-        self, system: System, duration: float, save_every: int, progress: bool | None
+        self, system: System, duration: float, saving: Saving, progress: bool | None
     ) -> None:
         """As :class:`GrowingHistory`, for the equations ``system``."""
-        Recorder.__init__(self, system, _ROWS, 1.0, 1, False)
-        self._grow_with(duration, save_every, progress)
+        Recorder.__init__(self, system, _ROWS, 1.0, Saving(1, saving.times), False)
+        self._grow_with(duration, saving, progress)
 
-    def wants(self, index: int, iterations: int, event: bool) -> bool:
+    def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
         """See the base class; iterations are counted in any case."""
-        wanted = super().wants(index, iterations, event)
-        if not wanted:
-            self._count += iterations
-        return wanted
+        self._count += iterations
+        return super().due(time, ahead, index, iterations, event)
 
 
 @dataclass

@@ -18,6 +18,7 @@ from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system import System
 
@@ -53,7 +54,7 @@ class Integration(ABC, Generic[Kept]):
 
     @abstractmethod
     def history(
-        self, steps: int, save_every: int, progress: bool | None, store: Checkpoints | None
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Kept:
         """Where results go; see :class:`~fem_lie.solve.recorder.History`."""
 
@@ -71,8 +72,8 @@ class Integration(ABC, Generic[Kept]):
         """Go on to the next step at which there is something to do; whether it was reached."""
 
     @abstractmethod
-    def _record(self, history: Kept) -> None:
-        """Keep the present state, if it is one to be kept."""
+    def _record(self, history: Kept) -> bool:
+        """Keep the present state, if it is one to be kept; whether it was."""
 
     @abstractmethod
     def _result(self, history: Kept) -> Result:
@@ -88,7 +89,7 @@ class Integration(ABC, Generic[Kept]):
         Raises:
             ConvergenceError: A step failed; its ``result`` holds what was computed.
         """
-        if history.row == 0:
+        if history.fresh:
             self.start()
             self._keep(history)
         watch = Stopwatch(history.seconds)
@@ -105,11 +106,11 @@ class Integration(ABC, Generic[Kept]):
 
     def _keep(self, history: Kept) -> None:
         """Keep the present state, if it is one to be kept; its elements must not have folded."""
-        row = history.row
-        self._record(history)
+        if not self._record(history):
+            return
+        row = history.row - 1
         try:
-            for kept in range(row, history.row):
-                self.system.turns.check(history.frames[kept], f"at time {history.times[kept]:g}")
+            self.system.turns.check(history.frames[row], f"at time {history.times[row]:g}")
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._wanted import instance, number
 from fem_lie.results import Result
@@ -19,6 +20,7 @@ from fem_lie.solve.checkpoints import Checkpoints, Plan, require_files
 from fem_lie.solve.fingerprint import Fingerprint
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.policies import Policy
+from fem_lie.solve.saving import Saving
 from fem_lie.solve.step_control import StepChoice
 from fem_lie.system import System
 
@@ -33,6 +35,7 @@ class Integrator(ABC):
         duration: float,
         step: float | StepChoice,
         save_every: int = 1,
+        save_at: float | npt.ArrayLike | None = None,
         progress: bool | None = None,
         file: str | os.PathLike[str] | None = None,
         checkpoint_every: int | None = None,
@@ -44,7 +47,12 @@ class Integrator(ABC):
             duration: End time; a multiple of ``step``.
             step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
                 or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too.
-            save_every: Keep every so many steps.
+            save_every: Keep every so many steps, and the last one.
+            save_at: Keep instead the states at these times, increasing, or at all multiples of an
+                interval and at the end, whatever the steps are. Between two steps they are as
+                :meth:`~fem_lie.Result.resampled` has them: frames and velocities by cubics on
+                SE(3), of fourth order in the step; forces, energies and momenta linearly. Where
+                something jumps at a named event, that of the side after it counts.
             progress: Show a bar; default: if standard error is a terminal.
             file: Where results go as they are made, instead of into memory; the result reads them
                 from there. With it :meth:`resume` can go on after an interruption.
@@ -53,33 +61,35 @@ class Integrator(ABC):
         Raises:
             ValueError: Bad options or scene, before anything is computed.
             ConvergenceError: A step failed; its ``result`` holds what was computed.
+            OSError: Results cannot be written, as on a full disk; the message names the file and
+                the time that was reached. What was written before can be read.
         """
         require_scene(scene)
         number(duration, "duration")
         instance(save_every, int | np.integer, "save_every", "a whole number")
-        if save_every < 1:
-            raise ValueError(f"save_every must be at least 1, got {save_every}")
         if isinstance(step, StepChoice):
             if file is not None or checkpoint_every is not None:
                 raise ValueError("results go to a file as they are made with constant steps only")
             if not (np.isfinite(duration) and duration > 0):
                 raise ValueError(f"duration must be positive, got {duration}")
             step.check(duration)
-            return self._follow(scene, duration, step, save_every, progress)
+            saving = Saving.chosen(save_every, save_at, duration)
+            return self._follow(scene, duration, step, saving, progress)
         steps = _number_of_steps(duration, step)
+        saving = Saving.chosen(save_every, save_at, steps * step)
         if file is None:
             if checkpoint_every is not None:
                 raise ValueError("checkpoint_every needs a file to which results go")
-            result = self._compiled(scene, steps, step, save_every, progress)
+            result = self._compiled(scene, steps, step, saving, progress)
             if result is not None:
                 return result
         system, store = self._system(scene), None
         if file is not None:
             every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
-            plan = Plan(steps, step, save_every)
+            plan = Plan(steps, step, saving)
             store = Checkpoints(file, every, plan, Fingerprint(system, self))
         run = self._integration(system, step)
-        return run.integrate(run.history(steps, save_every, progress, store))
+        return run.integrate(run.history(steps, saving, progress, store))
 
     def resume(
         self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
@@ -103,9 +113,9 @@ class Integrator(ABC):
         require_files(Path(file))
         system = self._system(scene)
         store = Checkpoints.resume(file, Fingerprint(system, self))
-        steps, step, save_every = store.plan
+        steps, step, saving = store.plan
         run = self._integration(system, step)
-        history = run.history(steps, save_every, progress, store)
+        history = run.history(steps, saving, progress, store)
         run.restore(store.memory)
         return run.integrate(history)
 
@@ -123,13 +133,13 @@ class Integrator(ABC):
         scene: Scene,
         duration: float,
         choice: StepChoice,
-        save_every: int,
+        saving: Saving,
         progress: bool | None,
     ) -> Result:
         """A run with the steps of ``choice``."""
 
     def _compiled(
-        self, scene: Scene, steps: int, step: float, save_every: int, progress: bool | None
+        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
     ) -> Result | None:
         """The result for a scene that needs no matrix, if the scheme has a loop for such."""
         return None

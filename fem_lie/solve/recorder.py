@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import sys
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-from fem_lie import balances
 from fem_lie._jit import Array, Indices
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
 from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.saving import Saving
+from fem_lie.solve.window import Window
 from fem_lie.system import System
 
 
-class History:
-    """Arrays of results, and a progress bar.
-
-    With a file the arrays are its pages: they cost no memory, and what was written is there when
-    the process is killed.
+class History(Window):
+    """Arrays of results of constant steps, and a progress bar.
 
     Attributes:
         steps: Number of steps to come.
-        every: Every so many steps are kept, and the last one.
-        row: Where the next step to be kept goes.
+        every: Every so many steps are filled in, and the last one, if there are no times.
         refresh: Steps between two states of the bar, ``steps`` if it is not shown.
-        balance: Work, damping, numerical loss, see :mod:`fem_lie.balances`, shape (T, 3); zero
-            where a row is not yet written, as ``impulses`` are.
-        impulses: Of loads and reactions, shape (T, 2, 6).
         seconds: Wall time before a checkpoint from which the run was resumed.
     """
 
@@ -39,7 +32,7 @@ class History:
         info: SceneInfo,
         steps: int,
         step: float,
-        save_every: int,
+        saving: Saving,
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
@@ -49,49 +42,15 @@ class History:
             info: Bodies and joints.
             steps: Number of steps.
             step: Step size.
-            save_every: Keep every so many steps, the last one in any case.
+            saving: What is kept.
             progress: Show a bar; ``None``: if standard error is a terminal.
             store: Where results and checkpoints go, if not into memory.
         """
-        self.steps, self.every, self._h, self._info = steps, save_every, step, info
-        self._store, self.seconds = store, 0.0
-        n = sum(len(body.nodes) for body in info.bodies)
-        rows = steps // save_every + 1 + (steps % save_every > 0)
-        shapes = {
-            "times": (rows,),
-            "frames": (rows, n, 4, 3),
-            "velocities": (rows, n, 6),
-            "joint_forces": (rows, len(info.joints), 6),
-            "reactions": (rows, len(info.supports.at), 6),
-            "joint_violations": (rows, len(info.joints)),
-            "joint_coordinates": (rows, sum(len(joint.coordinates) for joint in info.joints)),
-            "invariants": (rows, 7),
-            "elastic": (rows,),
-            "potential": (rows,),
-            "balance": (rows, 3),
-            "impulses": (rows, 2, 6),
-            "iterations": (rows,),
-        }
-        arrays: dict[str, Any] = {name: np.empty(shape) for name, shape in shapes.items()}
-        arrays["iterations"] = np.zeros(rows, dtype=np.int64)
-        if store is not None:
-            arrays = store.open(info, arrays)
-        else:
-            for name in ("elastic", "balance", "impulses"):
-                arrays[name][:] = 0.0
-        self.times, self.frames, self.velocities = (
-            arrays[name] for name in ("times", "frames", "velocities")
-        )
-        self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
-        self.joint_violations = arrays["joint_violations"]
-        self.reactions = arrays["reactions"]
-        self.joint_coordinates = arrays["joint_coordinates"]
-        self.elastic, self.potential = arrays["elastic"], arrays["potential"]
-        self.balance, self.impulses = arrays["balance"], arrays["impulses"]
-        self.iterations = arrays["iterations"]
-        self.row = 0 if store is None else store.row
-        if store is not None:
-            self.seconds = store.seconds
+        every = saving.every
+        super().__init__(info, steps // every + 1 + (steps % every > 0), saving.times, store)
+        self.steps, self.every, self._h, self._info = steps, every, step, info
+        self._chosen = saving.steps(step, steps)
+        self.seconds = 0.0 if store is None else store.seconds
         show = sys.stderr.isatty() if progress is None else progress
         self._bar = tqdm(total=steps, unit="step", disable=not show, mininterval=0.5)
         self.show, self.refresh = show, max(1, steps // 200) if show else steps
@@ -108,35 +67,30 @@ class History:
     ) -> None:
         """Leave the bar as it is."""
         self._bar.close()
-        if self._store is not None:
-            self._store.close(self.row)
+        self.close()
+
+    def wants(self, index: int) -> bool:
+        """Whether the state after step ``index`` is to be filled in; then there is room for it."""
+        if self._chosen is None:
+            wanted = index % self.every == 0 or index == self.steps
+        else:
+            at = int(np.searchsorted(self._chosen, index))
+            wanted = at < len(self._chosen) and int(self._chosen[at]) == index
+        if wanted:
+            self.make_room()
+        return wanted
 
     def keep(self, indices: Indices, iterations: Indices) -> None:
-        """Count the steps ``indices``, whose values are in the next rows, as kept."""
+        """Count the steps ``indices``, whose values are in the next rows, as filled in."""
         rows = slice(self.row, self.row + len(indices))
         self.times[rows], self.iterations[rows] = indices * self._h, iterations
         self.row += len(indices)
 
-    def book(self, row: int, total: Array) -> None:
-        """Keep balance and impulses up to the time of a row, shape (15,)."""
-        self.balance[row] = total[: balances.COLUMNS]
-        self.impulses[row] = total[balances.COLUMNS :].reshape(2, 6)
-
     def update_bar(self, index: int, iterations: int) -> None:
         """Show that step ``index`` is reached after so many iterations in all."""
-        text = f"t={index * self._h:.3g} energy {self._gap():.1e} it/step {iterations / index:.2f}"
+        text = f"t={index * self._h:.3g} energy {self.gap:.1e} it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
-
-    def _gap(self) -> float:
-        """Present gap in the balance of energy, see :mod:`fem_lie.balances`."""
-        if not self.row:
-            return 0.0
-        ends = [0, self.row - 1]
-        stored, potential = self.invariants[ends, 0] + self.elastic[ends], self.potential[ends]
-        gaps = balances.energy_gaps(stored + potential, self.balance[ends])
-        scale = balances.energy_scale(stored, potential, self.balance[ends])
-        return balances.relative(float(abs(gaps[-1])), scale)
 
     def update_if_due(self, index: int, iterations: int) -> None:
         """Show step ``index`` if the bar is shown and old."""
@@ -145,12 +99,16 @@ class History:
 
     def next_stop(self, index: int) -> int:
         """The next step after ``index`` at which there is something to do."""
-        stops = [(index // self.every + 1) * self.every, self.steps]
+        stops = [self.steps]
+        if self._chosen is None:
+            stops.append((index // self.every + 1) * self.every)
+        else:
+            stops.extend(self._chosen[np.searchsorted(self._chosen, index, side="right") :][:1])
         if self.show:
             stops.append(index + self.refresh)
         if self._store is not None:
             stops.append((index // self._store.every + 1) * self._store.every)
-        return min(stops)
+        return int(min(stops))
 
     def checkpoint_due(self, index: int) -> bool:
         """Whether the state after step ``index`` is to be written."""
@@ -159,31 +117,22 @@ class History:
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
         """Write all that the next steps depend on."""
         assert self._store is not None
-        self._store.write(index, self.row, self.seconds, memory)
+        kept = memory | self._memory()
+        self._store.write(index, self._gone, self.seconds, kept)
 
     def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
         """What was kept so far, with the numbers of whole matrices and of borders alone."""
-        keep = slice(self.row)
+        arrays = self.collected()
         if self._store is not None:
             numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
             self._store.finish(numbers)
+        invariants = arrays.pop("invariants")
         return Result(
-            times=self.times[keep],
-            frames=self.frames[keep],
-            velocities=self.velocities[keep],
-            joint_forces=self.joint_forces[keep],
-            reactions=self.reactions[keep],
-            joint_coordinates=self.joint_coordinates[keep],
-            joint_violations=self.joint_violations[keep],
-            kinetic=self.invariants[keep, 0],
-            elastic=self.elastic[keep],
-            potential=self.potential[keep],
-            momentum=self.invariants[keep, 1:4],
-            angular_momentum=self.invariants[keep, 4:],
-            balance=self.balance[keep],
-            impulses=self.impulses[keep],
-            iterations=self.iterations[keep],
+            **arrays,
+            kinetic=invariants[:, 0],
+            momentum=invariants[:, 1:4],
+            angular_momentum=invariants[:, 4:],
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,
@@ -200,12 +149,12 @@ class Recorder(History):
         system: System,
         steps: int,
         step: float,
-        save_every: int,
+        saving: Saving,
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
         """As :class:`History`, for the equations ``system``."""
-        super().__init__(system.info(), steps, step, save_every, progress, store)
+        super().__init__(system.info(), steps, step, saving, progress, store)
         self._system = system
         self._count = 0 if store is None or not store.memory else int(store.memory["count"])
 
@@ -214,17 +163,25 @@ class Recorder(History):
         index: int,
         H: Array,
         v: Array,
-        a: Array,
         multipliers: Array,
         iterations: int,
         booked: Array,
-    ) -> None:
-        """Keep step ``index`` if it is one to be kept; ``booked``: see :meth:`book`."""
+    ) -> bool:
+        """Fill step ``index`` in if it is one that is wanted; ``booked``: see :meth:`book`.
+
+        Returns:
+            Whether it was.
+        """
         self._count += iterations
         if self.show and index and index % self.refresh == 0:
             self.update_bar(index, self._count)
-        if index % self.every and index != self.steps:
-            return
+        wanted = self.wants(index)
+        if wanted:
+            self.fill(index * self._h, H, v, multipliers, booked)
+        return wanted
+
+    def fill(self, time: float, H: Array, v: Array, multipliers: Array, booked: Array) -> None:
+        """Fill in the next row, for which there is room."""
         system, row = self._system, self.row
         attachment = system.numbering.attachment
         self.frames[row] = attachment.frames(H)
@@ -232,11 +189,10 @@ class Recorder(History):
         forces, coordinates, violations = system.report_joints(H, v, multipliers)
         self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
         self.joint_violations[row] = violations
-        self.reactions[row] = system.reactions(H, v, a, multipliers)
         self.potential[row] = system.report(H, v, self.invariants[row])
         self.elastic[row] = system.stored_energy(H)
         self.book(row, booked)
-        self.times[row], self.iterations[row] = index * self._h, self._count
+        self.times[row], self.iterations[row] = time, self._count
         self.row += 1
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:

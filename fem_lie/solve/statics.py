@@ -19,7 +19,6 @@ from fem_lie.elements.shell_maps import retract
 from fem_lie.info import SceneInfo
 from fem_lie.joints import Connection
 from fem_lie.plot import SI, Units
-from fem_lie.reactions import Support, reaction
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import (
     ConvergenceError,
@@ -77,8 +76,6 @@ class StaticResult:
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
         steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
         seconds: Wall time from the first assembly to the last solution, without set-up.
-        reactions: Force and moment of each support on its node, about it, global components, see
-            :meth:`reaction`, shape (k, s, 6).
     """
 
     factors: Array
@@ -90,7 +87,6 @@ class StaticResult:
     initial: Array
     steady_rotation: Rotation
     seconds: float
-    reactions: Array
 
     @property
     def total_iterations(self) -> int:
@@ -104,13 +100,6 @@ class StaticResult:
     def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6)."""
         return self.joint_forces[:, self.info.joint(joint)]
-
-    def reaction(self, *supports: Support) -> Array:
-        """Force and moment of a clamp or guide, or of several together, shape (k, 6).
-
-        See :meth:`fem_lie.Result.reaction`.
-        """
-        return reaction(self, supports)
 
     def rotation(self, point: Point | str) -> Array:
         """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
@@ -189,7 +178,6 @@ class LoadSteps:
         self._factors: list[float] = []
         self._frames: list[Array] = []
         self._forces: list[Array] = []
-        self._reactions: list[Array] = []
         self._counts: list[int] = []
         self._failed = 0
         self._watch = Stopwatch()
@@ -207,7 +195,6 @@ class LoadSteps:
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
             self._watch.seconds,
-            np.array(self._reactions).reshape(k, len(system.supported), 6),
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
@@ -291,9 +278,6 @@ class LoadSteps:
                 self._factors.append(factor)
                 self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))
-                v = self._rotation.velocities(self.H[: system.count], np.sqrt(factor))
-                state = self.H, v, self._zero, self.multipliers
-                self._reactions.append(system.reactions(*state))
                 self._counts.append(self.iterations)
                 system.connections.accept(self.H)
                 return True

@@ -159,7 +159,9 @@ class VariableSteps:
         return self._completed(self._watch.seconds)
 
     def _keep(self, time: float, index: int, iterations: int, *, event: bool) -> None:
-        if self._recorder.wants(index, iterations, event):
+        control = self._control
+        ahead = 0.0 if control.finished else control.fitted(time)
+        if self._recorder.due(time, ahead, index, iterations, event):
             self._stepper.record(self._recorder, index, iterations)
             self._recorder.stamp(time)
             try:
