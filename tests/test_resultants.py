@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from shell_models import quartic
 
@@ -160,6 +160,7 @@ numbers = st.floats(-10, 10)
 
 
 @given(st.lists(numbers, min_size=8, max_size=8), st.floats(-7, 7))
+@settings(deadline=None)
 def test_components_turn_as_tensors(values, angle):
     values, c, s = np.array(values), np.cos(angle), np.sin(angle)
     R = np.array([[c, s], [-s, c]])
@@ -328,6 +329,38 @@ def test_nothing_is_averaged_across_a_jump():
     with pytest.raises(ValueError, match=r"jump at 3 nodes.*cell_function"):
         found.function("N22")
     np.testing.assert_allclose(np.unique(np.round(found.cell_function("N22").x.array, 9)).size, 2)
+
+
+def test_nothing_is_averaged_where_bending_alone_jumps():
+    """Plies in another order have the same stiffness in the plane."""
+    hard, soft = (fl.Ply(0.025, fl.Material(E, 0.3, 2.0)) for E in (400.0, 100.0))
+    outside = fl.ShellSection.laminate([hard, soft, soft, hard])
+    inside = fl.ShellSection.laminate([soft, hard, hard, soft])
+    np.testing.assert_allclose(outside.stiffness[:3, :3], inside.stiffness[:3, :3])
+    mesh = fl.surface(lambda a, b: (2 * a, b, 0.0), (4, 2))
+    shell = fl.Shell(mesh, lambda centre: outside if centre[0] < 1 else inside, along=(1, 0, 0))
+    found = fl.resultants(states(shell, shell.frames), shell)
+    assert len(found.places.patches.node) == len(shell.frames) + 3
+
+
+def test_means_of_distorted_cells_are_means_over_their_area():
+    """∫N₁₂ dA is the work of the load on a unit of shear strain, whatever the cells."""
+    length, width, force = 2.0, 1.0, 1e-6
+
+    def place(a: float, b: float):
+        bump = 0.15 * np.sin(np.pi * a) * np.sin(2 * np.pi * b)
+        return length * (a + bump), width * (b + a * (1 - a) * b * (1 - b)), 0.0
+
+    shell = fl.Shell(fl.surface(place, (4, 3)), LAYER, along=(1, 0, 0))
+    scene = fl.Scene()
+    scene.add(shell)
+    shell.clamp("a=0")
+    scene.add(fl.EdgeLoad(shell, "a=1", (0, force, 0)))
+    found = fl.resultants(fl.statics(scene), shell)
+    areas = found.areas.sum(axis=1)
+    assert np.ptp(found.areas, axis=1).max() > 0.1 * areas.max() / 4
+    total = areas @ found.mean("N12")
+    np.testing.assert_allclose(total, force * width * length, rtol=1e-4)
 
 
 def test_nothing_is_averaged_across_a_kink():
@@ -542,7 +575,9 @@ def test_hdf5_file_holds_everything(tmp_path):
     with h5py.File(tmp_path / "plate.h5") as file:
         assert tuple(file.attrs["components"]) == COMPONENTS
         np.testing.assert_array_equal(file["averaged"], found.nodal)
-        np.testing.assert_array_equal(file["at_points"], found.at_points)
+        for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
+            np.testing.assert_array_equal(file[name], getattr(found, name))
+        np.testing.assert_array_equal(file["axes"], found.places.shared)
         places = file["places"][()][file["cells"][()]]
         np.testing.assert_array_equal(places, shell.mesh.points[shell.mesh.cells])
 
