@@ -135,10 +135,12 @@ class Connections:
 
     @property
     def angular(self) -> Flags:
-        """Which constraints are of rotations alone, shape (m,)."""
+        """Which constraints are angles and not lengths, shape (m,)."""
         table, angular = self.table, np.ones(self.m, dtype=bool)
         lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
-        angular[table.rows[lengths & (table.rows < len(table.targets))]] = False
+        # of a gear the first term says so: a ratio converts the second
+        rows, first = np.unique(table.rows, return_index=True)
+        angular[rows[lengths[first] & (rows < len(table.targets))]] = False
         slides, positions = self.sliding.selection, self.m - self.of_velocities
         places = slides[:, :3].any(axis=1) | (self.sliding.advance != 0.0)
         angular[len(table.targets) : positions] = ~places

@@ -70,6 +70,27 @@ def test_a_pinion_drives_a_rack():
         np.testing.assert_array_equal(result.coordinate(gear, name), result.coordinate(joint))
 
 
+def test_a_gear_is_measured_by_its_first_coordinate():
+    """A ratio converts the second: in the scene's units it is any number."""
+    scene = fl.Scene()
+    one, two, three = body(scene), body(scene, (1, 0, 0)), body(scene, (2, 0, 0))
+    wheel = scene.add(fl.Revolute(fl.ground(), one.centre, axis=Z))
+    guide = scene.add(fl.Prismatic(fl.ground(), two.centre, axis=Z))
+    scene.add(fl.Screw(fl.ground(), three.centre, axis=Z, pitch=0.1))
+    turns = scene.add(fl.Gear(wheel.angle, guide.displacement, ratio=3e6))
+    connections = System(scene, dynamics=True).connections
+    of = {
+        item: connections.angular[connections.owner == k].tolist()
+        for k, item in enumerate(connections.items)
+    }
+    assert of[wheel] == [False] * 3 + [True] * 2
+    assert of[guide] == [False] * 2 + [True] * 3
+    assert of[scene.joints[2]] == [False] * 2 + [True] * 2 + [False]
+    assert of[turns] == [True]
+    scene.connections[:] = [fl.Gear(guide.displacement, wheel.angle, ratio=3e-6)]
+    assert not System(scene, dynamics=True).connections.angular[-1]
+
+
 def test_full_turns_are_part_of_the_memory():
     """What is taken back forgets no turn, and keeps none that came later."""
     scene = fl.Scene()
