@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from fem_lie._lines import Array, Indices
-from fem_lie._wanted import numbers, shown, text
+from fem_lie._wanted import LARGEST, numbers, shown, text
 
 _log = logging.getLogger(__name__)
 
@@ -53,6 +53,9 @@ def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise ValueError(f"points must be finite; point {bad[0]} is {points[bad[0]]}")
+    far = np.flatnonzero(~(np.abs(points) < LARGEST).all(axis=1))
+    if len(far):
+        raise ValueError(f"points must be below {LARGEST:g}; point {far[0]} is {points[far[0]]}")
     return points
 
 

@@ -9,6 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+LARGEST = 1e75
+"""Above, the fourth power of a length is no number any more."""
+
 Chosen = TypeVar("Chosen", bound=Enum)
 
 
@@ -41,7 +44,7 @@ def number(value: object, what: str) -> float:
     """``value`` as a finite real number.
 
     Raises:
-        ValueError: It is not finite.
+        ValueError: It is not finite, or so large that its powers are not.
         TypeError: It is no number.
     """
     array = np.asarray(value)
@@ -49,7 +52,10 @@ def number(value: object, what: str) -> float:
         raise TypeError(f"{what} must be a number, got {shown(value)}")
     if not np.isfinite(array):
         raise ValueError(f"{what} must be a finite number, got {value!r}")
-    return float(array)
+    found = float(array)
+    if not abs(found) < LARGEST:
+        raise ValueError(f"{what} must be a number below {LARGEST:g}, got {value!r}")
+    return found
 
 
 def numbers(value: object, what: str) -> npt.NDArray[np.float64]:
@@ -86,6 +92,20 @@ def choice(value: object, kind: type[Chosen], what: str) -> Chosen:
     except ValueError:
         known = ", ".join(str(member) for member in kind)
         raise ValueError(f"{what} must be one of {known}, got {shown(value)}") from None
+
+
+def whole(value: object, what: str, least: int = 1) -> int:
+    """``value`` as a whole number of at least ``least``.
+
+    Raises:
+        ValueError: It is less.
+        TypeError: It is no whole number.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{what} must be a whole number, got {shown(value)}")
+    if value < least:
+        raise ValueError(f"{what} must be at least {least}, got {value}")
+    return int(value)
 
 
 def history(value: object, what: str) -> None:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._jit import Array
-from fem_lie._wanted import choice, instance, numbers, text
+from fem_lie._wanted import LARGEST, choice, instance, numbers, text
 from fem_lie.groups import Group
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
         raise ValueError(f"{what} must be {size} numbers, got {value!r}") from None
     if array.shape != (size,) or not np.isfinite(array).all():
         raise ValueError(f"{what} must be {size} finite numbers, got {value!r}")
+    if not (np.abs(array) < LARGEST).all():
+        raise ValueError(f"{what} must be {size} numbers below {LARGEST:g}, got {value!r}")
     return array
 
 

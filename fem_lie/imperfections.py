@@ -15,10 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
+from fem_lie._wanted import instance, number, numbers, positive, whole
 from fem_lie.beam import Beam
 from fem_lie.bodies import Body
 from fem_lie.buckling_modes import BucklingModes, chosen
-from fem_lie.scene import Scene
+from fem_lie.scene import Scene, require_scene
 
 Array = npt.NDArray[np.float64]
 
@@ -55,6 +56,11 @@ class ModeImperfection(Imperfection):
 
     def __post_init__(self) -> None:
         """Check that the mode has what is given."""
+        instance(self.modes, BucklingModes, "ModeImperfection: modes", "what fl.buckling returns")
+        instance(self.mode, int | np.integer, "ModeImperfection: mode", "a whole number")
+        for name in ("amplitude", "angle"):
+            if getattr(self, name) is not None:
+                number(getattr(self, name), f"ModeImperfection: {name}")
         chosen(self.modes.shapes, self.mode)
         turns = bool(self.modes.turns_only[self.mode - 1])
         wanted, other = (self.angle, self.amplitude) if turns else (self.amplitude, self.angle)
@@ -95,6 +101,11 @@ class FieldImperfection(Imperfection):
 
     displacement: Callable[[Array], npt.ArrayLike]
 
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no function."""
+        wanted = "a function of the place"
+        instance(self.displacement, Callable, "FieldImperfection: displacement", wanted)
+
     def of(self, body: Body) -> tuple[Array, Array]:
         """See the base class.
 
@@ -104,7 +115,8 @@ class FieldImperfection(Imperfection):
         return _with_rotations(body, self._at)
 
     def _at(self, places: Array, frames: Array) -> Array:
-        values = np.array([self.displacement(x) for x in places], dtype=np.float64)
+        what = "the field of an imperfection"
+        values = numbers([self.displacement(x) for x in places], what)
         if values.shape != places.shape or not np.isfinite(values).all():
             raise ValueError(
                 f"the field of an imperfection must be three finite numbers, got {values[0]}"
@@ -128,14 +140,14 @@ class RandomImperfection(Imperfection):
     seed: int
     along: Callable[[Array], npt.ArrayLike] | None = None
 
-    def of(self, body: Body) -> tuple[Array, Array]:
-        """See the base class.
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if a number is none."""
+        number(self.amplitude, "RandomImperfection: amplitude")
+        positive(self.wavelength, "RandomImperfection: the wavelength")
+        whole(self.seed, "RandomImperfection: seed", least=0)
 
-        Raises:
-            ValueError: The wavelength is not positive.
-        """
-        if not self.wavelength > 0:
-            raise ValueError(f"the wavelength must be positive, got {self.wavelength!r}")
+    def of(self, body: Body) -> tuple[Array, Array]:
+        """See the base class."""
         # the same field for all bodies of a scene: about the largest of so many waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 
@@ -169,6 +181,9 @@ def imperfect(scene: Scene, *imperfections: Imperfection) -> Scene:
     """
     if not imperfections:
         raise ValueError("give at least one imperfection")
+    require_scene(scene)
+    for each in imperfections:
+        instance(each, Imperfection, "an imperfection", "one such as ModeImperfection")
     other = copy.deepcopy(scene)
     for body in other.bodies:
         parts = [imperfection.of(body) for imperfection in imperfections]

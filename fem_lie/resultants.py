@@ -14,12 +14,13 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, SupportsIndex
 
 import dolfinx
 from dolfinx import fem
 
 from fem_lie._jit import Array
+from fem_lie._wanted import instance, shown
 from fem_lie.cell_functions import (
     DISCONTINUOUS,
     LAGRANGE,
@@ -50,6 +51,12 @@ class States(Protocol):
         """Which nodes are those of the body."""
 
 
+def require_states(value: object) -> None:
+    """Raise ``TypeError`` if it is no result of statics, of a path or of dynamics."""
+    if not (hasattr(value, "info") and hasattr(value, "frames")):
+        raise TypeError(f"wanted is a result of statics, a path or dynamics, got {shown(value)}")
+
+
 def resultants(
     result: States,
     shell: Shell,
@@ -73,6 +80,8 @@ def resultants(
         ValueError: The shell is not in that result, there is no such step, or ``along`` is normal
             to the surface somewhere.
     """
+    require_states(result)
+    instance(step, SupportsIndex, "step", "the number of a state")
     count = len(result.frames)
     if not -count <= step < count:
         raise ValueError(f"the result has {count} states, got step {step}")
@@ -88,6 +97,7 @@ def resultant_series(
     kink_angle: float = KINK_ANGLE,
 ) -> list[Resultants]:
     """Those of all states of a result; see :func:`resultants`."""
+    require_states(result)
     return _of_states(result, shell, range(len(result.frames)), along, kink_angle)
 
 
@@ -98,6 +108,7 @@ def _of_states(
     along: Along | None,
     kink_angle: float,
 ) -> list[Resultants]:
+    instance(shell, Shell, "shell", "a Shell")
     nodes = result.info.body(shell.name).nodes
     if len(nodes) != len(shell.frames):
         raise ValueError(

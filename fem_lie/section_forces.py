@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_lie._lines import Array, Indices
+from fem_lie._wanted import instance
 from fem_lie.beam import Beam
 from fem_lie.beam_quantities import COMPONENTS, of_forces
 from fem_lie.bodies import Point
@@ -30,9 +31,9 @@ from fem_lie.element_forces import ElementForces, in_the_middle
 from fem_lie.joined_forces import single_forces, without_jumps
 from fem_lie.loads import StrainLoad, amplitudes
 from fem_lie.plot import SI, Units
-from fem_lie.resultants import States
+from fem_lie.resultants import States, require_states
 from fem_lie.results import Result
-from fem_lie.scene import Scene
+from fem_lie.scene import Scene, require_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,6 +64,9 @@ def section_forces(
     Raises:
         ValueError: The beam is not in that scene or result, or there is no such step.
     """
+    require_states(result)
+    require_scene(scene)
+    instance(beam, Beam, "beam", "a Beam")
     if beam not in scene.bodies:
         raise ValueError(f"{beam.label} is not in the scene")
     nodes = result.info.body(beam.name).nodes

@@ -1,6 +1,7 @@
 """Arguments of another kind than wanted: the message names what was given and what is wanted."""
 
 import inspect
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,8 @@ WRONG = {
     "beam": [BEAM.end, "bar", None, BODY, SHELL],
     "shell": [SHELL["00"], "plate", None, BODY, BEAM],
     "number": ["three", None, (1, 2), object(), NAN, INF, 1j],
+    "optional number": ["three", (1, 2), object(), NAN, INF, 1j],
+    "optional whole": [1.5, "two", 0, -1, (1, 2)],
     "vector": ["up", (1, 2), (1, 2, 3, 4), (0, NAN, 1), object(), [[1, 2, 3]], ("a", "b", "c")],
     "array": ["up", (1, 2), object(), [[1, 2], [3]], [[[1]]], NAN],
     "function or nothing": [3.0, "f", (1, 2), BEAM],
@@ -43,6 +46,10 @@ WRONG = {
     "name": [3, None, BEAM],
     "group": [3, BEAM, ["all"], "missing"],
     "whole": [1.5, "two", None, 0, -1, (1, 2)],
+    "scene": [BEAM, None, "scene", []],
+    "result": [BEAM, None, "result", 3],
+    "modes": [None, "first", 3],
+    "levels": ["up", object(), NAN, 1.0, (2, 1), (-1,), [], (1, NAN), None],
     "pair": [3, "ab", None, (1, 2, 3), (0, 1), (1.5, 2)],
     "material": ["steel", None, 3, SECTION],
     "section": ["round", None, 3, MATERIAL, LAYER, {}],
@@ -54,6 +61,13 @@ WRONG = {
     "choices": [True, "all", {}],
     "group of motions": ["SE3", 7, None],
 }
+HELD = fl.Scene()
+HELD.add(SHORT := fl.Beam.straight((0, 0, 0), (0, 0, 1), SECTION, cells=2, name="short"))
+HELD.add(fl.Clamp(SHORT.start))
+HELD.add(fl.PointLoad(SHORT.end, (0, 0, -1e-6)))
+BENT = fl.statics(HELD)
+MODES = fl.buckling(HELD, 1)
+FIELD = fl.FieldImperfection(lambda x: 0 * x)
 F = lambda t: t  # noqa: E731
 STILL = BEAM.start.frame.copy()
 
@@ -236,6 +250,44 @@ CASES: dict[str, tuple] = {
             cells=(None, "group"), history=(F, "function or nothing"),
         ),
     ),
+    "statics": (
+        fl.statics,
+        dict(
+            scene=(HELD, "scene"), levels=((1.0,), "levels"), tolerance=(1e-10, "number"),
+            load_steps=(1, "optional whole"), max_iterations=(9, "whole"),
+            spin=((0, 0, 0), "vector"),
+        ),
+    ),
+    "vibrations": (fl.vibrations, dict(scene=(HELD, "scene"), count=(1, "whole"))),
+    "buckling": (fl.buckling, dict(scene=(HELD, "scene"), count=(1, "whole"))),
+    "follow_loads": (fl.follow_loads, dict(scene=(HELD, "scene"), levels=((1.0,), "levels"))),
+    "follow_path": (
+        fl.follow_path,
+        dict(
+            scene=(HELD, "scene"), until=(0.1, "optional number"), resolution=(0.5, "number"),
+            steps=(5, "whole"),
+        ),
+    ),
+    "run": (
+        fl.GeneralisedAlpha().run,
+        dict(
+            scene=(HELD, "scene"), duration=(0.01, "number"), step=(0.01, "number"),
+            save_every=(1, "whole"),
+        ),
+    ),
+    "section_forces": (
+        fl.section_forces,
+        dict(result=(BENT, "result"), beam=(SHORT, "beam"), scene=(HELD, "scene")),
+    ),
+    "ModeImperfection": (
+        fl.ModeImperfection,
+        dict(modes=(MODES, "modes"), mode=(1, "whole"), amplitude=(1e-3, "number")),
+    ),
+    "RandomImperfection": (
+        partial(fl.RandomImperfection, seed=1),
+        dict(amplitude=(0.1, "number"), wavelength=(1.0, "number")),
+    ),
+    "imperfect": (lambda scene: fl.imperfect(scene, FIELD), dict(scene=(HELD, "scene"))),
     "Clamp": (fl.Clamp, dict(point=(BEAM.start, "point"))),
     "PrescribedMotion": (
         fl.PrescribedMotion,

@@ -28,6 +28,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from fem_lie._jit import Array
+from fem_lie._wanted import numbers
 from fem_lie.element_turns import FoldedElementError
 from fem_lie.solve.linear import ConvergenceError, SingularMatrixError
 
@@ -147,9 +148,21 @@ class ArcLength:
             ValueError: The levels do not increase.
             ConvergenceError: Steps became too small; its ``result`` is the path so far.
         """
-        if not levels or (np.diff([0.0, *levels]) <= 0).any():
-            raise ValueError(f"the load factors must be positive and increase, got {levels}")
-        return _Follower(self, model).run(levels)
+        return _Follower(self, model).run(increasing(levels))
+
+
+def increasing(levels: Sequence[float]) -> list[float]:
+    """Load factors at which states are wanted.
+
+    Raises:
+        ValueError: There are none, or they are not positive, finite and increasing.
+        TypeError: They are no numbers.
+    """
+    factors = numbers(levels, "levels")
+    wanted = factors.ndim == 1 and len(factors) > 0 and bool(np.isfinite(factors).all())
+    if not wanted or not (np.diff(factors, prepend=0.0) > 0).all():
+        raise ValueError(f"the load factors must be positive and increase, got {levels}")
+    return [float(factor) for factor in factors]
 
 
 class _Follower:

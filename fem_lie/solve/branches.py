@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem_lie._jit import Array
+from fem_lie._wanted import instance, number
 from fem_lie.buckling_modes import check_displaces, chosen
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
@@ -59,6 +60,10 @@ def branch(
             the default.
     """
     check_proportion(scene)
+    instance(critical, CriticalPoint, "critical", "a critical point of a path")
+    instance(mode, int | np.integer, "mode", "a whole number")
+    if amplitude is not None:
+        number(amplitude, "amplitude")
     if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
         raise ValueError(
             f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"

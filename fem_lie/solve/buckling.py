@@ -18,6 +18,7 @@ from slepc4py import SLEPc
 
 from fem_lie._compat import slepc_errors
 from fem_lie._jit import Array
+from fem_lie._wanted import whole
 from fem_lie.buckling_modes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import check_proportion
@@ -47,6 +48,7 @@ def buckling(
             holds those that were found, if any.
     """
     check_proportion(scene)
+    whole(count, "count")
     model = StableEquilibrium(scene, petsc_options_prefix)
     free = int((~model.system.held).sum()) - model.system.m
     if not 1 <= count <= free:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import numpy.typing as npt
 
-from fem_lie._wanted import instance, number, numbers
+from fem_lie._wanted import number, whole
 from fem_lie.scene import Scene
+from fem_lie.solve.arc_length import increasing
 from fem_lie.solve.follow import follow_loads, in_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.rotation import Rotation
@@ -75,17 +75,13 @@ def statics(
     """
     for what, value in (("tolerance", tolerance), ("smallest_step", smallest_step)):
         number(value, what)
-    for what, count in (("load_steps", load_steps), ("max_iterations", max_iterations)):
-        instance(count, int | np.integer | None, what, "a whole number")
-    levels = numbers(levels, "levels").reshape(-1).tolist()
-    steps = 1 if load_steps is None else load_steps
-    if steps < 1 or not tolerance > 0 or max_iterations < 1 or not 0 < smallest_step <= 1:
+    steps = 1 if load_steps is None else whole(load_steps, "load_steps")
+    whole(max_iterations, "max_iterations")
+    if not tolerance > 0 or not 0 < smallest_step <= 1:
         raise ValueError(
-            "wanted load_steps ≥ 1, tolerance > 0, max_iterations ≥ 1, 0 < smallest_step ≤ 1; got "
-            f"{steps}, {tolerance}, {max_iterations}, {smallest_step}"
+            f"wanted tolerance > 0 and 0 < smallest_step ≤ 1, got {tolerance} and {smallest_step}"
         )
-    if not len(levels) or not (np.diff([0.0, *levels]) > 0).all():
-        raise ValueError(f"the load factors must be positive and increase, got {levels}")
+    levels = increasing(levels)
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
 

@@ -12,7 +12,7 @@ from fem_lie._jit import Array
 from fem_lie.loads import StrainLoad
 from fem_lie.nodal import load_vector
 from fem_lie.scene import Scene, require_scene
-from fem_lie.solve.arc_length import ArcLength, Path
+from fem_lie.solve.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, Method, methods_for
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.statics import StaticResult, advance
@@ -61,6 +61,7 @@ def follow_loads(
         ConvergenceError: Steps became too small; its ``result`` holds the states before.
     """
     check_proportion(scene)
+    levels = increasing(levels)
     model = SceneEquilibrium(scene, petsc_options_prefix)
     options = ArcLength() if arc_length is None else arc_length
     watch = Stopwatch()

@@ -12,6 +12,7 @@ from math import inf
 
 import numpy as np
 
+from fem_lie._wanted import instance, number, whole
 from fem_lie.scene import Scene
 from fem_lie.solve.arc_length import ArcLength
 from fem_lie.solve.controls import DisplacementControl, LoadControl
@@ -97,6 +98,15 @@ def _check_options(
     start: Station | None,
     control: DisplacementControl | LoadControl | None,
 ) -> None:
+    number(resolution, "resolution")
+    whole(ends.steps, "steps")
+    if ends.until is not None:
+        number(ends.until, "until")
+    if ends.critical is not None:
+        whole(ends.critical, "critical_points")
+    if locate is not None:
+        number(locate, "locate")
+    instance(control, DisplacementControl | LoadControl | None, "control", "a control or None")
     if not 0 < resolution <= 1 or ends.steps < 1:
         raise ValueError(
             f"wanted 0 < resolution ≤ 1 and steps ≥ 1, got {resolution!r} and {ends.steps!r}"

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._jit import Array
+from fem_lie._wanted import instance, whole
 from fem_lie.choices import Redundant
 from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.modes import Modes
@@ -68,6 +69,8 @@ def vibrations(
     """
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
+    whole(count, "count")
+    instance(at, StaticResult | None, "at", "a result of fl.statics or None")
     if at is not None:
         if rotation:
             raise ValueError("the rotation comes with at=...; do not give spin, too")
