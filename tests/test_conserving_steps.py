@@ -11,6 +11,7 @@ import pytest
 import fem_lie as fl
 from demos.time_error import TIP, rigid_pendulum, tip
 from fem_lie.solve.step_control import Control, StepChoice
+from fem_lie.solve.variable_steps import VariableSteps
 from tests.test_energy_momentum import bars
 from tests.test_time_error import arm_that_stops, jump, pushed
 
@@ -26,6 +27,18 @@ def turning_pendulum() -> fl.Scene:
     scene = rigid_pendulum()
     for body in scene.bodies:
         body.turn((5.0, 1.0, 4.0), about=(0, 0, 0))
+    return scene
+
+
+def hinged() -> fl.Scene:
+    """A body that turns fast about a skew hinge, and a second one on its rim."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    wheel = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.1), (0, 0, 0)))
+    bob = scene.add(fl.RigidBody(0.5, (0.01, 0.02, 0.01), (0.5, 0, 0)))
+    scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 1, 0.1)))
+    scene.add(fl.Revolute(wheel.centre, bob.centre, at=(0.4, 0, 0), axis=(0, 1, 0.1)))
+    for body in (wheel, bob):
+        body.turn(20.0 * np.array([0, 1, 0.1]) / np.hypot(1, 0.1), about=(0, 0, 0))
     return scene
 
 
@@ -212,6 +225,28 @@ def test_rejected_steps_leave_the_state_as_it_was():
     assert large.energy_error < 1e-12
     gap = large.position("bar II.centre")[-1] - small.position("bar II.centre")[-1]
     assert np.abs(gap).max() < 2e-4
+
+
+@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha(), *SCHEMES.values()])
+def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
+    """Angles are counted on from the last step that was accepted, whatever was tried since."""
+    attempt, turned = VariableSteps._attempt, []
+
+    def watched(self, time: float, index: int) -> tuple[float, int]:
+        connections = self._stepper.system.connections
+        before = connections.memory.copy()
+        ended, iterations = attempt(self, time, index)
+        turned.append((iterations, np.abs(connections.memory - before).max()))
+        if iterations:
+            connections.accept(self._stepper.frames)
+            assert np.abs(connections.memory - before).max() > 0.0
+        return ended, iterations
+
+    monkeypatch.setattr(VariableSteps, "_attempt", watched)
+    choice = fl.AdaptiveStep(1e-3, first=1e-2, refinement=3)
+    scheme.run(hinged(), duration=0.1, step=choice)
+    rejected = [change for iterations, change in turned if not iterations]
+    assert len(rejected) >= 1 and max(rejected) == 0.0
 
 
 def test_tolerance_out_of_reach_names_time_error_and_body():
