@@ -70,7 +70,7 @@ class Modes:
 
     def table(self, *, units: Units = SI) -> str:
         """One line for each mode."""
-        lines = [f"mode  frequency [rad/{units.time}]  [1/{units.time}]  damping ratio"]
+        lines = [f"mode  frequency [rad/{units.time}]  {cycles(units):>9}  damping ratio"]
         rows = zip(self.frequencies, self.hertz, self.damping_ratios, self.unstable, strict=True)
         for number, (omega, hertz, ratio, grows) in enumerate(rows, start=1):
             mark = "  grows" if grows else ""
@@ -165,4 +165,9 @@ class Modes:
     def _title(self, mode: int, title: str | None, units: Units) -> str:
         if title is not None:
             return title
-        return f"Mode {mode}: {self.hertz[mode - 1]:.4g} 1/{units.time}"
+        return f"Mode {mode}: {self.hertz[mode - 1]:.4g} {cycles(units)[1:-1]}"
+
+
+def cycles(units: Units) -> str:
+    """Heading of frequencies in cycles per time."""
+    return "[Hz]" if units.time == "s" else f"[cycles/{units.time}]"

@@ -23,10 +23,12 @@ from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import SceneEquilibrium
 from fem_lie.solve.linear import NEGATIVE, SingularMatrixError, methods_on_paths
+from fem_lie.solve.rigid_parts import RigidParts, rigid_motions
 from fem_lie.solve.spectrum import Pencil
 
 Flags = npt.NDArray[np.bool_]
 
+_LOOSE = 1e-12  # of the largest stiffness
 _NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
 
 
@@ -76,17 +78,28 @@ class StableEquilibrium(SceneEquilibrium):
         A = self._csr()
         scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
         if self.system.m:
-            scale = sp.identity(A.shape[0])
+            scale = sp.diags(self.system.kkt.units)
         try:
             zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
         except SingularMatrixError:
             zero = 1
         if zero:
+            loose = self._loose_motions()
+            left = f": {loose} motion{'s' * (loose > 1)} of bodies left free" if loose else ""
             raise ValueError(
-                f"the path has no start: the tangent at load factor {factor:g} is singular "
-                f"({zero} null pivots). Is every body held by clamps, supports or joints, with no "
-                "motion left free?"
+                f"the path has no start: the tangent at load factor {factor:g} is singular{left}. "
+                "Is every body held by clamps, supports or joints, with no motion left free?"
             )
+
+    def _loose_motions(self) -> int:
+        """Motions without strain that joints allow and nothing resists."""
+        K, B = self.pencil()
+        parts = RigidParts(K, K, K, rigid_motions(self.system, self._H, self.weight))
+        Z = parts.mechanisms(B)
+        if not len(Z):
+            return 0
+        resists = np.abs(np.linalg.eigvalsh(0.5 * Z @ ((K + K.T) @ Z.T)))
+        return int((resists <= _LOOSE * abs(K).max()).sum())
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent of the free unknowns in their units, and constraints with rows of length one."""

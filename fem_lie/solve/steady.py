@@ -9,7 +9,9 @@ from fem_lie._jit import Array
 from fem_lie.system import System
 
 
-def linearised(system: System, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
+def linearised(
+    system: System, H: Array, v: Array, weights: Array, *, elements: bool = True
+) -> tuple[Array, Array, Array]:
     """Mass, damping and stiffness of small motions about steady motion, blocks of ``kkt``.
 
     All nodes move with constant local velocities ``v``, those of one rigid motion, and a little
@@ -25,6 +27,7 @@ def linearised(system: System, H: Array, v: Array, weights: Array) -> tuple[Arra
         H: Frames of all rows.
         v: Local velocities of the moving nodes, shape (n, 6).
         weights: Multipliers, shape (m,).
+        elements: Whether the stiffness of elements and pressure is taken in.
 
     Returns:
         Three arrays of shape (nnz, 6, 6).
@@ -40,7 +43,8 @@ def linearised(system: System, H: Array, v: Array, weights: Array) -> tuple[Arra
     tangent.clear()
     tangent.add_inertia(*state, (0.0, 1.0))
     tangent.add_mass_damping(H, v, 1.0)
-    tangent.add_elastic(H)
+    if elements:
+        tangent.add_elastic(H)
     tangent.add_springs(H)
     tangent.add_geometric(H, weights)
     system.follow_motion()

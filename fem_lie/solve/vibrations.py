@@ -25,6 +25,7 @@ from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.solve.equilibrium import statics
+from fem_lie.solve.rigid_parts import RigidParts, rigid_motions, stress_terms
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.spectrum import Complex, Pencil
 from fem_lie.solve.statics import StaticResult
@@ -34,6 +35,7 @@ from fem_lie.system import System
 _log = logging.getLogger(__name__)
 
 _BALANCED = 1e-9
+_ULPS = 1e-15  # of the largest stiffness: forces that are round-off of the frames
 
 
 def vibrations(
@@ -159,6 +161,10 @@ class _Linear:
         self.force = max(applied, float(np.abs(force).max(initial=0.0)))
         self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
         self.blocks = linearised(system, self.H, self.v, self.multipliers)
+        if self.force <= _ULPS * abs(self._matrix(self.blocks[2])).max():
+            # what round-off makes of strains would stiffen joints
+            self.multipliers[:] = 0.0
+            self.blocks = linearised(system, self.H, self.v, self.multipliers)
 
     def _largest(self, r: Array) -> float:
         """The largest of the forces ``r`` on what is free to move, in units of energy."""
@@ -196,7 +202,20 @@ class _Linear:
         """The eigenvalue problem."""
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
         free = ~self.system.held.ravel()
-        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free])
+        parts = self._parts(K) if self.system.elastic.pairs else None
+        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], parts)
+
+    def _parts(self, K: sp.csr_matrix) -> RigidParts:
+        """What elements do, and what else there is."""
+        system, kkt = self.system, self.system.kkt
+        state = system, self.H, self.v, self.multipliers
+        rest = self._matrix(linearised(*state, elements=False)[2])
+        forces, blocks = np.zeros(6 * system.count), np.zeros_like(self.blocks[2])
+        system.elastic.add_forces(self.H, forces)
+        nodes = np.arange(system.count)
+        blocks[kkt.place(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
+        motions = rigid_motions(system, self.H, self.weight)
+        return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
 
     def shape(self, vector: Complex) -> tuple[Complex, bool]:
         """Increments of all nodes, see :class:`~fem_lie.modes.Modes`, and if they only turn."""
