@@ -28,7 +28,7 @@ from fem_lie.solve.spectrum import Pencil
 
 Flags = npt.NDArray[np.bool_]
 
-_LOOSE = 1e-12  # of the largest stiffness
+_LOOSE = 1e-14  # of the largest stiffness
 _NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
 
 
@@ -83,8 +83,8 @@ class StableEquilibrium(SceneEquilibrium):
             zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
         except SingularMatrixError:
             zero = 1
-        if zero:
-            loose = self._loose_motions()
+        loose = self._loose_motions()
+        if zero or loose:
             left = f": {loose} motion{'s' * (loose > 1)} of bodies left free" if loose else ""
             raise ValueError(
                 f"the path has no start: the tangent at load factor {factor:g} is singular{left}. "
