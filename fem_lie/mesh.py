@@ -42,7 +42,7 @@ class LineMesh:
 
     Raises:
         ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
-            length or stands there twice; a point has no cell.
+            length, stands there twice or lies on another; a point has no cell.
     """
 
     points: Array
@@ -207,11 +207,8 @@ def polyline(
     counts = _cells_of_pieces(cells, len(x) - 1)
     pieces = [straight(a, b, count) for (a, b), count in zip(pairwise(x), counts, strict=True)]
     closed = len(x) > 3 and bool(np.array_equal(x[0], x[-1]))
-    units = np.array([piece.tangents[0, 0] for piece in pieces])
-    _refuse_turning_back(x, np.concatenate([units, units[:1]]) if closed else units)
-    places = np.concatenate([piece.points[:-1] for piece in pieces] + [x[-1:]])[
-        : -1 if closed else None
-    ]
+    last = x[:0] if closed else x[-1:]
+    places = np.concatenate([*(piece.points[:-1] for piece in pieces), last])
     number = np.arange(sum(counts) + 1) % len(places)
     first = np.cumsum([0, *counts])
     names = {f"corner {k}": number[first[k : k + 1]] for k in range(1, len(counts))}
@@ -229,12 +226,6 @@ def _cells_of_pieces(cells: int | Sequence[int], pieces: int) -> list[int]:
     if len(given) != pieces:
         raise ValueError(f"wanted are numbers of cells of {pieces} pieces, got {len(given)}")
     return [whole_number(count) for count in given]  # type: ignore[arg-type]
-
-
-def _refuse_turning_back(corners: Array, units: Array) -> None:
-    back = np.flatnonzero(np.linalg.norm(units[1:] + units[:-1], axis=1) < CORNER_ANGLE)
-    if len(back):
-        raise ValueError(f"the line goes back on itself at {corners[back[0] + 1]}")
 
 
 def curve(
@@ -341,3 +332,24 @@ def _check_cells(points: Array, cells: Indices) -> None:
     alone = np.flatnonzero(valence(cells, len(points)) == 0)
     if len(alone):
         raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
+    _refuse_overlaps(points, cells)
+
+
+def _refuse_overlaps(points: Array, cells: Indices) -> None:
+    """Raise ``ValueError`` if two cells leave a point in one direction."""
+    point = cells.ravel()
+    away = points[cells[:, ::-1].ravel()] - points[point]
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    order = np.argsort(point, kind="stable")
+    for step in range(1, int(valence(cells, len(points)).max())):
+        a, b = order[:-step], order[step:]
+        same = point[a] == point[b]
+        a, b = a[same], b[same]
+        on_top = np.flatnonzero(np.linalg.norm(away[a] - away[b], axis=1) < CORNER_ANGLE)
+        if len(on_top):
+            first, second = sorted((a[on_top[0]] // 2, b[on_top[0]] // 2))
+            place = points[point[a[on_top[0]]]]
+            raise ValueError(
+                f"cells {first} and {second} lie on top of each other at {place}: the line goes "
+                "back on itself there"
+            )

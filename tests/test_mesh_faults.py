@@ -149,7 +149,13 @@ CASES = {
     ),
     "a polyline that turns back": (
         lambda: polyline([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], 2),
-        r"goes back on itself at \[1\. 0\. 0\.\]",
+        r"cells 1 and 2 lie on top of each other at \[1\. 0\. 0\.\].* goes back",
+    ),
+    "two members on each other": (
+        lambda: LineMesh.from_cells(
+            [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)], [(3, 0), (0, 1), (0, 2)]
+        ),
+        r"cells 1 and 2 lie on top of each other at \[0\. 0\. 0\.\]",
     ),
     "a polyline of one point": (lambda: polyline([(0, 0, 0)], 2), "two points or more, got 1"),
     "a polyline that stands still": (
