@@ -179,8 +179,9 @@ class _Linear:
         """Whether joints can balance all other forces."""
         M, _, K = (self._matrix(blocks) for blocks in self.blocks)
         inertia = abs(M).max() * self.rate**2
-        # the state of an iteration is known to a part of the model's size
-        stiffness = 1e-12 * abs(K).max()
+        # an iteration knows its state to a part of the model's size, and places to their digits
+        reach = float(np.abs(self.H[: self.system.count, 0]).max()) / self.system.length
+        stiffness = (1e-12 + 4.0 * np.finfo(np.float64).eps * reach) * abs(K).max()
         return self.gap <= tolerance and self.left <= (
             tolerance * max(self.force, inertia) + stiffness
         )

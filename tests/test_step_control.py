@@ -1,0 +1,74 @@
+"""The controller of step sizes, by itself: what it does with a sequence of errors."""
+
+from math import inf
+
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.step_control import Control
+
+ORDER = 2
+
+
+def control(
+    first: float = 1e-3, *, events: tuple[float, ...] = (1.0,), largest: float = 1.0
+) -> Control:
+    return Control(first, 1e-3, 1e-3, events, largest, 1e-9, ORDER)
+
+
+def levels(*errors: float) -> int:
+    chosen = control()
+    for error in errors:
+        chosen.accept(error)
+    return chosen.level
+
+
+def test_an_error_that_grows_fast_shortens_the_step_before_it_is_too_large():
+    assert levels(0.8, 0.6) == 0
+    assert levels(0.1, 0.6) == -1
+
+
+def test_a_larger_step_waits_for_some_of_one_size():
+    assert levels(0.01, 0.01) == 0
+    assert levels(0.01, 0.01, 0.01) == 2
+
+
+def test_what_was_before_a_rejection_does_not_count():
+    chosen = control()
+    chosen.accept(0.05)
+    chosen.reject(inf)
+    assert chosen.level == -4
+    chosen.accept(0.6)
+    assert chosen.level == -4
+
+
+@pytest.mark.parametrize(("error", "fall"), [(1.1, 1), (8.0, 4), (1e9, 8)])
+def test_a_rejected_step_falls_by_its_error(error, fall):
+    """To (θ/e)^(1/2) of its size, as the error over the size is of second order; not too far."""
+    chosen = control()
+    chosen.reject(error)
+    assert chosen.level == -fall
+
+
+def test_steps_are_not_above_the_largest_and_reach_it():
+    chosen = control(largest=4e-3)
+    for _ in range(30):
+        chosen.accept(1e-6)
+    assert chosen.size == pytest.approx(4e-3)
+
+
+def test_some_steps_before_an_event_are_equal_and_fit():
+    chosen, time, sizes = control(0.3, events=(2.0, 3.0)), 0.0, []
+    while time < 2.0 - 1e-9:
+        sizes.append(chosen.fitted(time))
+        time += sizes[-1]
+    assert sizes == pytest.approx([0.3] * 3 + [0.275] * 4)
+
+
+def test_rotations_have_the_tolerance_of_positions_over_the_length():
+    choice = fl.AdaptiveStep(1e-3)
+    assert choice.control(1.0, 10.0, ORDER).rotation_tolerance == pytest.approx(1e-4)
+    chosen = choice.control(1.0, 10.0, ORDER)
+    assert chosen.ratio(5e-4, 2e-5, 0.5) == pytest.approx(1.0)
+    assert chosen.ratio(1e-4, 1e-4, 0.5) == pytest.approx(2.0)
+    assert chosen.ratio(float("nan"), 0.0, 0.5) == inf
