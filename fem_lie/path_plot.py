@@ -106,6 +106,7 @@ def _shape(ax: Axes, result: EquilibriumPath, units: Units) -> None:
     rows = sorted({0, *(point.index for point in result.critical), len(result) - 1})
     with tempfile.TemporaryDirectory() as folder:
         name = Path(folder) / "shape.png"
-        draw(result.info, result.frames[rows], name, units=units, size=(900, 700))
+        # as many pixels as it is given, and numbers as large as those of the curve
+        draw(result.info, result.frames[rows], name, units=units, size=(900, 700), text=20)
         ax.imshow(imread(name))
     ax.set_axis_off()

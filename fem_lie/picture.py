@@ -23,6 +23,8 @@ _THROUGH = 0.35  # opacity of bodies with nodal frames inside
 _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
 _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
+_MARGIN, _LINES = 0.045, 3.0  # part of the width and lines of text: room for titles of axes
+_PER_TEXT = 100  # widths of the picture in pixels per size of the text
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 
 
@@ -36,6 +38,7 @@ def draw(
     title: str = "",
     units: Units = SI,
     size: tuple[int, int] = (1600, 1200),
+    text: int | None = None,
 ) -> None:
     """Draw the bodies in several configurations, the last in full colour, earlier ones paler.
 
@@ -50,6 +53,7 @@ def draw(
         title: Above the picture.
         units: For the axes.
         size: Width and height, pixels.
+        text: Size of numbers and titles at the axes; default: a hundredth of the width.
 
     Raises:
         ValueError: The name does not end in ``.png``.
@@ -68,7 +72,7 @@ def draw(
             _add(plotter, info, bodies, np.asarray(step), float(strength), float(opacity))
         if triads:
             _add_triads(plotter, steps[-1])
-        _frame(plotter, steps, paths, units, size)
+        _frame(plotter, steps, paths, units, size, text)
         plotter.screenshot(target)
 
 
@@ -161,7 +165,12 @@ def _plotter(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Itera
 
 
 def _frame(
-    plotter: Any, frames: Array, paths: Sequence[Array], units: Units, size: tuple[int, int]
+    plotter: Any,
+    frames: Array,
+    paths: Sequence[Array],
+    units: Units,
+    size: tuple[int, int],
+    text: int | None = None,
 ) -> None:
     """Axes with round numbers around all configurations, and the camera."""
     from vtkmodules.vtkCommonCore import vtkStringArray
@@ -174,12 +183,13 @@ def _frame(
     low, high = step * (low - (low >= high)), step * (high + (low >= high))
     counts = np.rint((high - low) / step).astype(int) + 1
     bounds = np.column_stack([low, high]).ravel().tolist()
+    font = text or size[0] // _PER_TEXT
     axes = plotter.show_bounds(
         bounds=bounds,
         grid="back",
         location="outer",
         ticks="outside",
-        font_size=size[0] // 100,
+        font_size=font,
         color="#777777",
         xtitle=f"x [{units.length}]",
         ytitle=f"y [{units.length}]",
@@ -191,10 +201,12 @@ def _frame(
     )
     for axis in range(3):
         labels = vtkStringArray()
-        for value in np.rint(low[axis] / step) + np.arange(counts[axis]):
-            # the lowest of z and the first of y would write over each other
-            lowest = axis == 2 and labels.GetNumberOfValues() == 0
-            labels.InsertNextValue("" if lowest else f"{value * step:.6g}")
+        for number, value in enumerate(np.rint(low[axis] / step) + np.arange(counts[axis])):
+            # in space the lowest of z and the first of y, and the last of x and the highest of z,
+            # would write over each other
+            hidden = (axis == 2 and number == 0) or (axis == 0 and number == counts[0] - 1)
+            shown = "" if hidden and len(flat) != 1 else f"{value * step:.6g}"
+            labels.InsertNextValue(shown)
         axes.SetAxisLabels(axis, labels)
     if len(flat) == 1:
         (plotter.view_yz, plotter.view_xz, plotter.view_xy)[flat[0]]()
@@ -202,8 +214,38 @@ def _frame(
         plotter.view_isometric()
     plotter.enable_parallel_projection()
     plotter.reset_camera(bounds=bounds)
-    # the camera makes room for the box's diagonal, which lies in the picture only in space
-    plotter.camera.zoom(1.2 if len(flat) == 1 else 1.0)
+    bodies = np.array(plotter.bounds).reshape(3, 2).T
+    corners = np.array([low, high]), bodies
+    _fit(plotter.camera, np.concatenate(corners), size, _MARGIN * size[0] + _LINES * font)
+    plotter.reset_camera_clipping_range()
+
+
+def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> None:
+    """Set a parallel camera to show boxes, with a margin in pixels all around.
+
+    Args:
+        camera: Of PyVista; its direction stays.
+        corners: Lowest and highest corner of each box, one after the other, shape (2 k, 3).
+        size: Width and height of the picture, pixels.
+        margin: Beyond the boxes.
+    """
+    forward = np.array(camera.focal_point) - np.array(camera.position)
+    distance = float(np.linalg.norm(forward))
+    forward /= distance
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    seen = np.array([right, np.cross(right, forward)])
+    boxes = corners.reshape(-1, 2, 3)
+    picks = np.array(list(np.ndindex(2, 2, 2)))
+    points = np.concatenate([box[picks, np.arange(3)] for box in boxes]) @ seen.T
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.maximum(np.array(size) - 2.0 * margin, 0.2 * np.array(size))
+    per_pixel = float(((high - low) / room).max())
+    middle = 0.5 * (low + high) @ seen
+    focus = middle + (np.array(camera.focal_point) @ forward) * forward
+    camera.focal_point = focus.tolist()
+    camera.position = (focus - distance * forward).tolist()
+    camera.parallel_scale = 0.5 * per_pixel * size[1]
 
 
 def _round_step(extent: float) -> float:

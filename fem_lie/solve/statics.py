@@ -38,6 +38,8 @@ Flags = npt.NDArray[np.bool_]
 
 _log = logging.getLogger(__name__)
 
+_DRAWN = 7  # states in a picture, beside the unloaded one
+
 
 @compiled
 def advance(H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float) -> float:
@@ -119,26 +121,51 @@ class StaticResult:
     def picture(
         self,
         path: str | os.PathLike[str],
+        at: Sequence[int | float] | None = None,
         *,
         trace: Sequence[Point | str] = (),
         frames: bool = False,
         title: str = "",
         units: Units = SI,
     ) -> None:
-        """Draw the unloaded bodies and all equilibrium states, the later the darker.
+        """Draw the unloaded bodies and equilibrium states, the later the darker.
 
         Args:
             path: Name of the ``.png`` file.
-            trace: Points whose paths are drawn, too.
+            at: Which states: whole numbers are indices, others load factors, of which the nearest
+                is taken; default: all if they are seven at most, or so many of them, evenly.
+            trace: Points whose paths through all states are drawn, too.
             frames: Draw the nodal frames of the last state.
             title: Above the picture.
             units: For the axes.
+
+        Raises:
+            ValueError: There is no such state.
         """
         from fem_lie.picture import draw
 
         states = np.concatenate([self.initial[np.newaxis], self.frames])
         paths = [states[:, self.info.node(point), 0] for point in trace]
-        draw(self.info, states, path, paths=paths, triads=frames, title=title, units=units)
+        drawn = states[[0, *(1 + row for row in self._rows(at))]]
+        draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
+
+    def _rows(self, at: Sequence[int | float] | None) -> list[int]:
+        """Numbers of the states to be drawn."""
+        count = len(self.factors)
+        if at is None:
+            even = np.linspace(0, count - 1, min(_DRAWN, count))
+            return [int(row) for row in even.round()]
+        rows = []
+        for state in at:
+            if isinstance(state, int | np.integer):
+                if not -count <= state < count:
+                    raise ValueError(f"there are {count} states, got the index {state}")
+                rows.append(int(state) % count)
+            elif np.isfinite(state):
+                rows.append(int(np.abs(self.factors - state).argmin()))
+            else:
+                raise ValueError(f"a load factor must be finite, got {state}")
+        return rows
 
 
 class SingularStartError(ConvergenceError):
