@@ -50,12 +50,16 @@ def outward(x: np.ndarray) -> np.ndarray:
     return np.array([x[0], x[1], 0.0]) / np.hypot(x[0], x[1])
 
 
-def cell(thickness: float, mesh: int) -> fl.Scene:
-    """Two half waves of the ring mode each way, under the classical load; radius 1."""
+def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
+    """Two half waves of the ring mode each way, under the classical load; radius 1.
+
+    ``slimness``: by how much it is narrower around than along.
+    """
     length = 2 * half_wave(thickness)
+    width = length / slimness
 
     def place(a: float, b: float) -> np.ndarray:
-        return np.array([np.cos(a * length), np.sin(a * length), b * length])
+        return np.array([np.cos(a * width), np.sin(a * width), b * length])
 
     wall = fl.Shell(
         fl.surface(place, (2 * mesh, 2 * mesh)),
@@ -69,29 +73,16 @@ def cell(thickness: float, mesh: int) -> fl.Scene:
         wall.held[point.node, 0] = False  # along the axis, which is e1 there: the ring holds it
     wall.symmetry("b=0", (0, 0, 1))
     wall.symmetry("a=0", (0, 1, 0))
-    wall.symmetry("a=1", (-np.sin(length), np.cos(length), 0))
+    wall.symmetry("a=1", (-np.sin(width), np.cos(width), 0))
     scene = fl.Scene()
     scene.add(wall)
-    ring = press(scene, lambda s: place(s, 1), len(top) - 1, length)
+    press = scene.add(fl.RigidBody(1.0, 3 * [length**2], place(0.5, 1), name="press"))
+    scene.add(fl.Prismatic(fl.ground(), press.centre, axis=(0, 0, 1)))
     for point in top:
-        nearest = np.linalg.norm(ring.frames[:, 0] - point.position, axis=1).argmin()
-        scene.add(fl.InPlane(ring.node(int(nearest)), point, axis=(0, 0, 1)))
+        scene.add(fl.InPlane(press.centre, point, at=point.position, axis=(0, 0, 1)))
     load = MATERIAL.E * thickness**2 / KOITER
-    scene.add(fl.PointLoad(ring.start, force=(0, 0, -load * length)))
+    scene.add(fl.PointLoad(press.centre, force=(0, 0, -load * width)))
     return scene
-
-
-def press(scene: fl.Scene, line: Any, cells: int, length: float) -> fl.Beam:
-    """A rigid ring that moves along the axis only."""
-    section = fl.Section.from_stiffness(np.ones(6))
-    ring = scene.add(fl.Beam.curve(line, section, cells=cells, up=(0, 0, 1), name="ring"))
-    for node in range(1, cells + 1):
-        scene.add(fl.RigidLink(ring.start, ring.node(node)))
-    x, y, z = length * np.eye(3)
-    for lever, axis in ((0 * x, x), (0 * x, y), (z, x), (z, y), (x, y)):
-        at = ring.start.position + lever
-        scene.add(fl.InPlane(fl.ground(), ring.start, at=at, axis=axis))
-    return ring
 
 
 def rings(thickness: float, amplitude: float) -> fl.FieldImperfection:

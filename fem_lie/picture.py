@@ -23,7 +23,7 @@ _THROUGH = 0.35  # opacity of bodies with nodal frames inside
 _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
 _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
-_MARGIN, _LINES = 0.045, 3.0  # part of the width and lines of text: room for titles of axes
+_MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
 _PER_TEXT = 100  # widths of the picture in pixels per size of the text
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 

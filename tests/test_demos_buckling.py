@@ -88,6 +88,17 @@ def test_compressed_cylinder_bears_the_classical_load_if_perfect():
     assert path.critical[0].factor == pytest.approx(module.koiter(0.1), rel=0.1)
 
 
+def test_knock_down_by_a_mode_is_koiters():
+    """One cell of one width; all of them by the demo itself."""
+    module = demo("cylinder_knock_down")
+    # the formula's own limit
+    assert module.koiter_pattern(1e-3)[0] == pytest.approx(module.koiter(1e-3), rel=1e-3)
+    theory, tau = module.koiter_pattern(0.5)
+    found = module.knock_down(100.0, 5, 0.5, tau)
+    assert found["amplitude_error"] <= 1e-10
+    assert found["load"] == pytest.approx(theory, abs=0.015)
+
+
 def test_spherical_cap_snaps_where_its_meridian_does():
     record = demo("spherical_cap").main(mesh=10, pictures=False)
     assert abs(record["error"]) <= 5e-3

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 import fem_lie as fl
+from fem_lie.picture import draw
 
 
 def cantilever(direction=(1.0, 0, 0)):
@@ -58,18 +59,20 @@ def test_states_that_do_not_exist_are_refused(bent):
 @pytest.mark.parametrize(
     "direction", [(0, 0, 1.0), (1.0, 0, 0), (1e-3, 0, 0), (300.0, 40.0, 70.0), (0.2, 0.3, 5.0)]
 )
-def test_nothing_is_cut_off_at_the_borders(tmp_path, direction):
+@pytest.mark.parametrize("small", [False, True], ids=["picture", "beside a curve"])
+def test_nothing_is_cut_off_at_the_borders(tmp_path, bent, direction, small):
     """Bodies, numbers and titles of axes, from all sides and for any proportions."""
     scene, _ = cantilever(direction)
     file = tmp_path / "bar.png"
-    scene.picture(file, units=fl.Units(length="a long unit"))
+    options = {"size": (900, 700), "text": 20} if small else {}
+    draw(bent.info, scene.bodies[0].frames, file, units=fl.Units(length="a long unit"), **options)
     pixels = np.asarray(Image.open(file).convert("L"), dtype=float)
     border = 6
     edges = [pixels[:border], pixels[-border:], pixels[:, :border], pixels[:, -border:]]
     assert min(edge.min() for edge in edges) > 250
     ink = np.argwhere(pixels < 250)
     # and it is not small, either
-    assert (np.ptp(ink, axis=0) / pixels.shape).max() > 0.6
+    assert (np.ptp(ink, axis=0) / pixels.shape).max() > 0.5
 
 
 def test_numbers_beside_a_path_are_as_large_as_those_of_the_curve(tmp_path, monkeypatch):
@@ -79,11 +82,11 @@ def test_numbers_beside_a_path_are_as_large_as_those_of_the_curve(tmp_path, monk
     given = []
     real = picture.draw
 
-    def draw(info, frames, path, **options):
+    def watched(info, frames, path, **options):
         given.append(options)
         real(info, frames, path, **options)
 
-    monkeypatch.setattr(picture, "draw", draw)
+    monkeypatch.setattr(picture, "draw", watched)
     path = fl.follow_path(cantilever()[0], steps=3)
     figure = path.plot_path(path.displacement("bar.end")[:, 2], tmp_path / "path.png")
     shape = figure.axes[1].get_window_extent()
