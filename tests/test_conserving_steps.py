@@ -13,7 +13,7 @@ from demos.time_error import TIP, rigid_pendulum, tip
 from fem_lie.solve.step_control import Control, StepChoice
 from fem_lie.solve.variable_steps import VariableSteps
 from tests.test_energy_momentum import bars
-from tests.test_time_error import arm_that_stops, jump, pushed
+from tests.test_time_error import Alternating, arm_that_stops, jump, pushed
 
 PARTS = 10
 # of second order, an error measured by a step in PARTS parts lacks that of the parts
@@ -121,6 +121,18 @@ def test_estimate_is_of_third_order():
     ]
     ratio = sizes[0].translation[-1] / sizes[1].translation[-1]
     assert 2.9 < np.log2(ratio) < 3.1
+
+
+def test_dissipation_is_of_second_order_when_steps_change():
+    """Of less if the memory of forces, or of velocities, keeps its size."""
+    losses = []
+    for h in (5e-4, 1.25e-4):
+        scheme = fl.EnergyDecaying(radius=0.2)
+        result = scheme.run(bars(cells=1)[0], duration=0.02, step=Alternating(h))
+        assert len(np.unique(result.steps.sizes.round(9))) >= 2
+        losses.append(result.balance[-1, 2])
+    assert losses[1] > 0.0
+    assert np.log2(losses[0] / losses[1]) / 2 > 1.9
 
 
 def test_flight_has_no_error():
