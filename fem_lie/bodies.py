@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from fem_lie.element_turns import Turning
 
 
+_ORTHONORMAL = 1e-8  # as of prescribed motions
+
+
 def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
     """``value`` as finite numbers of shape ``(size,)``.
 
@@ -195,6 +198,25 @@ class Body:
         """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
         return self.drills(holds), None
 
+    def check(self) -> None:
+        """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
+        shape, count = self.velocities.shape, len(self.frames)
+        if shape != (count, 6) or not np.isfinite(self.velocities).all():
+            raise ValueError(
+                f"velocities of {self.label} must be finite and of shape ({count}, 6), got\n"
+                f"{self.velocities}"
+            )
+        axes = self.frames[:, 1:]
+        gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        right = np.einsum("nj,nj->n", np.cross(axes[:, 0], axes[:, 1]), axes[:, 2]) > 0.0
+        finite = np.isfinite(self.frames).all(axis=(1, 2))
+        bad = np.flatnonzero(~(finite & (gap <= _ORTHONORMAL) & right))
+        if len(bad):
+            raise ValueError(
+                f"frames of {self.label} must be a place and right-handed orthonormal axes; that "
+                f"of node {bad[0]} is\n{self.frames[bad[0]]}"
+            )
+
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.
 
@@ -251,6 +273,15 @@ class Point:
     body: Body | None
     node: int = 0
     name: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if there is no such body or node."""
+        instance(self.body, Body | None, "Point: body", "a body, or None for ground")
+        instance(self.node, int | np.integer, "Point: node", "the number of a node")
+        text(self.name, "Point: name")
+        if self.body is not None and not 0 <= self.node < len(self.body.frames):
+            last = len(self.body.frames) - 1
+            raise ValueError(f"{self.body.label} has nodes 0 … {last}, got {self.node}")
 
     @property
     def is_ground(self) -> bool:

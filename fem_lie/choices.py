@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from fem_lie._wanted import flag
+
 
 class Redundant(Enum):
     """What to do with constraints that follow from others.
@@ -33,6 +35,12 @@ class Choices:
 
     gyroscopic: bool | None = None
     geometric: bool | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if one of them is neither true nor false nor ``None``."""
+        for name in ("gyroscopic", "geometric"):
+            if getattr(self, name) is not None:
+                flag(getattr(self, name), f"Choices: {name}")
 
     def resolve(self, spin_per_step: float) -> Choices:
         """The same with nothing left open, for the largest rotation in a step, rad."""

@@ -49,12 +49,15 @@ class Numbering:
             holds: What takes hold of the rotations of the bodies' nodes.
 
         Raises:
-            ValueError: Initial velocities of nodes that are tied together contradict each other, or
-                supports of a node have no counterpart in the unknowns of the node it follows.
+            ValueError: Frames or velocities of a body are none; initial velocities of nodes that
+                are tied together contradict each other, or supports of a node have no counterpart
+                in the unknowns of the node it follows.
         """
         self.nodes: dict[Body, Indices] = {}
         self.assemblies: list[tuple[slice, Assembly]] = []
         self.members: list[list[Body]] = []
+        for body in bodies:
+            body.check()
         self.drills = {body: body.drills(holds.get(body, ())) for body in bodies}
         start = 0
         for kind in dict.fromkeys((body.kind, self.drills[body]) for body in bodies):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._lines import Array
 from fem_lie._wanted import choice, instance, shown
 from fem_lie.bodies import Body, HeldRotation, Holds, vector
 from fem_lie.choices import Choices, Redundant
@@ -34,7 +35,6 @@ class Scene:
     """Bodies, joints, loads and supports.
 
     Attributes:
-        gravity: Acceleration of free fall, global components, shape (3,).
         choices: What is forced into or out of the iteration matrix.
         redundant: What to do with constraints that follow from others.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
@@ -55,7 +55,7 @@ class Scene:
             choices: What is forced into or out of the iteration matrix; default: nothing.
             redundant: What to do with constraints that follow from others.
         """
-        self.gravity = vector(gravity, 3, "gravity")
+        self._gravity = vector(gravity, 3, "gravity")
         instance(choices, Choices | None, "Scene: choices", "Choices or None")
         self.choices = Choices() if choices is None else choices
         self.redundant = choice(redundant, Redundant, "Scene: redundant")
@@ -67,6 +67,15 @@ class Scene:
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
         self._shared: SharedSetup | None = None
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall, global components, shape (3,)."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: npt.ArrayLike) -> None:
+        self._gravity = vector(value, 3, "gravity")
 
     def add(self, item: Item) -> Item:
         """Add a body, joint, spring, drive, load, support and so on, and return it.

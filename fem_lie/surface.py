@@ -17,7 +17,7 @@ from fem_lie._arrays import find_name, indices_of, members_of, points_of, whole_
 from fem_lie._cell_shapes import DEGREES, cell_normals
 from fem_lie._lines import Array, Indices
 from fem_lie._patches import Edges, Patches, smooth_patches
-from fem_lie._wanted import instance, numbers
+from fem_lie._wanted import instance, numbers, text
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
@@ -163,6 +163,7 @@ class SurfaceMesh:
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
+        text(name, "the name of points, a curve or a group")
         if name in self.named_points:
             return self.named_points[name]
         if name in self.curves:

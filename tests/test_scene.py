@@ -143,3 +143,60 @@ def test_a_motion_of_another_shape_is_refused():
     )
     with pytest.raises(ValueError, match=r"shape \(4, 3\).*time 0.5"):
         motion.frame(0.5)
+
+
+# --- what is set by hand --------------------------------------------------------------------------
+
+
+def no_velocity(scene, bar):
+    bar.velocities[1, 0] = np.nan
+
+
+def one_velocity_for_all(scene, bar):
+    bar.velocities = np.zeros(6)
+
+
+def no_place(scene, bar):
+    bar.frames[1, 0, 2] = np.inf
+
+
+def longer_director(scene, bar):
+    bar.frames[1, 1] *= 1.1
+
+
+def turned_director(scene, bar):
+    bar.frames[1, 1] *= -1.0
+
+
+def no_gravity(scene, bar):
+    scene.gravity = 9.81
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (no_velocity, "velocities of bar must be finite"),
+        (one_velocity_for_all, r"velocities of bar .*shape \(3, 6\)"),
+        (no_place, "frames of bar .*of node 1 is"),
+        (longer_director, "frames of bar .*of node 1 is"),
+        (turned_director, "frames of bar .*right-handed"),
+        (no_gravity, r"gravity must be 3 finite numbers, got 9\.81"),
+    ],
+)
+@pytest.mark.parametrize("solve", ["dynamics", "statics"])
+def test_what_is_set_by_hand_is_seen_before_anything_is_computed(spoil, message, solve):
+    scene = fl.Scene()
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar"))
+    scene.add(fl.Clamp(bar.start))
+    with pytest.raises(ValueError, match=f"(?s){message}"):
+        spoil(scene, bar)
+        System(scene, dynamics=solve == "dynamics")
+
+
+def test_a_point_needs_a_node_that_is_there():
+    bar = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar")
+    for node in (3, -1):
+        with pytest.raises(ValueError, match=f"bar has nodes 0 … 2, got {node}"):
+            fl.Point(bar, node)
+    with pytest.raises(TypeError, match="body must be a body, or None for ground, got 'bar'"):
+        fl.Point("bar")

@@ -124,7 +124,7 @@ def accelerations(
     r[6 * n :] *= scale
     largest = float(np.abs(r).max(initial=0.0))
     if not largest < _LARGEST:
-        raise ValueError(f"forces at the start are {largest:.1e}: too large to be computed with")
+        raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
     try:
         solver.factorise()
         solver.solve()
