@@ -26,12 +26,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from compressed_cylinder import KOITER, RESULTS, cell, koiter, outward
 from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 import fem_lie as fl
 from fem_lie.plot import COLOURS
+
+try:
+    from demos.compressed_cylinder import KOITER, RESULTS, cell, koiter, outward
+except ModuleNotFoundError:  # started as a script
+    from compressed_cylinder import KOITER, RESULTS, cell, koiter, outward
 
 AMPLITUDES = (0.1, 0.5, 1.0)
 SLIMNESS = (0.85, 1.0, 1.15)  # times that of the formula
