@@ -230,7 +230,8 @@ class Connections:
     def _sliding_rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Of what slides: the second by differences of the first along the motion."""
         border, rows = self.border, np.zeros((len(self.border.nodes), 6))
-        time = 1e-5 / max(float(np.abs(v).max(initial=0.0)), 1e-300)
+        speeds = np.abs(v[:, 3:]).max(), np.abs(v[:, :3]).max() / self.sliding.lengths.min()
+        time = 1e-5 / max(float(max(speeds)), 1e-300)
         where = np.isin(
             border.rows, np.arange(len(self.table.targets), self.m - self.of_velocities)
         )

@@ -405,8 +405,12 @@ class PrescribedMotion:
         if self.point.is_ground:
             raise ValueError("a prescribed motion needs a point of a body, got ground")
         start = numbers(self.motion(0.0), f"the motion of {self.point.label}")
-        gap = np.abs(start - self.point.frame).max() if start.shape == (4, 3) else np.inf
-        if not gap <= 1e-8 * max(1.0, np.abs(self.point.frame).max()):
+        gap = np.inf
+        if start.shape == (4, 3):
+            away = np.abs(start - self.point.frame)
+            size = max(self.point.size, np.abs(self.point.position).max())
+            gap = max(away[0].max() / size, away[1:].max())
+        if not gap <= 1e-8:
             raise ValueError(
                 f"the motion of {self.point.label} must start at its frame\n{self.point.frame},\n"
                 f"got\n{start}"

@@ -95,6 +95,8 @@ class Numbering:
         self.attachment = Attachment(frames, pairs)
         self.count = self.attachment.count
         self.frames = frames[self.attachment.leaders]
+        # lengths beside rotations: of one node anything will do
+        self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.attachment.leaders]
         self.groups = groups[self.attachment.leaders]
         self.held = held[self.attachment.leaders]
@@ -109,7 +111,8 @@ class Numbering:
         follows = np.ones(self.total, dtype=bool)
         follows[self.attachment.leaders] = False
         for node in np.flatnonzero(follows & held.any(axis=1)):
-            leader, offset = self.attachment.leader[node], self.attachment.offset[node]
+            leader, offset = self.attachment.leader[node], self.attachment.offset[node].copy()
+            offset[0] /= self._size
             # rows of zero motion in the leader's unknowns
             rows = np.vstack(
                 [np.eye(6)[self.held[leader]], lie.se3_adjoint(lie.se3_inverse(offset))[held[node]]]
@@ -127,8 +130,10 @@ class Numbering:
             self.held[leader] = whole
 
     def _check_velocities(self, given: lie.Array) -> None:
-        gap = np.abs(self.attachment.twists(self.velocities) - given).max(axis=1, initial=0.0)
-        if gap.max(initial=0.0) > 1e-9 * np.abs(given).max(initial=0.0):
+        units = np.repeat([self._size, 1.0], 3)
+        away = np.abs(self.attachment.twists(self.velocities) - given) / units
+        gap = away.max(axis=1, initial=0.0)
+        if gap.max(initial=0.0) > 1e-9 * np.abs(given / units).max(initial=0.0):
             node = int(gap.argmax())
             body = next(body for body, nodes in self.nodes.items() if node in nodes)
             raise ValueError(

@@ -6,26 +6,31 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from fem_lie._jit import Indices
+from fem_lie._jit import Array, Indices
 from fem_lie.connections import Connections
 
-_NOTHING = 1e-10  # of a row whose entries would be of order 1, or over the length
+_NOTHING = 1e-10  # of a row whose entries would be of order 1
 _DEPENDENT = 1e-10  # squared distance of a unit row from the span of others
 
 
-def redundant_constraints(B: sp.csr_matrix, length: float) -> Indices:
+def redundant_constraints(B: sp.csr_matrix, length: float, measure: Array) -> Indices:
     """Those that follow from the others.
 
     Args:
         B: Jacobian of all in the twists of the moving nodes, shape (m, 6 n).
         length: Of the model: what a rotation counts.
+        measure: What counts of the multiplier of each is its value times this, shape (m,).
     """
     if B.shape[0] == 0:
         return np.empty(0, dtype=np.int64)
-    B = B @ sp.diags(np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6))
+    B = (
+        sp.diags(1.0 / measure)
+        @ B
+        @ sp.diags(np.tile([1.0, 1, 1] + [1.0 / length] * 3, B.shape[1] // 6))
+    )
     norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     # within one rigid body both sides cancel up to round-off
-    norms[norms < _NOTHING * min(1.0, 1.0 / length)] = 0.0
+    norms[norms < _NOTHING] = 0.0
     empty = np.flatnonzero(norms == 0.0)
     unit = sp.diags(np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)) @ B
     gram = (unit @ unit.T).toarray()

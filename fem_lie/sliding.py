@@ -24,7 +24,7 @@ from fem_lie._jit import Array, Indices, compiled
 from fem_lie.relative_motion import force, relative_motion, variation
 
 _ITERATIONS = 60
-_STEP = 1e-6  # of differences; their error of 1e-9 is nothing to a matrix
+_STEP = 1e-6  # of differences, rad or element lengths; an error of 1e-9 is nothing to a matrix
 
 
 class SlidingTable(NamedTuple):
@@ -222,7 +222,8 @@ def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: 
                 continue
             kept[:] = H[nodes[source]]
             h[:] = 0.0
-            h[k] = _STEP
+            step = _STEP * table.lengths[e] if k < 3 else _STEP
+            h[k] = step
             lie.retract(kept, h, H[nodes[source]])
             _forces(H, table, j, e, weights, ahead)
             lie.retract(kept, -h, H[nodes[source]])
@@ -231,7 +232,7 @@ def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: 
             for side in range(3):
                 at = place[e, side, source]
                 if at >= 0:
-                    K[at, :, k] += (ahead[side] - behind[side]) / (2.0 * _STEP)
+                    K[at, :, k] += (ahead[side] - behind[side]) / (2.0 * step)
 
 
 @compiled

@@ -144,7 +144,7 @@ class System:
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
-        redundant = redundant_constraints(B, self.length)
+        redundant = redundant_constraints(B, self.length, self.kkt.measure)
         if scene.redundant is Redundant.REFUSE:
             refuse(redundant, self.connections)
         elif len(redundant):

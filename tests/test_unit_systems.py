@@ -108,3 +108,72 @@ def test_no_accurate_solver_is_an_error(monkeypatch):
     monkeypatch.setattr(DirectSolver, "_error", lambda solver: 1.0)
     with pytest.raises(InaccurateSolutionError, match=r"residual is 1\.0e\+00 of what cancels"):
         fl.GeneralisedAlpha().run(closed_loop(), duration=1e-3, step=1e-3)
+
+
+def hinged(u: UnitSystem) -> tuple[fl.Scene, fl.RigidBody]:
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(u.mass(1.0), u.inertia([0.1, 0.1, 0.1]), u.length([0.5, 0, 0])))
+    return scene, body
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+def test_what_does_not_start_as_it_must_is_refused(u):
+    """A part of 1e-4 is wrong, whatever the unit of length."""
+    scene, body = hinged(u)
+    rod = fl.Distance(fl.ground(), body.centre, at=(0, 0, 0))
+    with pytest.raises(ValueError, match="must start at"):
+        scene.add(fl.Drive(rod.length, lambda t: u.length(0.5 + 1e-4)))
+    frame = body.centre.frame + np.eye(4, 3) * u.length(1e-4) * np.array([[1.0], [0], [0], [0]])
+    with pytest.raises(ValueError, match="must start at its frame"):
+        scene.add(fl.PrescribedMotion(body.centre, lambda t: frame))
+    scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 0, 1), name="hinge"))
+    body.move(u.velocity([1e-3, 1.0, 0]))
+    with pytest.raises(ValueError, match="initial velocities break hinge"):
+        fl.GeneralisedAlpha().run(scene, duration=u.time(0.1), step=u.time(0.01))
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+def test_links_that_velocities_contradict_are_refused(u):
+    scene, body = hinged(u)
+    other = scene.add(fl.RigidBody(u.mass(1.0), u.inertia([0.1, 0.1, 0.1]), u.length([0, 1, 0])))
+    scene.add(fl.RigidLink(body.centre, other.centre))
+    body.turn(u.rate([0, 0, 1.0]), about=(0, 0, 0))
+    other.turn(u.rate([0, 0, 1.0]), about=u.length([1e-3, 0, 0]))
+    with pytest.raises(ValueError, match="contradict a rigid link"):
+        System(scene, dynamics=True)
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+def test_redundant_constraints_are_the_same_in_all_systems(u):
+    scene, body = hinged(u)
+    for x in (0.0, 1.0):
+        scene.add(fl.Fixed(fl.ground(), body.centre, at=u.length([x, 0, 0])))
+    with pytest.raises(ValueError, match="6 of 12 constraints are redundant"):
+        System(scene, dynamics=True)
+
+
+@cache
+def slide(u: UnitSystem) -> tuple[np.ndarray, int]:
+    """A bead runs along a bent beam; its geometric stiffness is found by differences."""
+    steel = fl.Material(u.stress(2e9), 0.3, u.density(2000.0))
+    section = fl.Section.rectangle(u.length(0.02), u.length(0.02), steel)
+    scene = fl.Scene(gravity=u.acceleration([0, 0, -9.81]))
+    ends = u.length([0, 0, 0]), u.length([1, 0, -0.2])
+    beam = scene.add(fl.Beam.straight(*ends, section, cells=6))
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Clamp(beam.end))
+    bead = scene.add(
+        fl.RigidBody(u.mass(1.0), u.inertia([1e-3] * 3), u.length([0.25, 0, -0.05]), name="bead")
+    )
+    scene.add(fl.Sliding(beam, bead.centre))
+    scheme = fl.GeneralisedAlpha(policy=fl.EveryIteration())
+    result = scheme.run(scene, duration=u.time(0.1), step=u.time(2e-3))
+    return u.inverse.length(result.position("bead.centre")), int(result.iterations[-1])
+
+
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_a_bead_slides_alike(u):
+    """With as many iterations: the matrix is the same."""
+    found, expected = slide(u), slide(METRES)
+    np.testing.assert_allclose(found[0], expected[0], rtol=0, atol=1e-9)
+    assert found[1] == expected[1]

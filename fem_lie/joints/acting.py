@@ -94,7 +94,8 @@ class Drive(Connection):
         given = start
         if self.function is not None:
             given = _wanted.number(self.function(0.0), f"{self.label} at the start")
-        if not abs(given - start) <= 1e-8 * max(1.0, abs(start)):
+        unit = 1.0 if self.coordinate.angular else self.coordinate.size
+        if not abs(given - start) <= 1e-8 * max(unit, abs(start)):
             raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
 
     def ties(self) -> list[Tie]:

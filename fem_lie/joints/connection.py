@@ -206,6 +206,17 @@ class Coordinate(NamedTuple):
         return f"{self.name} of {self.joint.label}"
 
     @property
+    def angular(self) -> bool:
+        """Whether it is an angle, and no length."""
+        tie = self.tie
+        return not (tie.selection[:, :3].any() or tie.functions[:, joint_functions.DISTANCE].any())
+
+    @property
+    def size(self) -> float:
+        """Of the bodies that it ties: a length beside which its own errors count."""
+        return max(point.size for point in (self.tie.a, self.tie.b) if not point.is_ground)
+
+    @property
     def binds(self) -> bool:
         """Whether its joint forbids any motion: a :class:`Distance` does not."""
         return self.joint.size > 0 or bool(self.joint.velocity_ties())

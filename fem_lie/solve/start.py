@@ -37,10 +37,11 @@ def check_velocities(system: System, step: float) -> None:
     first -= system.connections.target_rates(0.0, step)[0]
     speed = max(np.abs(velocities[:, :3]).max() / system.length, np.abs(velocities[:, 3:]).max())
     # below the second bound the error of a whole step is less than 1e-9 of the size
-    bound = max(1e-6 * speed, 1e-9 / step) * max(1.0, system.length)
+    bound = max(1e-6 * speed, 1e-9 / step)
     _check_held(system, bound)
-    if (np.abs(first) > bound).any():
-        c = int(np.abs(first).argmax())
+    rates = np.abs(first) / np.where(system.connections.angular, 1.0, system.length)
+    if (rates > bound).any():
+        c = int(rates.argmax())
         joint = system.connections.items[int(system.connections.owner[c])]
         raise ValueError(
             f"the initial velocities break {joint.label}: its constraint changes at the rate "
@@ -52,7 +53,7 @@ def _check_held(system: System, bound: float) -> None:
     """Check the velocities of what bodies hold; shells of five parameters may be said to drill."""
     v = system.velocities[: system.count].copy()
     system.supports.turn(system.frames, v)
-    wrong = system.held & (np.abs(v) > bound)
+    wrong = system.held & (np.abs(v) > bound * np.repeat([system.length, 1.0], 3))
     wrong[:, 5] = False
     if wrong.any():
         node = int(np.flatnonzero(wrong.any(axis=1))[0])
