@@ -21,16 +21,17 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, update_wrapper
 from pathlib import Path
 from time import perf_counter
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numba
 import numpy as np
 import numpy.typing as npt
-from numba.core import event
+from numba.core import config, event
 from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
 Array: TypeAlias = npt.NDArray[np.float64]
@@ -119,19 +120,64 @@ def callback(signature: Any) -> Callable[[F], Any]:
     return decorate
 
 
-def _njit(function: F, **options: Any) -> F:
+def linked(function: F) -> F:
+    """As :func:`compiled`, for what mostly calls compiled functions that take most of the time.
+
+    Their code is linked in as it was optimised for itself; doing that anew at each level of calls
+    is what compiling a loop over steps would take longest for.
+    """
+    return _njit(function, _LINKED)
+
+
+_OPTIMISED, _LINKED = 3, 1
+"""Levels of optimisation."""
+
+
+def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
     options |= {"error_model": "numpy", "no_cfunc_wrapper": True}
-    with _own_cache(function) as cached:
-        dispatcher = numba.njit(cache=cached, **options)(function)
     with _own_cache(function, for_callers=True) as cached:
         inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(function)
-    dispatcher.__class__ = _CalledFromPython
+    inner.__class__, inner.level = _Dispatcher, level
+    entrance = _entrance(function, inner)
+    with _own_cache(function) as cached:
+        dispatcher = numba.njit(cache=cached, **options)(entrance)
+    dispatcher.__class__, dispatcher.level = _CalledFromPython, _LINKED
     dispatcher.for_callers = inner
-    return dispatcher
+    return cast(F, update_wrapper(dispatcher, function))
 
 
-class _CalledFromPython(CPUDispatcher):
-    """A compiled function; others that are compiled call another copy of it.
+def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
+    """A function that calls ``inner`` and stands in the place of ``function``."""
+    names = ", ".join(inspect.signature(function).parameters)
+    source = f"def entrance({names}):\n    return inner({names})"
+    scope = {"inner": inner}
+    exec(compile(source, function.__code__.co_filename, "exec"), scope)
+    entrance: Any = update_wrapper(scope["entrance"], function)
+    del entrance.__wrapped__  # it has no type hints that numba would read
+    return cast(Callable[..., Any], entrance)
+
+
+class _Dispatcher(CPUDispatcher):
+    """A compiled function.
+
+    Attributes:
+        level: Of optimisation.
+    """
+
+    level: int
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for arguments of these types."""
+        with global_compiler_lock:
+            users, config.OPT = config.OPT, min(config.OPT, config._OptLevel(self.level))
+            try:
+                return super().compile(sig)
+            finally:
+                config.OPT = users
+
+
+class _CalledFromPython(_Dispatcher):
+    """A compiled function; others that are compiled call what it calls.
 
     What takes arguments from Python is more code than most functions are: a record of fifty arrays
     takes 0.7 s to compile. So functions have it only if they are called from Python.

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie import inertia
-from fem_lie._jit import Array, compiled, inlined
+from fem_lie._jit import Array, compiled, inlined, linked
 from fem_lie._lie_tuples import (
     cross,
     load,
@@ -145,7 +145,7 @@ class Step(NamedTuple):
     weights: Array
 
 
-@compiled
+@linked
 def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
     """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints."""
     joints, held, scale, scheme = model[1], model[5], model[7], model[11]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._jit import Array, Indices, compiled, inlined, linked
 from fem_lie._lie_tuples import (
     cross,
     dot,
@@ -26,7 +26,7 @@ from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REPAID, SQUARES,
 from fem_lie.wrench import add_wrench
 
 
-@compiled
+@linked
 def add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
     """Add the forces of the cells and of pressure, which are on all nodes, to the leaders."""
     leader, offset, trivial = model[4]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._jit import Array, Indices, compiled, inlined, linked
 from fem_lie._lie_tuples import (
     Vector,
     combined,
@@ -203,7 +203,7 @@ def _work_of_loads(model: tuple[Any, ...], rows: Array, step: Array, losses: Arr
     return work
 
 
-@compiled
+@linked
 def run(
     model: tuple[Any, ...],
     state: tuple[Any, ...],
