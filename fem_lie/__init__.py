@@ -26,6 +26,7 @@ from fem_lie.elements.shell_measures import (
 )
 from fem_lie.frames import NodalFrames, local_frame_forms
 from fem_lie.groups import Group, Parametrisation
+from fem_lie.histories import Jumps, Table
 from fem_lie.imperfections import (
     FieldImperfection,
     Imperfection,
@@ -167,6 +168,7 @@ __all__ = [
     "InPlane",
     "Index",
     "Joint",
+    "Jumps",
     "KnifeEdge",
     "Limit",
     "LineLoad",
@@ -221,6 +223,7 @@ __all__ = [
     "StrainMeasures",
     "SurfaceMesh",
     "SurfacePressure",
+    "Table",
     "Temperature",
     "Units",
     "Universal",

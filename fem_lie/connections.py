@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fem_lie import constraints, lie, rolling, sliding
 from fem_lie._jit import Array, Indices
 from fem_lie._wanted import at_time
+from fem_lie.histories import declared, until_next
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
 from fem_lie.joint_table import views
@@ -79,6 +80,7 @@ class Connections:
             for k, item in enumerate(self.items)
             if item.history is not None
         ]
+        self._breaks = declared((history for _, history in self._drives), kinks=True)
         self._base = np.zeros(self.m)
         self._base[: len(self.table.targets)] = self._initial()
         self.set_time(0.0)
@@ -275,7 +277,11 @@ class Connections:
         self.sliding.targets[:] = values[k : self.m - self.of_velocities]
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
-        """First and second rates of the targets, (m,), at ``time``, by five later times."""
+        """First and second rates of the targets, (m,), at ``time``, by five later times.
+
+        These lie before the next jump, and so may be nearer than ``step``.
+        """
+        step = min(step, until_next(self._breaks, time) / 5.0)
         values = [self.targets(time + k * step) for k in range(6)]
         first, second = np.tensordot(_FORWARD, values, axes=1)
         return first / step, second / step**2

@@ -1,7 +1,8 @@
 """Loads and supports: what a scene adds to points and bodies.
 
 A load history is a function of time (in statics: of the load factor between 0 and 1). Without one a
-load is constant in dynamics and proportional to the load factor in statics.
+load is constant in dynamics and proportional to the load factor in statics. One that jumps should
+say so (:class:`~fem_lie.Table`, :class:`~fem_lie.Jumps`): steps in time then end there.
 
 In local frames a following load is constant and has no load stiffness at all; a force fixed in
 space is a constant force on ``q = (x, d₁, d₂, d₃)``.
@@ -389,7 +390,8 @@ class PrescribedMotion:
     Attributes:
         point: What moves.
         motion: Frame ``H(t)``, shape (4, 3) as in :mod:`fem_lie.lie`, twice differentiable; at the
-            start it must be the point's initial frame.
+            start it must be the point's initial frame. If its velocity or acceleration jumps,
+            :class:`~fem_lie.Jumps` says when.
     """
 
     point: Point

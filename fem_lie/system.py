@@ -28,6 +28,7 @@ from fem_lie.element_turns import ElementTurns
 from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
 from fem_lie.idle_multipliers import IdleMultipliers
+from fem_lie.histories import declared, until_next
 from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
@@ -103,6 +104,7 @@ class System:
         groups = np.where(supported, int(Group.R3xSO3), self.numbering.groups)
         self.kinds = groups + 2 * int(parametrisation)
         self._motions = scene.motions
+        self._breaks = declared([motion.motion for motion in scene.motions], kinks=True)
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3)), *self.prescribed_frames(0.0)])
         self.frames = np.concatenate([self.numbering.frames, fixed])
         still = np.zeros((len(fixed), 6))
@@ -222,6 +224,10 @@ class System:
         """
         frames = [motion.frame(time) for motion in self._motions]
         return np.array(frames).reshape(-1, 4, 3)
+
+    def until_break(self, time: float) -> float:
+        """How long it is to the next time at which a prescribed motion says that it jumps."""
+        return until_next(self._breaks, time)
 
     # --- equations ---
 

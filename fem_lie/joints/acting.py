@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem_lie import _wanted
+from fem_lie.histories import Table
 from fem_lie.joints.connection import Connection, Coordinate, History, Tie
 
 
@@ -69,7 +70,9 @@ class Drive(Connection):
     Attributes:
         coordinate: Of a joint.
         function: Angle or displacement as a function of time (in statics: of the load factor),
-            twice differentiable; at the start the coordinate's initial value. Default: that value.
+            twice differentiable but for the times that :class:`~fem_lie.Jumps` or a
+            :class:`~fem_lie.Table` says; at the start the coordinate's initial value. Default: that
+            value.
         name: How errors and results call it; default: after its coordinate.
     """
 
@@ -90,6 +93,8 @@ class Drive(Connection):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the function does not start at the coordinate's value."""
+        if isinstance(self.function, Table) and self.function.jumps:
+            raise ValueError(f"{self.label} jumps at the times {list(self.function.jumps)}")
         start = self.coordinate.start()
         given = start
         if self.function is not None:

@@ -24,6 +24,7 @@ from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.results import Result
 from fem_lie.solve.alpha_run import Run
+from fem_lie.solve.events import events
 from fem_lie.solve.growing_recorder import GrowingRecorder
 from fem_lie.solve.kept_factors import KeptFactors, OrMissing
 from fem_lie.solve.saving import Saving
@@ -61,7 +62,7 @@ def run(
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
-    control = choice.control(duration, system.length, ORDER)
+    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
     recorder = GrowingRecorder(system, duration, saving, progress)
     stepper, finer = AlphaSteps(options, system, control), None
     if choice.refinement > 1:

@@ -23,6 +23,7 @@ from fem_lie.results import Result
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.conserving import State
 from fem_lie.solve.conserving_run import PREFIX, Options, Run, local
+from fem_lie.solve.events import events
 from fem_lie.solve.factors import Factors, solve
 from fem_lie.solve.filtered import REMEMBERS
 from fem_lie.solve.growing_recorder import GrowingHistory
@@ -48,7 +49,7 @@ def run(
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`~fem_lie.EnergyMomentum.run`."""
-    control = choice.control(duration, system.length, ORDER)
+    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
     recorder = GrowingHistory(system.info(), duration, saving, progress)
     stepper, finer = ConservingSteps(options, system, control), None
     if choice.refinement > 1:

@@ -17,11 +17,12 @@ from fem_lie._wanted import instance, number
 from fem_lie.results import Result
 from fem_lie.scene import Scene, require_scene
 from fem_lie.solve.checkpoints import Checkpoints, Plan, require_files
+from fem_lie.solve.events import events
 from fem_lie.solve.fingerprint import Fingerprint
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.saving import Saving
-from fem_lie.solve.step_control import StepChoice
+from fem_lie.solve.step_control import ConstantStep, StepChoice
 from fem_lie.system import System
 
 
@@ -46,7 +47,9 @@ class Integrator(ABC):
             scene: What there is.
             duration: End time; a multiple of ``step``.
             step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
-                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too.
+                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too. It
+                is taken, whose steps end where something jumps, if a load, drive or motion says
+                that it does (:mod:`fem_lie.histories`).
             save_every: Keep every so many steps, and the last one.
             save_at: Keep instead the states at these times, increasing, or at all multiples of an
                 interval and at the end, whatever the steps are. Between two steps they are as
@@ -77,9 +80,16 @@ class Integrator(ABC):
             return self._follow(scene, duration, step, saving, progress)
         steps = _number_of_steps(duration, step)
         saving = Saving.chosen(save_every, save_at, steps * step)
+        if file is None and checkpoint_every is not None:
+            raise ValueError("checkpoint_every needs a file to which results go")
+        if jumps := events(scene, duration):
+            if file is not None:
+                raise ValueError(
+                    f"something in the scene jumps at the times {list(jumps)}, where steps are to "
+                    "end; results go to a file as they are made with constant steps only"
+                )
+            return self._follow(scene, duration, ConstantStep(step), saving, progress)
         if file is None:
-            if checkpoint_every is not None:
-                raise ValueError("checkpoint_every needs a file to which results go")
             result = self._compiled(scene, steps, step, saving, progress)
             if result is not None:
                 return result

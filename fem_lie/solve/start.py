@@ -74,6 +74,7 @@ def with_driven(system: System, velocities: Array, time: float, step: float) -> 
     v, first = velocities.copy(), system.count + 1
     if len(v) == first:
         return v, np.zeros((0, 6))
+    step = min(step, system.until_break(time) / 3.0)
     here = system.prescribed_frames(time)
     later = [system.prescribed_frames(time + k * step) for k in (1, 2, 3)]
     d1, d2, d3 = (lie.se3_relative(here, frames) for frames in later)

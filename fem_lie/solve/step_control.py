@@ -36,6 +36,10 @@ STRETCH = 4
 """So many steps before an event they are made to fit."""
 
 
+SAME = 1e-9
+"""Events that are nearer than this part of the duration are one."""
+
+
 class StepChoice(ABC):
     """What :meth:`~fem_lie.GeneralisedAlpha.run` takes as ``step`` if it is to estimate errors.
 
@@ -51,33 +55,48 @@ class StepChoice(ABC):
         """Raise ``ValueError`` if it does not fit a run of this duration."""
 
     @abstractmethod
-    def control(self, duration: float, length: float, order: int) -> Control:
-        """The sizes of one run of a model of this length by a scheme of this order."""
+    def control(
+        self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
+    ) -> Control:
+        """The sizes of one run of a model of this length by a scheme of this order.
+
+        ``jumps`` are the times at which the scene says that something jumps.
+        """
 
 
 @dataclass(frozen=True)
 class ConstantStep(StepChoice):
     """Steps of one size, with estimates of their errors in the result.
 
+    Between events, see :class:`AdaptiveStep`, steps are of one size that fits, at most h.
+
     Attributes:
         size: Step size h.
+        events: Times at which loads or motions jump, beside those that say so themselves.
         refinement: If above 1, the true local errors are measured, too: each step is done a second
             time in so many parts.
     """
 
     size: float
     refinement: int = 1
+    events: Sequence[float] = ()
 
     def check(self, duration: float) -> None:
         """See the base class."""
         positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
+        _check_events(self.events, duration)
         _check_refinement(self.refinement)
 
-    def control(self, duration: float, length: float, order: int) -> Control:
+    def control(
+        self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
+    ) -> Control:
         """See the base class."""
-        return Control(self.size, inf, inf, (duration,), self.size, self.size, order)
+        times = _sorted(self.events, jumps, duration)
+        control = Control(self.size, inf, inf, times, self.size, self.size, order)
+        control.stretch = inf
+        return control
 
 
 @dataclass(frozen=True)
@@ -89,9 +108,10 @@ class AdaptiveStep(StepChoice):
         rotation_tolerance: Likewise of rotations, rad per time; default: ``tolerance`` over the
             length of the model.
         first: Size that is tried first; default: a thousandth of the duration.
-        events: Times at which loads or motions jump or have kinks. Steps end there, what jumps is
-            seen from before and from after, and accelerations (and the velocities of driven
-            joints) are made consistent anew. Others are found by steps that are rejected.
+        events: Times at which loads or motions jump or have kinks, beside those that say so
+            themselves (:mod:`fem_lie.histories`). Steps end there, what jumps is seen from before
+            and from after, and accelerations (and the velocities of driven joints) are made
+            consistent anew. Others are found by steps that are rejected.
         smallest: Steps below end the run with an error; default: 1e-10 of the duration.
         largest: Steps are not above; default: a tenth of the duration.
         refinement: If above 1, the true local errors are measured, too: each step is done a second
@@ -118,21 +138,36 @@ class AdaptiveStep(StepChoice):
             raise ValueError(
                 f"wanted smallest ≤ first ≤ largest step, got {smallest:g}, {first:g}, {largest:g}"
             )
-        if any(not 0.0 < time < duration for time in self.events):
-            raise ValueError(f"events must be in (0, {duration:g}), got {list(self.events)}")
+        _check_events(self.events, duration)
         _check_refinement(self.refinement)
 
-    def control(self, duration: float, length: float, order: int) -> Control:
+    def control(
+        self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
+    ) -> Control:
         """See the base class."""
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
-        times = (*sorted(set(map(float, self.events))), duration)
+        times = _sorted(self.events, jumps, duration)
         return Control(first, self.tolerance, rotation, times, largest, smallest, order)
 
     def _sizes(self, duration: float) -> tuple[float, float, float]:
         largest = self.largest or 0.1 * duration
         smallest = self.smallest or 1e-10 * duration
         return smallest, self.first or min(1e-3 * duration, largest), largest
+
+
+def _check_events(events: Sequence[float], duration: float) -> None:
+    if any(not 0.0 < time < duration for time in events):
+        raise ValueError(f"events must be in (0, {duration:g}), got {list(events)}")
+
+
+def _sorted(events: Sequence[float], jumps: Sequence[float], duration: float) -> tuple[float, ...]:
+    """All events in their order, and the end; those nearer than round-off are one."""
+    times: list[float] = []
+    for time in sorted(map(float, (*events, *jumps))):
+        if not times or time - times[-1] > SAME * duration:
+            times.append(time)
+    return (*times, duration)
 
 
 def _check_refinement(parts: int) -> None:
@@ -148,6 +183,7 @@ class Control:
         rotation_tolerance: Of rotations.
         smallest: Smallest size.
         level: The step is ``first · 2^(level/2)``.
+        stretch: So many steps before an event they are made to fit.
     """
 
     def __init__(
@@ -166,6 +202,7 @@ class Control:
         self._first, self._largest, self._order = first, largest, order
         self._events, self._next = tuple(events), 0
         self.level, self._since, self._previous = 0, 0, AIM
+        self.stretch: float = STRETCH
 
     @property
     def size(self) -> float:
@@ -189,7 +226,7 @@ class Control:
     def fitted(self, time: float) -> float:
         """Size of the next step from ``time``: shortly before an event some that just fit."""
         left, h = self.next_event - time, self.size
-        if left > STRETCH * h:
+        if left > self.stretch * h:
             return h
         return left / max(1, ceil(left / h - 1e-6))
 

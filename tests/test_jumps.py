@@ -1,0 +1,181 @@
+"""Loads and drives that jump: steps end there, and the order is kept."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.step_control import ConstantStep
+
+SCHEMES = {
+    "generalised alpha": fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10),
+    "energy momentum": fl.EnergyMomentum(),
+    "energy decaying": fl.EnergyDecaying(radius=0.5),
+}
+each = pytest.mark.parametrize("scheme", SCHEMES)
+END, M, K = 1.0, 2.0, 80.0
+AT_END, INSIDE = 0.3, 0.3137
+OMEGA = np.sqrt(K / M)
+
+
+def oscillator(history):
+    """A mass on a spring under a force of size 4 that has this history."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
+    slide = scene.add(fl.Prismatic(fl.ground(), body.centre, axis=(1, 0, 0)))
+    scene.add(fl.Spring(slide.displacement, K))
+    scene.add(fl.PointLoad(body.centre, force=(4.0, 0, 0), history=history))
+    return scene, body
+
+
+def driven(function):
+    """A cart that is driven, and a mass on a spring on it."""
+    scene = fl.Scene()
+    cart = scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), name="cart"))
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)))
+    slide = scene.add(fl.Prismatic(fl.ground(), cart.centre, axis=(1, 0, 0)))
+    rail = scene.add(fl.Prismatic(cart.centre, body.centre, axis=(1, 0, 0)))
+    scene.add(fl.Spring(rail.displacement, K))
+    scene.add(fl.Drive(slide.displacement, function))
+    return scene, body
+
+
+def after_step_force(t, at):
+    """Displacement and velocity of the mass at rest that a force of 4 pulls from ``at`` on."""
+    s = np.maximum(t - at, 0.0)
+    return 4.0 / K * (1 - np.cos(OMEGA * s)), 4.0 / K * OMEGA * np.sin(OMEGA * s)
+
+
+def after_acceleration(t, at, a=1.5):
+    """Likewise of the mass on a cart that is accelerated from ``at`` on."""
+    s = np.maximum(t - at, 0.0)
+    x = 0.5 * a * s**2 - a / OMEGA**2 * (1 - np.cos(OMEGA * s))
+    return x, a * s - a / OMEGA * np.sin(OMEGA * s)
+
+
+def errors(scene, body, scheme, exact, at, step):
+    """Of position and velocity after the jump, the largest."""
+    result = SCHEMES[scheme].run(scene, duration=END, step=step)
+    x, v = exact(result.times, at)
+    assert np.abs(result.times - at).min() <= 1e-12, "a step ends at the jump"
+    gaps = result.position(body.centre)[:, 0] - x, result.velocity(body.centre)[:, 0] - v
+    return np.array([np.abs(gap).max() for gap in gaps])
+
+
+@each
+@pytest.mark.parametrize("at", [AT_END, INSIDE])
+@pytest.mark.parametrize("kind", [float, ConstantStep])
+def test_a_load_that_jumps_costs_no_order(scheme, at, kind):
+    """At the end of a step and within one; the same with a table and with a function that says."""
+    table = fl.Table((0, at, at), (0, 0, 1))
+    scene, body = oscillator(table)
+    found = [errors(scene, body, scheme, after_step_force, at, kind(h)) for h in (2e-2, 1e-2)]
+    assert (found[0] / found[1] >= 3.6).all(), found
+    assert (found[1] <= [1e-2 * 0.05, 1e-2 * 0.05 * OMEGA]).all(), found
+
+
+@each
+@pytest.mark.parametrize("at", [AT_END, INSIDE])
+def test_an_acceleration_of_a_drive_that_jumps_costs_no_order(scheme, at):
+    function = fl.Jumps(lambda t: 0.75 * max(t - at, 0.0) ** 2, (at,))
+    scene, body = driven(function)
+    found = [errors(scene, body, scheme, after_acceleration, at, h) for h in (2e-2, 1e-2)]
+    assert (found[0] / found[1] >= 3.6).all(), found
+    assert (found[1] <= 5e-3).all(), found
+
+
+@each
+def test_a_velocity_of_a_drive_that_jumps(scheme):
+    """A kink in a table: the spring feels a base that starts with the velocity 0.5 at once."""
+    scene, body = driven(fl.Table((0, INSIDE, END), (0, 0, 0.5 * (END - INSIDE))))
+
+    def exact(t, at):
+        s = np.maximum(t - at, 0.0)
+        moves = t >= at
+        return (
+            0.5 * (s - np.sin(OMEGA * s) / OMEGA),
+            0.5 * moves * (1 - np.cos(OMEGA * s)),
+        )
+
+    found = [errors(scene, body, scheme, exact, INSIDE, h) for h in (2e-2, 1e-2)]
+    assert (found[0] / found[1] >= 3.6).all(), found
+
+
+@each
+def test_what_jumps_is_in_the_balance(scheme):
+    scene, body = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
+    result = SCHEMES[scheme].run(scene, duration=END, step=5e-3)
+    work = 4.0 * result.position(body.centre)[-1, 0]
+    np.testing.assert_allclose(result.balance[-1, 0], work, rtol=2e-3)
+    assert result.balance_error <= (5e-3 if scheme == "generalised alpha" else 1e-11)
+    assert result.momentum_error <= (5e-3 if scheme == "generalised alpha" else 1e-11)
+
+
+def test_adaptive_steps_end_at_jumps_that_are_said():
+    step = fl.AdaptiveStep(1e-4)
+    scene, _ = oscillator(fl.Table((0, INSIDE, INSIDE), (0, 0, 1)))
+    told = SCHEMES["generalised alpha"].run(scene, duration=END, step=step)
+    assert np.sum(np.abs(told.times - INSIDE) < 1e-12) == 2, "both sides"
+    blind, _ = oscillator(lambda t: float(t >= INSIDE))
+    found = SCHEMES["generalised alpha"].run(blind, duration=END, step=step)
+    assert len(told.steps.rejected) < len(found.steps.rejected)
+
+
+def test_free_bodies_feel_jumps_too():
+    """m ẍ = F from the jump on: exact for a constant acceleration, if the step ends there."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3), group=fl.Group.R3xSO3))
+    scene.add(
+        fl.PointLoad(body.centre, force=(4.0, 0, 0), history=fl.Jumps(lambda t: t >= 0.31, (0.31,)))
+    )
+    result = SCHEMES["generalised alpha"].run(scene, duration=END, step=0.05)
+    s = np.maximum(result.times - 0.31, 0.0)
+    np.testing.assert_allclose(result.position(body.centre)[:, 0], s**2, atol=1e-9)
+
+
+def test_tables_are_straight_between_times_and_take_the_side_after_a_jump():
+    table = fl.Table((0.0, 1.0, 1.0, 3.0), (2.0, 4.0, -1.0, 1.0))
+    times = (-1.0, 0.0, 0.5, 1.0 - 1e-12, 1.0, 2.0, 3.0, 9.0)
+    np.testing.assert_allclose([table(t) for t in times], [2, 2, 3, 4, -1, 0, 1, 1], atol=1e-10)
+    assert table.jumps == (1.0,) and table.kinks == (0.0, 1.0, 3.0)
+    assert fl.Table([0, 1], [0, 1]) == fl.Table((0.0, 1.0), (0.0, 1.0))
+    assert fl.Table((0.5,), (7.0,))(0.0) == 7.0
+
+
+def two(body):
+    """A drive whose table jumps."""
+    slide = fl.Prismatic(fl.ground(), body.centre, axis=(1, 0, 0))
+    return slide, fl.Drive(slide.displacement, fl.Table((0, 0.5, 0.5), (0, 0, 1)))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fl.Table((0, 1), (1,)), "as many times as values, got 2 and 1"),
+        (lambda: fl.Table((), ()), "as many times as values"),
+        (lambda: fl.Table((0, 2, 1), (0, 0, 0)), "must not fall, got"),
+        (lambda: fl.Table((0, 1, 1, 1), (0, 0, 0, 0)), "twice at most"),
+        (lambda: fl.Table((0, np.nan), (0, 0)), "times must be finite"),
+        (lambda: fl.Table((0, 1), (0, np.inf)), "must be finite, got"),
+        (lambda: fl.Jumps(abs, (np.nan,)), "jumps must be finite times"),
+        (lambda: ConstantStep(0.1, events=(2.0,)).check(1.0), r"events must be in \(0, 1\)"),
+    ],
+)
+def test_bad_histories_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_drives_must_not_jump():
+    scene = fl.Scene()
+    for item in two(scene.add(fl.RigidBody(1.0, (1, 1, 1)))):
+        if isinstance(item, fl.Drive):
+            with pytest.raises(ValueError, match=r"jumps at the times \[0.5\]"):
+                scene.add(item)
+        else:
+            scene.add(item)
+
+
+def test_results_in_a_file_say_what_they_cannot_do(tmp_path):
+    scene, _ = oscillator(fl.Table((0, AT_END, AT_END), (0, 0, 1)))
+    with pytest.raises(ValueError, match=r"jumps at the times \[0.3\]"):
+        fl.GeneralisedAlpha().run(scene, duration=END, step=0.01, file=tmp_path / "run.h5")
