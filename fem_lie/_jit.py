@@ -129,8 +129,8 @@ def linked(function: F) -> F:
     return _njit(function, _LINKED)
 
 
-_OPTIMISED, _LINKED = 3, 1
-"""Levels of optimisation."""
+_OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
+"""Levels of optimisation; what a user sets for numba is the highest."""
 
 
 def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
@@ -169,11 +169,11 @@ class _Dispatcher(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Compile for arguments of these types."""
         with global_compiler_lock:
-            users, config.OPT = config.OPT, min(config.OPT, config._OptLevel(self.level))
+            callers, config.OPT = config.OPT, min(_USERS_LEVEL, config._OptLevel(self.level))
             try:
                 return super().compile(sig)
             finally:
-                config.OPT = users
+                config.OPT = callers
 
 
 class _CalledFromPython(_Dispatcher):

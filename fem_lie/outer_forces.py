@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from fem_lie import constraints, inertia
 from fem_lie._jit import Array, compiled, inlined
 from fem_lie._lie_tuples import Vector, dot, load, load_row, plus, rotate, scaled
@@ -78,8 +76,9 @@ def add_mass_damping(H: Array, v: Array, D: tuple[Any, ...], work: Array, out: A
     n = work.shape[1]
     push(H, v[:n], work[0])
     inertia.multiply(D[0], D[1], D[2], work[0], work[1])
-    out[LOSS] += np.sum(work[0] * work[1])
     for i in range(n):
+        for k in range(4):
+            out[LOSS] += dot(load_row(work[0, i], k), load_row(work[1, i], k))
         add_dead(out, LOADS, -1.0, H[i], work[1, i])
 
 

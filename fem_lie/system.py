@@ -27,8 +27,8 @@ from fem_lie.elastic import Elastic
 from fem_lie.element_turns import ElementTurns
 from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
-from fem_lie.idle_multipliers import IdleMultipliers
 from fem_lie.histories import declared, until_next
+from fem_lie.idle_multipliers import IdleMultipliers
 from fem_lie.info import SceneInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of

@@ -73,7 +73,7 @@ class AnySize(StepChoice):
     def check(self, duration: float) -> None:
         pass
 
-    def control(self, duration: float, length: float, order: int) -> Control:
+    def control(self, duration: float, length: float, order: int, jumps=()) -> Control:
         return Wandering(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
 
 

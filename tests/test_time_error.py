@@ -126,7 +126,7 @@ class Alternating(StepChoice):
     def check(self, duration: float) -> None:
         pass
 
-    def control(self, duration: float, length: float, order: int) -> Control:
+    def control(self, duration: float, length: float, order: int, jumps=()) -> Control:
         return Zigzag(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
 
 
