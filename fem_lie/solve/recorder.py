@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -122,7 +123,7 @@ class History(Window):
 
     def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
         """What was kept so far, with the numbers of whole matrices and of borders alone."""
-        arrays = self.collected()
+        arrays: dict[str, Any] = dict(self.collected())
         if self._store is not None:
             numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}

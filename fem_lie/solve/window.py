@@ -82,7 +82,8 @@ class Window:
         for array in (self.elastic, self.balance, self.impulses):
             array[:] = 0.0
         self.row, self._parts = 0, list[dict[str, Array]]()
-        self._first, self._last_gap = np.full(2 + balances.COLUMNS, np.nan), 0.0
+        self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
+        self._last_gap = 0.0
         # rows that have passed
         self._gone, self._broken = 0, False
         if store is not None and store.memory:
