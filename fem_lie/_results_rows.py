@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ class _Place(NamedTuple):
     """Where a data set is in the file; without an offset it has no values."""
 
     offset: int | None
-    kind: np.dtype
+    kind: np.dtype[Any]
     shape: tuple[int, ...]
 
 
@@ -39,7 +39,7 @@ class ResultRows:
                 if isinstance(item, h5py.Dataset)
             }
 
-    def write(self, first: int, rows: Mapping[str, npt.NDArray]) -> None:
+    def write(self, first: int, rows: Mapping[str, npt.NDArray[Any]]) -> None:
         """Write rows from ``first`` on, the same number of each array, and count them.
 
         Raises:
@@ -61,9 +61,9 @@ class ResultRows:
         with self._path.open("r+b", buffering=0) as file:
             os.fsync(file.fileno())
 
-    def read(self, count: int) -> dict[str, npt.NDArray]:
+    def read(self, count: int) -> dict[str, npt.NDArray[Any]]:
         """The first rows of all arrays, mapped into memory: what is not looked at costs nothing."""
-        found: dict[str, npt.NDArray] = {}
+        found: dict[str, npt.NDArray[Any]] = {}
         for name, (offset, kind, shape) in self._places.items():
             if offset is None:
                 found[name] = np.empty(shape, dtype=kind)[:count]

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._jit import Array
 from fem_lie.scene import Scene
 from fem_lie.system import System
 from fem_lie.told import Told, attributes, told_of_body
@@ -100,12 +100,12 @@ class Fingerprint:
         self._made = index
         return {name: _DIGEST + digest.hexdigest() for name, digest in self._values.items()}
 
-    def packed(self, step: float, index: int) -> Array:
+    def packed(self, step: float, index: int) -> npt.NDArray[np.uint8]:
         """All of it after step ``index``, for a checkpoint."""
         told = {"parts": self.parts, "functions": self.values(step, index)}
         return np.frombuffer(json.dumps(told).encode(), dtype=np.uint8)
 
-    def differences(self, packed: Array, step: float, index: int) -> list[str]:
+    def differences(self, packed: npt.NDArray[np.uint8], step: float, index: int) -> list[str]:
         """What is other than when :meth:`packed` was called after the same step."""
         stored = json.loads(packed.tobytes().decode())
         sums = list(self.parts)[self._sums :]

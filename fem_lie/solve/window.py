@@ -47,7 +47,7 @@ class Window:
             store: Where they go, if not into memory.
         """
         n = sum(len(body.nodes) for body in info.bodies)
-        shapes = {
+        shapes: dict[str, tuple[int, ...]] = {
             "times": (),
             "frames": (n, 4, 3),
             "velocities": (n, 6),
