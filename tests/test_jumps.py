@@ -81,6 +81,10 @@ def test_an_acceleration_of_a_drive_that_jumps_costs_no_order(scheme, at):
     found = [errors(scene, body, scheme, after_acceleration, at, h) for h in (2e-2, 1e-2)]
     assert (found[0] / found[1] >= 3.6).all(), found
     assert (found[1] <= 5e-3).all(), found
+    # the mass hardly feels what the cart does: its velocity is wrong by 3e-4 … 4e-3 if untold
+    result = SCHEMES[scheme].run(scene, duration=END, step=1e-2)
+    wanted = 1.5 * np.maximum(result.times - at, 0.0)
+    assert np.abs(result.velocity("cart.centre")[:, 0] - wanted).max() <= 6e-5
 
 
 @each
