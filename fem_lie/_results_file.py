@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fem_lie._results_rows import write_all
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
@@ -26,19 +27,27 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
     import h5py
 
     target = Path(path)
+    # made in memory: a library that cannot write to a full disk ends the process
+    with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
+        file.attrs.update({"format": _FORMAT, "version": _VERSION})
+        for name in _ARRAYS:
+            file[name] = getattr(result, name)
+        for name in _NUMBERS:
+            file.attrs[name] = getattr(result, name)
+        if result.steps is not None:
+            for field in fields(StepHistory):
+                file[f"steps/{field.name}"] = getattr(result.steps, field.name)
+        _write_info(file, result.info)
+        file.flush()
+        image = file.id.get_file_image()
     unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        with h5py.File(unfinished, "w") as file:
-            file.attrs.update({"format": _FORMAT, "version": _VERSION})
-            for name in _ARRAYS:
-                file[name] = getattr(result, name)
-            for name in _NUMBERS:
-                file.attrs[name] = getattr(result, name)
-            if result.steps is not None:
-                for field in fields(StepHistory):
-                    file[f"steps/{field.name}"] = getattr(result.steps, field.name)
-            _write_info(file, result.info)
+        with unfinished.open("wb", buffering=0) as place:
+            write_all(place.fileno(), image, 0)
+            os.fsync(place.fileno())
         os.replace(unfinished, target)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from error
     finally:
         unfinished.unlink(missing_ok=True)
 

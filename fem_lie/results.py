@@ -211,7 +211,11 @@ class Result:
         return resampled(self, times)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to an HDF5 file; an old file is replaced only when the new is whole."""
+        """Write everything to an HDF5 file; an old file is replaced only when the new is whole.
+
+        Raises:
+            OSError: It cannot be written, as on a full disk; the message names it.
+        """
         from fem_lie._results_file import write
 
         write(self, path)

@@ -184,3 +184,26 @@ def test_a_disk_that_is_full_at_once_leaves_no_file(tmp_path):
     said = filled(tmp_path / "run.h5", "conserving", "creation")
     assert "the file of results cannot be made" in said
     assert os.listdir(tmp_path) == []
+
+
+SAVE = """
+import resource, sys
+import fem_lie as fl
+from tests.test_saving import top
+result = fl.GeneralisedAlpha().run(top(), duration=0.05, step=1e-3)
+result.save(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (5000, resource.RLIM_INFINITY))
+try:
+    result.save(sys.argv[1])
+except OSError as error:
+    print(error)
+"""
+
+
+def test_saving_to_a_full_disk_is_an_error_that_leaves_the_old_file(tmp_path):
+    file = tmp_path / "saved.h5"
+    command = [sys.executable, "-c", SAVE, str(file)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert str(file) in done.stdout
+    assert os.listdir(tmp_path) == ["saved.h5"] and len(fl.Result.load(file).times) == 51
