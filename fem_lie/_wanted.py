@@ -78,6 +78,8 @@ def positive(value: object, what: str) -> float:
     found = number(value, what)
     if not found > 0.0:
         raise ValueError(f"{what} must be a positive finite number, got {value!r}")
+    if not found > 1.0 / LARGEST:
+        raise ValueError(f"{what} must be a number above {1.0 / LARGEST:g}, got {value!r}")
     return found
 
 

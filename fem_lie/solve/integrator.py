@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._wanted import instance, number
+from fem_lie._wanted import instance, number, positive
 from fem_lie.results import Result
 from fem_lie.scene import Scene, require_scene
 from fem_lie.solve.checkpoints import Checkpoints, Plan, require_files
@@ -68,13 +68,11 @@ class Integrator(ABC):
                 the time that was reached. What was written before can be read.
         """
         require_scene(scene)
-        number(duration, "duration")
+        positive(duration, "duration")
         instance(save_every, int | np.integer, "save_every", "a whole number")
         if isinstance(step, StepChoice):
             if file is not None or checkpoint_every is not None:
                 raise ValueError("results go to a file as they are made with constant steps only")
-            if not (np.isfinite(duration) and duration > 0):
-                raise ValueError(f"duration must be positive, got {duration}")
             step.check(duration)
             saving = Saving.chosen(save_every, save_at, duration)
             return self._follow(scene, duration, step, saving, progress)
@@ -168,9 +166,7 @@ def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
 
 
 def _number_of_steps(duration: float, step: float) -> int:
-    number(step, "step")
-    if not (np.isfinite(step) and step > 0 and np.isfinite(duration) and duration > 0):
-        raise ValueError(f"step and duration must be positive, got {step} and {duration}")
+    positive(step, "step")
     steps = round(duration / step)
     if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
         raise ValueError(f"duration {duration} is not a multiple of the step {step}")
