@@ -56,7 +56,8 @@ class Books:
         if not self._acting:
             return
         self._acting.look(H, v, a, weights, self._row, self._wrenches)
-        self._weights[:], self._targets[:] = weights, system.connections.present_targets
+        if system.connections.driven:
+            self._weights[:], self._targets[:] = weights, system.connections.present_targets
         self._time[0], self._H[:], self._v[:] = time, H, v
         if self._acting.strained:
             self._stored[0] = system.elastic.energy(H)
@@ -75,19 +76,21 @@ class Books:
         system, total = self._system, self.total
         if not self._acting:
             return
-        row, wrenches, old = self._row.copy(), self._wrenches.copy(), self._weights.copy()
-        targets, frames = self._targets.copy(), self._H.copy()
+        row, driven, first = self._row.copy(), system.connections.driven, system.count + 1
+        if driven:
+            old, targets = self._weights.copy(), self._targets.copy()
+        if len(H) > first:
+            wrenches, frames = self._wrenches.copy(), self._H[first:].copy()
         if self._acting.strained:
             total[POWER] += self._strain_work(time, H)
         self.look(time, H, v, a, weights)
         row += self._row
         total[:2] += 0.5 * h * row[[POWER, LOSS]]
         total[BY_LOADS:] += 0.5 * h * row[LOADS:]
-        if system.connections.driven:
+        if driven:
             total[POWER] -= 0.5 * (old + self._weights) @ (self._targets - targets)
-        first = system.count + 1
         if len(H) > first:
-            moved = lie.se3_relative(frames[first:], H[first:])
+            moved = lie.se3_relative(frames, H[first:])
             total[POWER] += 0.5 * np.sum((wrenches + self._wrenches)[1:] * moved)
 
     def _strain_work(self, time: float, H: Array) -> float:
