@@ -109,6 +109,7 @@ from fem_lie.solve.policies import (
 )
 from fem_lie.solve.statics import StaticResult
 from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
+from fem_lie.solve.unstable import UnstableEquilibriumWarning
 from fem_lie.solve.vibrations import vibrations
 from fem_lie.step_history import StepHistory
 from fem_lie.surface import SurfaceMesh, surface
@@ -227,6 +228,7 @@ __all__ = [
     "Temperature",
     "Units",
     "Universal",
+    "UnstableEquilibriumWarning",
     "Update",
     "VolumeLoad",
     "Warping",

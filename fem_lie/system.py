@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 from mpi4py import MPI
@@ -358,6 +359,13 @@ class System:
             B = self.tangent.jacobian(H)
             weights = IdleMultipliers.of(B, self.length, self.kkt.measure).remove(weights)
         return self.connections.report(H, v, weights)
+
+    @cached_property
+    def has_potential(self) -> bool:
+        """Whether all loads have one: no moment about a fixed axis, nothing that follows a node."""
+        if self._loads.turning:
+            return False
+        return not self._loads.pressures or self._conserves()
 
     @property
     def symmetric(self) -> bool:

@@ -59,6 +59,10 @@ class Equilibrium(Protocol):
         """Solve with the last tangent."""
         ...
 
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the last tangent on what constraints leave free."""
+        ...
+
     def move(self, dx: Array) -> None:
         """Carry the stress on by ``dx``, then the state."""
         ...
@@ -99,6 +103,7 @@ class Path:
     Attributes:
         factors: Load factor of each accepted step.
         states: State at each wanted load.
+        negative: Negative eigenvalues of the tangent there.
         iterations: Linear solutions of each accepted step.
         failed_iterations: Those of steps that were given up.
         failed_steps: Their number.
@@ -106,6 +111,7 @@ class Path:
 
     factors: list[float] = field(default_factory=list)
     states: list[Any] = field(default_factory=list)
+    negative: list[int] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     failed_iterations: int = 0
     failed_steps: int = 0
@@ -181,6 +187,7 @@ class _Follower:
             while self._factor < cap:
                 self._step(cap)
             self._path.states.append(self._model.state())
+            self._path.negative.append(self._model.negative_pivots())
         return self._path
 
     def _step(self, cap: float) -> None:

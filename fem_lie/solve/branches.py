@@ -24,6 +24,7 @@ _REACH = 20.0  # amplitudes: the length by which the search measures displacemen
 _NIL = 1e-5  # of the largest displacement of a mode
 _CHANGE = 0.05  # of the load factor, where the other path goes on with the load
 _HALVINGS = 12
+_BESIDE = 0.2  # of a step: nearer to the tangent it is one on the same path
 
 
 def branch(
@@ -57,7 +58,7 @@ def branch(
         ValueError: Bad scene or options, no such mode, a mode that only turns, or a bifurcation of
             another scene.
         ConvergenceError: There is no equilibrium with the amplitude, or with any down to 1/2000 of
-            the default.
+            the default, or there are but those of the path itself.
     """
     check_proportion(scene)
     instance(critical, CriticalPoint, "critical", "a critical point of a path")
@@ -89,19 +90,36 @@ def branch(
     pattern: Array = np.asarray(u / float(np.sum(u * u)))
     walker = Walker(model, ArcLength(), abs(station.factor) or 1.0)
     size = side * (size if amplitude is None else amplitude)
+    returned = False
     for _ in range(1 if amplitude is not None else _HALVINGS):
         model.restore(station.state)
         model.move(size * h)
         beside, unit = replace(station, state=model.state()), _REACH * abs(size)
         arc, control = Arc(unit, walker.load), Along(pattern, unit)
         try:
-            return walker.step(station, control, size / unit, arc, begin=beside)
+            found = walker.step(station, control, size / unit, arc, begin=beside)
         except LostError:
             size /= 2
+            continue
+        if not _on_path(station, found):
+            return found
+        returned, size = True, size / 2
+    if returned:
+        raise ConvergenceError(
+            f"at load factor {critical.factor:g} mode {mode} leads back onto the path that it is "
+            "one of: no other path crosses there along it"
+        )
     raise ConvergenceError(
         f"no equilibrium beside the {critical.kind.value} at load factor {critical.factor:g} with "
         f"an amplitude of mode {mode} down to {abs(2 * size):.1e}"
     )
+
+
+def _on_path(station: Station, found: Station) -> bool:
+    """Whether a state lies on the path through another one, as far as its tangent tells."""
+    moved = found.places - station.places
+    along = (found.factor - station.factor) * station.velocity
+    return bool(np.linalg.norm(moved - along) < _BESIDE * np.linalg.norm(moved))
 
 
 def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:

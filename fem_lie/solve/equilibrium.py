@@ -11,11 +11,12 @@ import numpy.typing as npt
 
 from fem_lie._wanted import number, whole
 from fem_lie.scene import Scene
-from fem_lie.solve.arc_length import increasing
-from fem_lie.solve.follow import follow_loads, in_proportion
+from fem_lie.solve.arc_length import ArcLength, increasing
+from fem_lie.solve.follow import followed, in_proportion
 from fem_lie.solve.linear import ConvergenceError
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.statics import LoadSteps, SingularStartError, StaticResult
+from fem_lie.solve.unstable import warn_if_unstable
 
 _MANY = 10  # load steps where those to whole levels and the arc length fail
 
@@ -47,6 +48,9 @@ def statics(
     halved, later ones grow back. Where ``load_steps`` are given they come first, and the arc length
     if they fail. Where it is impossible, because not all loads are in proportion to the load factor
     or with ``spin`` or plain Newton, there are load steps alone.
+
+    Of an equilibrium that is unstable, or was reached past a maximum of the load, a warning
+    (:class:`~fem_lie.solve.unstable.UnstableEquilibriumWarning`) says so.
 
     With ``spin`` it is equilibrium in a frame that turns steadily, with all centrifugal forces;
     frames are those of the instant at which the two frames coincide. Clamps, ground and prescribed
@@ -91,17 +95,20 @@ def statics(
         )
         return newton.run(levels, levels[-1] / count, smallest)
 
-    def followed() -> StaticResult:
-        return follow_loads(scene, levels, petsc_options_prefix=petsc_options_prefix)
-
+    along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
+    asked = partial(stepped, steps, smallest_step)
+    roads: list[Callable[[], StaticResult]]
     if not carried_stress or rotation or not in_proportion(scene):
-        return stepped(steps, smallest_step)
-    if load_steps is not None:
-        return _first_that_arrives([lambda: stepped(steps, smallest_step), followed])
-    halved = partial(stepped, _MANY, smallest_step)
-    if any(body.uncoupled for body in scene.bodies):
-        return _first_that_arrives([followed, halved])
-    return _first_that_arrives([lambda: stepped(1, levels[-1]), followed, halved])
+        roads = [asked]
+    elif load_steps is not None:
+        roads = [asked, along]
+    else:
+        at_once, halved = partial(stepped, 1, levels[-1]), partial(stepped, _MANY, smallest_step)
+        shells = any(body.uncoupled for body in scene.bodies)
+        roads = [along, halved] if shells else [at_once, along, halved]
+    result = _first_that_arrives(roads)
+    warn_if_unstable(result)
+    return result
 
 
 def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticResult:

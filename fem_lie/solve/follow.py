@@ -14,9 +14,11 @@ from fem_lie.nodal import load_vector
 from fem_lie.scene import Scene, require_scene
 from fem_lie.solve.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.linear import ConvergenceError, DirectSolver, Method, methods_for
+from fem_lie.solve.pivots import negative_pivots
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.statics import StaticResult, advance
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.solve.unstable import maxima, warn_if_unstable
 from fem_lie.system import System
 
 
@@ -60,10 +62,17 @@ def follow_loads(
             loads with a history, which are not in proportion to the load factor.
         ConvergenceError: Steps became too small; its ``result`` holds the states before.
     """
+    options = ArcLength() if arc_length is None else arc_length
+    result = followed(scene, levels, options, petsc_options_prefix)
+    warn_if_unstable(result)
+    return result
+
+
+def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str) -> PathResult:
+    """As :func:`follow_loads`, without a word on stability."""
     check_proportion(scene)
     levels = increasing(levels)
-    model = SceneEquilibrium(scene, petsc_options_prefix)
-    options = ArcLength() if arc_length is None else arc_length
+    model = SceneEquilibrium(scene, prefix)
     watch = Stopwatch()
     try:
         path = options.follow(model, levels)
@@ -163,6 +172,11 @@ class SceneEquilibrium:
         self._forces_known = True
         return self._internal.copy(), self._load.copy()
 
+    @property
+    def factorisations(self) -> int:
+        """How many there were."""
+        return self._solver.factorisations
+
     def factorise(self, factor: float) -> None:
         """See the protocol."""
         self._fill(factor)
@@ -185,6 +199,10 @@ class SceneEquilibrium:
         x, count = self._solver.solution.copy(), self.system.count
         self.system.supports.turn_back(self._H, x[: 6 * count].reshape(-1, 6))
         return x
+
+    def negative_pivots(self) -> int:
+        """See the protocol; :func:`~fem_lie.solve.pivots.negative_pivots`."""
+        return negative_pivots(self.system, self._solver)
 
     def move(self, dx: Array) -> None:
         """See the protocol."""
@@ -253,4 +271,7 @@ def _result(
         load_steps=len(path.iterations),
         failed_steps=path.failed_steps,
         seconds=seconds,
+        negative_pivots=np.array(path.negative, dtype=np.int64),
+        factorisations=model.factorisations,
+        turned_back=maxima(path.factors),
     )

@@ -57,7 +57,8 @@ def follow_path(
     Args:
         scene: What there is.
         until: Load factor at which the path ends, when it gets there; default: 1, or none if there
-            is a ``stop`` or a displacement to go to.
+            is a ``stop`` or a displacement to go to. A limit load above it is not met: for the snap
+            of a structure under a unit load give ``until`` a load that it does not carry.
         resolution: Largest step over the range of loads and displacements.
         steps: At most so many.
         load_range: The path ends where it leaves these load factors.
@@ -78,7 +79,8 @@ def follow_path(
             factor, a start outside of the range or with a singular tangent.
     """
     check_proportion(scene)
-    if until is None and stop is None and not isinstance(control, DisplacementControl):
+    chosen = until is None and stop is None and not isinstance(control, DisplacementControl)
+    if chosen:
         until = 1.0
     ends = Ends(until, *load_range, stop, steps, critical_points)
     _check_options(ends, resolution, locate, start, control)
@@ -88,6 +90,9 @@ def follow_path(
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, locate, control)
     run.follow(start, backwards)
+    if chosen and run.found.complete:
+        run.found.reason += ", where paths end by default: until=... goes on beyond, to loads above"
+        _log.info("%s", run.found.reason)
     return _result(run, observe or {}, watch.seconds)
 
 
@@ -154,6 +159,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
         initial=run.initial,
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         seconds=seconds,
+        factorisations=model.factorisations,
         negative_pivots=np.array([s.negative for s in found.stations], dtype=np.int64),
         critical=tuple(_critical(run, bracket, index) for bracket, index in found.critical),
         observed=observed,
@@ -184,6 +190,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         factor=extremum(factors) if first.sign != last.sign else sum(factors) / 2,
         bracket=factors,
         negative_pivots=(first.negative, last.negative),
+        has_potential=model.system.has_potential,
         eigenvalues=values,
         shapes=moved,
         turns_only=turns_only,

@@ -83,7 +83,10 @@ class CriticalPoint(_Located):
         kind: Limit point or bifurcation.
         factor: Load factor: the extremum, or the middle of the bracket.
         bracket: Load factors of the states between which it was located.
-        negative_pivots: Negative eigenvalues of the tangent before and after.
+        negative_pivots: Negative eigenvalues of the tangent before and after; 0 and 1 for an even
+            and an odd number if the loads have no potential.
+        has_potential: Whether the loads have one. If not, as with moments about fixed axes, the
+            determinant of the tangent changes its sign there; flutter is not looked for.
         eigenvalues: Smallest eigenvalues of the tangent there, in units of energy; none if SLEPc
             found none.
         shapes: Their modes: local increments of all nodes, the largest displacement is 1, or the
@@ -101,6 +104,7 @@ class CriticalPoint(_Located):
     factor: float
     bracket: tuple[float, float]
     negative_pivots: tuple[int, int]
+    has_potential: bool
     eigenvalues: Array
     shapes: Array
     turns_only: npt.NDArray[np.bool_]
@@ -169,7 +173,8 @@ class CriticalPoint(_Located):
         before, after = self.negative_pivots
         return (
             f"{self.kind.value} at load factor {self.factor:.8g} "
-            f"(negative pivots {before} before, {after} after)"
+            f"(negative pivots {before} before, {after} after"
+            f"{'' if self.has_potential else '; loads without potential, by the determinant'})"
         )
 
 

@@ -6,13 +6,11 @@ inertia): zero of them, and the equilibrium is stable. Bordered by m independent
 matrix has m negative pivots more. (J. M. T. Thompson & G. W. Hunt, A General Theory of Elastic
 Stability, 1973.)
 
-For loads without potential, such as moments about fixed axes, it is the number of the symmetric
-part: zero of them excludes divergence, more need not mean it.
+For loads without potential, such as moments about fixed axes, the sign of the determinant counts
+and the tangent's own null vector is the mode, see :mod:`fem_lie.solve.pivots`.
 """
 
 from __future__ import annotations
-
-from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
@@ -22,14 +20,15 @@ from fem_lie._jit import Array
 from fem_lie.mode_scaling import node_lengths, scaled
 from fem_lie.scene import Scene
 from fem_lie.solve.follow import SceneEquilibrium
-from fem_lie.solve.linear import NEGATIVE, SingularMatrixError, methods_on_paths
+from fem_lie.solve.linear import SingularMatrixError, methods_on_paths
+from fem_lie.solve.pivots import inertia
 from fem_lie.solve.rigid_parts import RigidParts, rigid_motions
 from fem_lie.solve.spectrum import Pencil
 
-Flags = npt.NDArray[np.bool_]
-
+_SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
 _LOOSE = 1e-14  # of the largest stiffness
-_NULL, _ZERO = 24, 28  # MUMPS: ICNTL to look for null pivots, INFOG of their number
+
+Flags = npt.NDArray[np.bool_]
 
 
 class StableEquilibrium(SceneEquilibrium):
@@ -57,14 +56,6 @@ class StableEquilibrium(SceneEquilibrium):
             self._forces_known = False
             self.system.elastic.reset_stress(self._H)
         super().factorise(factor)
-
-    def negative_pivots(self) -> int:
-        """Negative eigenvalues of the last tangent on what constraints leave free."""
-        found = self._solver.negative_pivots()
-        if found is None:
-            A = self._csr()
-            found = inertia((0.5 * (A + A.T)).tocsr())[0]
-        return found - self.system.m
 
     def solve_raw(self, b: Array) -> Array:
         """Solve with the last tangent in its own unknowns, along fixed axes at some supports."""
@@ -113,7 +104,13 @@ class StableEquilibrium(SceneEquilibrium):
         return K, (sp.diags(1.0 / length) @ B).tocsr()
 
     def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
-        """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6)."""
+        """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6).
+
+        Under loads without potential it is one, of least absolute value, and its right vector.
+        """
+        if not self.system.has_potential:
+            value, x = self.smallest(factor)
+            return np.array([value]), self.increments(x)[np.newaxis]
         self._fill(factor)
         K, B = self.pencil()
         K = (0.5 * (K + K.T)).tocsr()
@@ -122,6 +119,22 @@ class StableEquilibrium(SceneEquilibrium):
         s, vectors, _ = Pencil(unit, None, K, B).smallest(count, 0.0, prefix)
         values = -(s**2).real
         return values, np.array([self.increments(vector.real) for vector in vectors])
+
+    def smallest(self, factor: float) -> tuple[float, Array]:
+        """Eigenvalue of least absolute value of the tangent, and its vector of free unknowns.
+
+        Inverse iteration; both in the units of the unknowns.
+        """
+        self.factorise(factor)
+        n, free = len(self.weight), (~self.system.held).ravel()
+        x: Array = np.random.default_rng(_SEED).standard_normal(n) * free
+        value, right = np.nan, np.zeros(self.system.size)
+        for _ in range(_REPEATS):
+            x = x / np.linalg.norm(x)
+            right[:n] = x / self.weight
+            y = self.solve_raw(right)[:n] / self.weight
+            value, x = 1.0 / float(x @ y), y
+        return value, x[free] / float(np.linalg.norm(x))
 
     def increments(self, vector: Array) -> Array:
         """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
@@ -151,27 +164,3 @@ class StableEquilibrium(SceneEquilibrium):
         pointers, columns, data = self.system.kkt.matrix.getValuesCSR()
         size = self.system.size
         return sp.csr_matrix((data.copy(), columns, pointers), shape=(size, size))
-
-
-def inertia(A: sp.csr_matrix) -> tuple[int, int]:
-    """Numbers of negative and of zero pivots of a symmetric matrix, by MUMPS.
-
-    Raises:
-        SingularMatrixError: It cannot be factorised.
-    """
-    A.sort_indices()
-    csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
-    matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
-    matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    pc = PETSc.PC().create(PETSc.COMM_SELF)
-    pc.setOperators(matrix)
-    pc.setType(PETSc.PC.Type.CHOLESKY)
-    pc.setFactorSolverType("mumps")
-    pc.setFactorSetUpSolverType()
-    pc.getFactorMatrix().setMumpsIcntl(_NULL, 1)
-    try:
-        pc.setUp()
-    except PETSc.Error as error:
-        raise SingularMatrixError("the matrix is singular or not finite") from error
-    factors = pc.getFactorMatrix()
-    return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ from fem_lie.solve.linear import (
     SingularMatrixError,
     methods_for,
 )
+from fem_lie.solve.pivots import negative_pivots
 from fem_lie.solve.rotation import Rotation
 from fem_lie.solve.steady import fill_steady
 from fem_lie.solve.stopwatch import Stopwatch
@@ -78,6 +79,11 @@ class StaticResult:
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
         steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
         seconds: Wall time from the first assembly to the last solution, without set-up.
+        negative_pivots: Negative eigenvalues of the tangent at each state on what constraints leave
+            free, shape (k,): with none it is stable. Under loads without potential it is 1 if their
+            number is odd, else 0; −1 where the matrix could not be factorised.
+        factorisations: Of the matrix, in all.
+        turned_back: Load factors at which the load had a maximum on the way, roughly.
     """
 
     factors: Array
@@ -89,6 +95,17 @@ class StaticResult:
     initial: Array
     steady_rotation: Rotation
     seconds: float
+    negative_pivots: npt.NDArray[np.int64]
+    factorisations: int
+    turned_back: tuple[float, ...] = field(default=(), kw_only=True)
+
+    @property
+    def stable(self) -> Flags:
+        """Which states are stable, shape (k,); under loads without potential: as far as is known.
+
+        See ``negative_pivots``.
+        """
+        return np.asarray(self.negative_pivots == 0)
 
     @property
     def total_iterations(self) -> int:
@@ -206,6 +223,7 @@ class LoadSteps:
         self._frames: list[Array] = []
         self._forces: list[Array] = []
         self._counts: list[int] = []
+        self._pivots: list[int] = []
         self._failed = 0
         self._watch = Stopwatch()
 
@@ -222,6 +240,8 @@ class LoadSteps:
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
             self._watch.seconds,
+            np.array(self._pivots, dtype=np.int64),
+            self._solver.factorisations,
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
@@ -306,6 +326,7 @@ class LoadSteps:
                 self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))
                 self._counts.append(self.iterations)
+                self._pivots.append(negative_pivots(system, self._solver))
                 system.connections.accept(self.H)
                 return True
             previous = self.last

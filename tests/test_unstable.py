@@ -1,0 +1,154 @@
+"""Equilibrium that is unstable says so; loads without potential are tested by the determinant."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from test_paths import arch, column
+
+import fem_lie as fl
+from benchmarks.levels import cantilever, frame
+from fem_lie.solve.branches import _beside
+from fem_lie.solve.pivots import negative_determinant
+from fem_lie.solve.stability import StableEquilibrium
+from fem_lie.solve.unstable import maxima
+
+
+def test_an_unstable_equilibrium_beyond_a_limit_load_says_so():
+    """Lee's frame at P = 20000, its limit load is 18557: one step finds another branch."""
+    with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as told:
+        result = fl.statics(frame(20000.0))
+    assert len(told) == 1
+    np.testing.assert_array_equal(result.negative_pivots, [1])
+    assert not result.stable.any()
+    below = fl.statics(frame(18000.0), levels=(0.5, 1.0))  # warnings are errors
+    np.testing.assert_array_equal(below.negative_pivots, [0, 0])
+
+
+def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():
+    scene, _ = arch(24)
+    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.8") as told:
+        result = fl.follow_loads(scene)
+    assert len(told) == 1
+    assert result.stable.all() and len(result.turned_back) == 1
+    assert maxima([0.5, 1.0]) == ()
+    assert maxima([0.5, 0.9, 0.3, 0.4, 0.2, 1.0]) == (0.9, 0.4)
+
+
+def test_constraints_do_not_count_as_instability():
+    """A hinge by a joint has five multipliers, a hinge by supports none: the same pivots."""
+    for load, negative in ((0.9, 0), (1.1, 1)):
+        scene, _, _ = column("pinned-pinned", 8, factor=load)
+        with pytest.warns(fl.UnstableEquilibriumWarning) if negative else _silent():
+            result = fl.statics(scene, load_steps=1)
+        np.testing.assert_array_equal(result.negative_pivots, [negative])
+
+
+def _silent():
+    from contextlib import nullcontext
+
+    return nullcontext()
+
+
+def test_factorisations_are_counted():
+    scene, _, _ = column("pinned-pinned", 8, factor=0.5)
+    stepped, followed = fl.statics(scene), fl.follow_loads(scene)
+    assert stepped.factorisations == stepped.total_iterations
+    assert followed.factorisations == followed.total_iterations
+    path = fl.follow_path(scene)
+    assert path.factorisations >= path.total_iterations > len(path)
+
+
+def test_sign_of_the_determinant():
+    random = np.random.default_rng(0)
+    for size in (5, 6, 11):
+        A = random.standard_normal((size, size))
+        assert negative_determinant(sp.csr_matrix(A)) == (np.linalg.det(A) < 0)
+
+
+def coil(turns: float) -> fl.Scene:
+    """A moment about a fixed axis and a little force along it."""
+    return cantilever(
+        32, [1e4] * 3 + [1e2] * 3, moment=(0, 0, 20 * np.pi * turns), force=(0, 0, 5 * turns)
+    )
+
+
+def test_moments_about_fixed_axes_make_no_bifurcations():
+    """The symmetric part of the tangent is indefinite there; the determinant does not change."""
+    scene = coil(2.0)
+    path = fl.follow_path(scene, 1.0, resolution=0.2)
+    assert path.complete and not path.critical
+    model = StableEquilibrium(scene, "test_")
+    model.restore(path.stations[-1].state)
+    model._fill(1.0)
+    K, _ = model.pencil()
+    K = K.toarray()
+    assert np.abs(K - K.T).max() > 10.0  # EI is 100
+    assert (np.linalg.eigvalsh(K + K.T) < 0).any()
+    assert np.linalg.slogdet(K)[0] > 0
+
+
+def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_whole_tangent():
+    """Euler's column with a little torque about a fixed axis: by the determinant, the same load."""
+    scene, beam, _ = column("pinned-pinned", 16)
+    scene.add(fl.PointLoad(beam.start, moment=(0, 0, 1e-3)))
+    path = fl.follow_path(scene, 1.1)
+    (point,) = path.critical
+    assert not point.has_potential and "by the determinant" in str(point)
+    assert point.kind is fl.Critical.BIFURCATION and point.negative_pivots == (0, 1)
+    assert point.factor == pytest.approx(1.0, rel=3e-3)
+    shape = point.shapes[0]
+    wave = np.sin(np.pi * np.linspace(0, 1, 17))
+    across = np.einsum("nij,ni->nj", point.frames[:17, 1:], shape[:17, :3])[:, 0]
+    np.testing.assert_allclose(np.abs(across), wave, atol=2e-3)
+    aside = fl.branch(scene, point)
+    assert np.abs(aside.places[:, 0]).max() > 1e-3
+    plain, _, _ = column("pinned-pinned", 16)
+    assert fl.follow_path(plain, 1.1).critical[0].has_potential
+
+
+def test_branch_refuses_to_come_back_on_the_path_it_leaves():
+    """A state of a path that is no bifurcation, with the path's own tangent for a mode."""
+    scene, _ = arch(12)
+    path = fl.follow_path(scene, critical_points=1, resolution=0.1)
+    station = path.stations[4]
+    nodes = path.frames.shape[1]
+    tangent = station.response[: 6 * nodes].reshape(nodes, 6)
+    tangent = tangent / np.linalg.norm(tangent[:, :3], axis=1).max()
+    false = replace(
+        path.critical[0],
+        kind=fl.Critical.BIFURCATION,
+        station=station,
+        frames=path.frames[4],
+        shapes=tangent[np.newaxis],
+        turns_only=np.array([False]),
+    )
+    with pytest.raises(fl.ConvergenceError, match="leads back onto the path"):
+        fl.branch(scene, false)
+
+
+def test_beside_a_crossed_branch_modes_and_response_are_measured_in_one_unit():
+    """What is left of the response has no part along the mode: displacements over the diameter."""
+    scene, _ = arch(12)
+    path = fl.follow_path(scene, 0.5, resolution=0.1, locate=None)
+    model = StableEquilibrium(scene, "test_")
+    station = path.stations[3]
+    model.restore(station.state)
+    h = np.random.default_rng(0).standard_normal(model.system.size)
+    rest, _ = _beside(model, station, h)
+    n = model.system.count
+    unit = np.array([model.diameter] * 3 + [1.0] * 3)
+    a, b = (x[: 6 * n].reshape(n, 6) / unit for x in (rest, h))
+    assert abs(np.sum(a * b)) <= 1e-10 * np.linalg.norm(a) * np.linalg.norm(b)
+    assert np.linalg.norm(model.translations(rest), axis=1).max() == pytest.approx(1.0)
+
+
+def test_path_says_where_it_ends_by_default():
+    scene, _ = arch(12)
+    scene.loads[:] = [
+        replace(load, force=tuple(0.5 * f for f in load.force)) for load in scene.loads
+    ]
+    assert "until=" in fl.follow_path(scene).reason
+    beyond = fl.follow_path(scene, 2.0, critical_points=1)
+    assert beyond.limits and "until=" not in beyond.reason
