@@ -42,10 +42,14 @@ def along(s: float) -> np.ndarray:
     return np.array([[np.sin(s), 1 - np.cos(s), 0.0], [0.0, s, 0.2 * s * s]])
 
 
-def walk(places: list[np.ndarray], factors: list[float]) -> list[bool]:
+def walk(places: list[np.ndarray], factors: list[float], turned: int = 99) -> list[bool]:
+    """``turned``: from this step on the twists are against the displacements."""
     passed = Passed(places[0])
-    steps = zip(factors[1:], places[1:], places[:-1], strict=True)
-    return [passed.again(factor, here, here - before) for factor, here, before in steps]
+    steps = enumerate(zip(factors[1:], places[1:], places[:-1], strict=True))
+    return [
+        passed.again(factor, here, (here - before) * (1 if k < turned else -1))
+        for k, (factor, here, before) in steps
+    ]
 
 
 def test_running_back_is_noticed_and_a_limit_point_is_not():
@@ -53,6 +57,8 @@ def test_running_back_is_noticed_and_a_limit_point_is_not():
     back = np.linspace(0.97, 0.17, 9)
     states = [along(s) for s in (*up, *back)]
     assert any(walk(states, [*up, *back]))
+    # a loop that passes the same places in the same sense goes on
+    assert not any(walk(states, [*up, *back], turned=10))
     # the load goes down while the nodes go on
     beyond = [along(s) for s in (*up, *(2.0 - back))]
     assert not any(walk(beyond, [*up, *back]))
