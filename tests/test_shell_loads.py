@@ -403,7 +403,9 @@ def test_an_end_moment_rolls_a_strip_up(following):
     # −y is along the edge, whose shell is on its left
     moment = (-2 * np.pi / 0.1, 0, 0) if following else (0, -2 * np.pi / 0.1, 0)
     load = fl.EdgeLoad(shell, "a=1", moment=moment, following=following)
-    result = fl.follow_loads(scene_with(shell, load), [0.25, 0.5, 0.75, 1.0])
+    # held in its plane by nothing, it turns over sideways before the circle is full
+    with pytest.warns(fl.UnstableEquilibriumWarning, match="at load factor 1 "):
+        result = fl.follow_loads(scene_with(shell, load), [0.25, 0.5, 0.75, 1.0])
     ends = shell.mesh.nodes("a=1")
     turned = result.frames[:, result.info.body("strip").nodes[ends], 3]
     angle = 2 * np.pi * result.factors
