@@ -8,8 +8,8 @@ the beam or shell. Logarithms of relative motions end at π.
 | --- | --- |
 | geodesic, directors of two nodes | π, where the rotation has two logarithms |
 | directors of three nodes | 1.5266: the node inside runs away to one end |
-| shells with cells of two nodes along an edge | π/2: the moment goes with the sine |
-| shells with cells of three | 3.0: nearly π, where their directors are opposite |
+| shells with two nodes along an edge | π/2: the moment goes with the sine; π if decoupled |
+| shells with three | 3.0: nearly π, where their directors are opposite |
 """
 
 from __future__ import annotations

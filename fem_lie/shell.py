@@ -35,9 +35,6 @@ _EQUAL = 1e-6  # components of unit vectors that are meant to be equal
 _FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
 
 
-_LARGEST_TURN = {1: pi / 2, 2: 3.0}  # rad, along an edge by the degree, see element_turns
-
-
 class Shell(SupportedSurface):
     """A shell of any 8×8 section on a surface, which may have kinks and branches.
 
@@ -224,13 +221,17 @@ class Shell(SupportedSurface):
     def turning(self) -> Turning:
         """See the base class; along all edges of the cells."""
         ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
-        along, limit = self.connectivity[:, ends], _LARGEST_TURN[self.mesh.degree]
+        along, limit = self.connectivity[:, ends], self._largest_turn()
         if self.mesh.degree == 2:
             corners = len(self.mesh.corners[0])
             inside = self.connectivity[:, corners : corners + len(ends), np.newaxis]
             along = np.concatenate([along[:, :, :1], inside, along[:, :, 1:]], axis=2)
         elements = np.repeat(np.arange(len(along)), len(ends))
         return Turning(along.reshape(len(elements), -1), elements, limit, whole=False)
+
+    def _largest_turn(self) -> float:
+        """Along an edge of a cell, rad."""
+        return self.formulation.measures_for(self.mesh.cell, self.mesh.degree).largest_turn
 
     def areas(self) -> Array:
         """Area that each node of each cell carries, shape (m, k)."""

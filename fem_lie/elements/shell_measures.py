@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import pi
 
 import basix
 from ufl.core.expr import Expr
@@ -34,6 +35,8 @@ class StrainMeasures:
             through a lengthy formula is then done with numbers, in the condensation, and FFCx has a
             third of the code to write.
         stresses: Stress fields of mixed elements, or ``None`` if there are none for these cells.
+        largest_turn: Along an edge of a cell, rad: beyond it cells fold, see
+            :mod:`fem_lie.element_turns`.
         bubble: Whether three-node triangles have a director bubble as unknowns of their own.
     """
 
@@ -46,6 +49,7 @@ class StrainMeasures:
     intermediate: Callable[[Surface], Expr] | None = None
     stresses: StressModes | None = QUADRILATERAL
     bubble: bool = False
+    largest_turn: float = pi / 2
 
 
 MITC4 = StrainMeasures()
@@ -55,7 +59,9 @@ MITC4_PLUS = StrainMeasures(membrane=strains.mitc4_plus_membrane)
 """Four nodes, also for distorted meshes of curved thin shells."""
 
 DECOUPLED = StrainMeasures(
-    bending=decoupled.decoupled_bending, intermediate=decoupled.tangents_and_cosines
+    bending=decoupled.decoupled_bending,
+    intermediate=decoupled.tangents_and_cosines,
+    largest_turn=pi,
 )
 """Four nodes, bending strain without membrane strain; for mixed elements."""
 
@@ -75,6 +81,7 @@ MITC6 = StrainMeasures(
     membrane=quadratic.mitc6_membrane,
     shear=quadratic.mitc6_shear,
     stresses=None,
+    largest_turn=3.0,
 )
 """Six nodes."""
 
@@ -84,5 +91,6 @@ MITC9 = StrainMeasures(
     membrane=quadratic.mitc9_membrane,
     shear=quadratic.mitc9_shear,
     stresses=None,
+    largest_turn=3.0,
 )
 """Nine nodes."""

@@ -19,6 +19,7 @@ from petsc4py import PETSc
 
 import scipy.sparse as sp
 
+from fem_lie.choices import Redundant
 from fem_lie.solve.linear import NEGATIVE, DirectSolver, SingularMatrixError
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
 _ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant
+
+_SOFT = 1e-6  # give of constraints, over that of the stiffest spring
 
 UNKNOWN = -1
 """Number of negative pivots of a matrix that cannot be factorised."""
@@ -37,12 +40,15 @@ def negative_pivots(system: System, solver: DirectSolver) -> int:
     For loads without potential: 1 if their number is odd, 0 if it is even. It is −1 if the matrix
     cannot be factorised.
     """
+    redundant = system.m > 0 and system.scene.redundant is not Redundant.REFUSE
     try:
-        if not system.has_potential:
-            return int(negative_determinant(tangent(system)) != bool(system.m % 2))
-        found = solver.negative_pivots()
-        if found is None:
+        found = None if redundant else solver.negative_pivots()
+        if found is None or not system.has_potential:
             A = tangent(system)
+            if redundant:
+                A = _softened(A, 6 * system.count)
+            if not system.has_potential:
+                return int(negative_determinant(A) != bool(system.m % 2))
             found = inertia((0.5 * (A + A.T)).tocsr())[0]
     except SingularMatrixError:
         return UNKNOWN
@@ -55,6 +61,17 @@ def tangent(system: System) -> sp.csr_matrix:
     A = sp.csr_matrix((values.copy(), columns, pointers), shape=(system.size, system.size))
     units = sp.diags(system.kkt.units)
     return (units @ A @ units).tocsr()
+
+
+def _softened(A: sp.csr_matrix, n: int) -> sp.csr_matrix:
+    """With constraints after row ``n`` that give way a little, so that redundant ones count, too.
+
+    The rows have the inertia of springs beside ``K``: as many negative pivots as rows.
+    """
+    stiffest = float(abs(A[:n, :n]).max()) or 1.0
+    rows = A[n:, :n]
+    give = _SOFT / stiffest * rows.multiply(rows).sum(axis=1).A1
+    return sp.bmat([[A[:n, :n], A[:n, n:]], [rows, -sp.diags(give)]], format="csr")
 
 
 def inertia(A: sp.csr_matrix) -> tuple[int, int]:
