@@ -95,8 +95,10 @@ class StaticResult:
     initial: Array
     steady_rotation: Rotation
     seconds: float
-    negative_pivots: npt.NDArray[np.int64]
-    factorisations: int
+    negative_pivots: npt.NDArray[np.int64] = field(
+        default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True
+    )
+    factorisations: int = field(default=0, kw_only=True)
     turned_back: tuple[float, ...] = field(default=(), kw_only=True)
 
     @property
@@ -240,8 +242,8 @@ class LoadSteps:
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
             self._watch.seconds,
-            np.array(self._pivots, dtype=np.int64),
-            self._solver.factorisations,
+            negative_pivots=np.array(self._pivots, dtype=np.int64),
+            factorisations=self._solver.factorisations,
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
