@@ -15,7 +15,7 @@ from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.acting import Acting
 from fem_lie.balances import BY_LOADS, BY_REACTIONS, TOTAL
-from fem_lie.outer_forces import LOADS, LOSS, POWER, SIZE
+from fem_lie.outer_forces import LOADS, POWER, SIZE
 from fem_lie.system import System
 
 
@@ -85,8 +85,9 @@ class Books:
             total[POWER] += self._strain_work(time, H)
         self.look(time, H, v, a, weights)
         row += self._row
-        total[:2] += 0.5 * h * row[[POWER, LOSS]]
-        total[BY_LOADS:] += 0.5 * h * row[LOADS:]
+        row *= 0.5 * h
+        total[:LOADS] += row[:LOADS]
+        total[BY_LOADS:] += row[LOADS:]
         if driven:
             total[POWER] -= 0.5 * (old + self._weights) @ (self._targets - targets)
         if len(H) > first:
