@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._results_rows import write_all
-from fem_lie.info import BodyInfo, JointInfo, SceneInfo
+from fem_lie.info import BodyInfo, JointInfo, SceneInfo, SupportInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
@@ -98,6 +98,8 @@ def _write_info(file: Any, info: SceneInfo) -> None:
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
         _write_joint(file.create_group(f"joints/{i}"), joint)
+    for field in fields(SupportInfo):
+        file[f"supports/{field.name}"] = getattr(info.supports, field.name)
 
 
 def read(path: str | os.PathLike[str]) -> Result:
@@ -146,6 +148,7 @@ def _read(file: Any) -> Result:
             tuple(_read_body(group) for group in _groups(file, "bodies")),
             tuple(_read_joint(group) for group in _groups(file, "joints")),
             float(file.attrs["mass"]),
+            SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
         ),
     )
 

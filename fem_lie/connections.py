@@ -32,6 +32,14 @@ _FORWARD = np.array(
 """First and second derivative of a polynomial of fifth degree from values at 0, 1, … 5."""
 
 
+class _Carried(Fixed):
+    """To a prescribed motion; its axes are those of the node that is moved."""
+
+    def frame(self) -> Array:
+        """See the base class."""
+        return self.a.frame
+
+
 class Connections:
     """Numbers the constraints, evaluates them, and says what results report of them.
 
@@ -60,7 +68,7 @@ class Connections:
         self._numbering, self._frames = numbering, frames
         self.items: list[Connection] = [*scene.joints, *scene.connections]
         motions = [
-            Fixed(motion.point, motion.point, name=f"motion of {motion.point.label}")
+            _Carried(motion.point, motion.point, name=f"motion of {motion.point.label}")
             for motion in scene.motions
         ]
         self.items += motions
@@ -382,7 +390,7 @@ class Connections:
             joints.append(
                 JointInfo(
                     name=item.label,
-                    kind=type(item).__name__,
+                    kind="PrescribedMotion" if isinstance(item, _Carried) else type(item).__name__,
                     node=node,
                     offset=offset,
                     coordinates=item.coordinate_names,

@@ -82,18 +82,40 @@ class JointInfo:
 
 
 @dataclass(frozen=True, eq=False)
+class SupportInfo:
+    """Which nodes are held by clamps and by supports of bodies.
+
+    Attributes:
+        at: The node of each reaction, shape (s,).
+        nodes: Those and the nodes that follow them rigidly, shape (q,).
+        rows: Which reaction is that of each of ``nodes``, shape (q,).
+    """
+
+    at: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    nodes: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    rows: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def row(self, node: int) -> int | None:
+        """Which reaction is that of a node, if it is held."""
+        found = self.rows[self.nodes == node]
+        return int(found[0]) if len(found) else None
+
+
+@dataclass(frozen=True, eq=False)
 class SceneInfo:
-    """Bodies and joints in the order of the scene.
+    """Bodies and joints in the order of the scene, and supports.
 
     Attributes:
         bodies: All of them.
         joints: All of them.
         mass: Of all bodies; 0 where inertia is not known.
+        supports: What is held.
     """
 
     bodies: tuple[BodyInfo, ...]
     joints: tuple[JointInfo, ...] = ()
     mass: float = 0.0
+    supports: SupportInfo = field(default_factory=SupportInfo)
 
     def body(self, name: str) -> BodyInfo:
         """The body with this name.

@@ -34,6 +34,7 @@ class Numbering:
         velocities: Initial local velocities of the leaders, shape (count, 6).
         groups: The group of each leader, shape (count,).
         held: Which unknowns of the leaders their bodies hold, shape (count, 6).
+        supported: Leaders that something holds but that they do not drill, in increasing order.
         supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
         uncoupled: Which leaders move by ``x + R u`` in statics, shape (count,).
     """
@@ -80,13 +81,14 @@ class Numbering:
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
         groups: Indices = np.empty(self.total, dtype=np.int64)
-        supports = np.empty((self.total, 3, 3))
+        supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             groups[nodes] = body.group
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
+            own[nodes] = body.held.any(axis=1)
             held[nodes, 5] |= not self.drills[body]
             supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
@@ -100,6 +102,7 @@ class Numbering:
         self.velocities = velocities[self.attachment.leaders]
         self.groups = groups[self.attachment.leaders]
         self.held = held[self.attachment.leaders]
+        self.supported: Indices = np.unique(self.attachment.leader[own])
         self.uncoupled = np.zeros(self.count, dtype=bool)
         np.logical_or.at(self.uncoupled, self.attachment.leader, uncoupled)
         self.supports = supports[self.attachment.leaders]

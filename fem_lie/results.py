@@ -13,6 +13,7 @@ import numpy.typing as npt
 from fem_lie import balances
 from fem_lie.info import BodyInfo, JointInfo, SceneInfo
 from fem_lie.plot import SI, Units
+from fem_lie.reactions import Support, reaction
 from fem_lie.step_history import StepHistory
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ class Result:
         velocities: Local velocities (translation, rotation), shape (T, N, 6).
         joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
             axes that it has on that side, shape (T, j, 6).
+        reactions: Force and moment of each support on its node, about it, global components, see
+            :meth:`reaction`, shape (T, s, 6).
         joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
         joint_violations: Largest violation of a constraint of each joint, shape (T, j).
         kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of gravity and
@@ -61,6 +64,7 @@ class Result:
     frames: Array
     velocities: Array
     joint_forces: Array
+    reactions: Array
     joint_coordinates: Array
     joint_violations: Array
     kinetic: Array
@@ -87,6 +91,7 @@ class Result:
             ("frames", (n, 4, 3)),
             ("velocities", (n, 6)),
             ("joint_forces", (j, 6)),
+            ("reactions", (len(self.info.supports.at), 6)),
             ("joint_coordinates", (c,)),
             ("joint_violations", (j,)),
             ("kinetic", ()),
@@ -144,6 +149,22 @@ class Result:
             ValueError: There is no such joint.
         """
         return self.joint_forces[:, self.info.joint(joint)]
+
+    def reaction(self, *supports: Support) -> Array:
+        """Force and moment of a clamp, guide or prescribed motion, or of several together, (T, 6).
+
+        Args:
+            supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
+                their names) at which a body is held, as by ``Shell.guide``. What holds the same
+                node counts once.
+
+        Returns:
+            What they exert on the bodies, global components; moments about the first of them.
+
+        Raises:
+            ValueError: None is given, or something is not held.
+        """
+        return reaction(self, supports)
 
     def index(self, time: float) -> int:
         """The kept time nearest to ``time``."""

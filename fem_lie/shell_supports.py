@@ -34,23 +34,31 @@ class SupportedSurface(Body):
         """
         return [self.node(int(i)) for i in self.mesh.nodes(name)]
 
-    def clamp(self, name: str) -> None:
+    def clamp(self, name: str) -> list[Point]:
         """Hold places and directors of a named curve, group of cells or group of points.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
         self.held[self.mesh.nodes(name)] = True
+        return self.points(name)
 
-    def hinge(self, name: str) -> None:
+    def hinge(self, name: str) -> list[Point]:
         """Hold the places, not the directors, of a named curve or group.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
             ValueError: There is nothing of this name; the message lists what exists.
         """
         self.held[self.mesh.nodes(name), :3] = True
+        return self.points(name)
 
-    def symmetry(self, name: str, normal: npt.ArrayLike) -> None:
+    def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Let the nodes of a named curve lie on a plane of symmetry.
 
         Nodal frames are turned about their directors until e₁, or e₂ where two planes meet, is the
@@ -60,6 +68,9 @@ class SupportedSurface(Body):
         Args:
             name: A named curve or group.
             normal: Of the plane, global components.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
             ValueError: There is nothing of this name, the nodes are not in one plane with that
@@ -77,8 +88,9 @@ class SupportedSurface(Body):
             )
         for node in nodes:
             self._bind(int(node), n)
+        return self.points(name)
 
-    def guide(self, name: str, normal: npt.ArrayLike) -> None:
+    def guide(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space; directors stay free.
 
         Two guides along the same nodes are a diaphragm. What is held already stays so.
@@ -87,12 +99,16 @@ class SupportedSurface(Body):
             name: A named point, curve or group.
             normal: The direction, global components.
 
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
         Raises:
             ValueError: There is nothing of this name, or the direction is zero.
         """
         nodes, n = self.mesh.nodes(name), direction(normal, f"the direction of guide {name!r}")
         for node in nodes:
             self._hold_along(int(node), n)
+        return self.points(name)
 
     def _hold_along(self, node: int, along: Array) -> None:
         """Hold one more translation of a node, along axes fixed in space from here on."""

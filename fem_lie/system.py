@@ -20,7 +20,7 @@ from mpi4py import MPI
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array
+from fem_lie._jit import Array, Indices
 from fem_lie.carried_drilling import CarriedDrilling
 from fem_lie.choices import Choices, Redundant
 from fem_lie.connections import Connections
@@ -30,7 +30,7 @@ from fem_lie.elements.shell_maps import retract
 from fem_lie.groups import Group, Parametrisation
 from fem_lie.histories import declared, until_next
 from fem_lie.idle_multipliers import IdleMultipliers
-from fem_lie.info import SceneInfo
+from fem_lie.info import SceneInfo, SupportInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
 from fem_lie.nodal import Inertia, add_mass_damping, report, rigid_residual
@@ -63,6 +63,7 @@ class System:
         kinds: Group and parametrisation of each moving node, shape (n,), see
             :mod:`fem_lie.groups`.
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
+        supported: Moving nodes that clamps and bodies hold, see :meth:`reactions`, shape (s,).
         uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
         inertia: That of the moving nodes.
         elastic: Elements and pressure.
@@ -111,8 +112,9 @@ class System:
         still = np.zeros((len(fixed), 6))
         self.velocities = np.concatenate([self.numbering.velocities, still])
         self.held, self.uncoupled = self.numbering.held.copy(), self.numbering.uncoupled
-        for clamp in scene.clamps:
-            self.held[self.numbering.node(clamp.point)] = True
+        clamped = [self.numbering.node(clamp.point) for clamp in scene.clamps]
+        self.held[clamped] = True
+        self.supported = np.union1d(self.numbering.supported, clamped).astype(np.int64)
         self._any_held = bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table = self.connections.table
@@ -353,6 +355,21 @@ class System:
         """Force and moment of each joint at rest on its point ``a``, in its axes, shape (j, 6)."""
         return self.report_joints(H, self._still, weights)[0]
 
+    def reactions(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
+        """Force and moment of supports on the nodes ``supported``, about them, shape (s, 6).
+
+        Global components, at the frames, twists and rates of :meth:`residual`.
+        """
+        if not len(self.supported):
+            return np.zeros((0, 6))
+        r = np.empty(self.size)
+        self.with_reactions(H, v, a, weights, np.ones(self.m), r)
+        local = r[: 6 * self.count].reshape(-1, 6)
+        local[~self.held] = 0.0
+        if self.supports:
+            self.supports.turn_back(H, local)
+        return in_space(H[self.supported], local[self.supported])
+
     def report_joints(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
         """See :meth:`~fem_lie.connections.Connections.report`."""
         if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
@@ -421,7 +438,18 @@ class System:
     def info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes, for results."""
         mass = float(self.inertia.blocks[:, 0, 0].sum())
-        return SceneInfo(self.numbering.bodies(), self.connections.info(), mass)
+        attachment, supported = self.numbering.attachment, self.supported
+        nodes: Indices = np.flatnonzero(np.isin(attachment.leader, supported))
+        rows = np.searchsorted(supported, attachment.leader[nodes])
+        supports = SupportInfo(attachment.leaders[supported], nodes, rows)
+        return SceneInfo(self.numbering.bodies(), self.connections.info(), mass, supports)
+
+
+def in_space(H: Array, wrenches: Array) -> Array:
+    """Forces and moments (…, 6) in the axes of frames (…, 4, 3), in global components."""
+    parts = wrenches.reshape(*wrenches.shape[:-1], 2, 3)
+    turned: Array = np.einsum("...ij,...ki->...kj", H[..., 1:, :], parts)
+    return turned.reshape(wrenches.shape)
 
 
 def _yes(chosen: bool | None) -> str:

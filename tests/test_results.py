@@ -57,6 +57,7 @@ def _rod():
         frames=frames,
         velocities=np.tile(velocity, (count, 1, 1)),
         joint_forces=np.random.default_rng(0).normal(size=(count, 2, 6)),
+        reactions=np.zeros((count, 0, 6)),
         joint_coordinates=np.column_stack([times, 2 * times]),
         joint_violations=np.zeros((count, 2)),
         kinetic=2.0 + 0.5 * np.sin(times),

@@ -70,6 +70,7 @@ def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionF
         placed,
         None,
         0.0,
+        np.zeros((1, 0, 6)),
     )
     return fl.section_forces(result, beam, scene)
 

@@ -154,7 +154,7 @@ class Run(Integration[Recorder]):
 
     def _record(self, history: Recorder) -> bool:
         s = self.s
-        state = s.H, s.twist1, self.weights
+        state = s.H, s.twist1, s.rate1, self.weights
         return history.record(self._index, *state, self._iterations, self.books.total)
 
     def _result(self, history: Recorder) -> Result:

@@ -238,7 +238,8 @@ class AlphaSteps(Run):
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """See the protocol."""
         s = self.s
-        recorder.fill(0.0, s.H, s.twist1, self.weights, self.books.total)
+        state = s.H, s.twist1, s.rate1, self.weights
+        recorder.fill(0.0, *state, self.books.total)
 
     # --- what changes in a step ---
 

@@ -21,6 +21,7 @@ from fem_lie.solve.cells import Cells, evaluate
 from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.conserving_memory import across, model_of, room_for_step, start_state
+from fem_lie.solve.end_rates import EndRates, local_rates, spatial
 from fem_lie.solve.factors import Factors, factorise
 from fem_lie.solve.filtered import ACTIVE
 from fem_lie.solve.integration import Integration
@@ -89,6 +90,7 @@ class Run(Integration[History]):
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
         self.counts = np.zeros(2, dtype=np.int64)
         self._factors: Factors | None = None
+        self.rates, self._end = EndRates.at(np.zeros((system.count, 6))), 0.0
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -111,6 +113,7 @@ class Run(Integration[History]):
         solver = DirectSolver(system.kkt, PREFIX)
         v = system.velocities
         vdot, s.weights[:] = accelerations(system, solver, s.H, v, 0.0, self.h)
+        self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
         r = np.empty(system.size)
@@ -132,10 +135,21 @@ class Run(Integration[History]):
         last = history.next_stop(self.index)
         if self.rule is None or self.system.time_dependent:
             last = self.index + 1
-        return self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
+        if len(self.system.supported) and last > self.index + 1:
+            # reactions need the accelerations of the last two steps
+            if not self._go_to(last - 1, self.index * self.h, (self.index + 1) * self.h):
+                return False
+            self._note_rates()
+        done = self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
+        self._note_rates()
+        return done
+
+    def _note_rates(self) -> None:
+        self.rates = self.rates.after(2.0 * self.s.trend, self.h)
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
+        self._end = end + (last - self.index - 1) * self.h
         if self.system.time_dependent:
             self._set_time(start, end)
         rule = (1, 0.0) if self.rule is None else self.rule
@@ -273,12 +287,24 @@ class Run(Integration[History]):
         forces, coordinates, violations = system.report_joints(s.H, v, s.weights)
         history.joint_forces[row], history.joint_coordinates[row] = forces, coordinates
         history.joint_violations[row] = violations
+        history.reactions[row] = self._reactions(v)
         mass, dead, invariants = self.model.inertia, system.conservative, history.invariants[row]
         history.potential[row] = report_rates(s.H, s.V, mass, dead, self.this.q, invariants)
         springs = constraints.spring_energy(s.H, system.table) if len(system.table.springs) else 0.0
         history.elastic[row] = s.W.sum() + springs
         history.book(row, s.books)
         history.keep(np.array([self.index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
+
+    def _reactions(self, v: Array) -> Array:
+        """Of supports, by the equations of motion at the end of the step."""
+        system, s = self.system, self.s
+        if not len(system.supported):
+            return np.zeros((0, 6))
+        if system.time_dependent:
+            system.set_time(self._end)
+        system.elastic.settle(s.H)
+        n = system.count
+        return system.reactions(s.H, v, local_rates(s.H[:n], v[:n], self.rates.end()), s.weights)
 
     # --- checkpoints ---
 
@@ -305,6 +331,7 @@ class Run(Integration[History]):
                 array[:] = value
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)
+        self._note_rates()
         self._factors = factorise(self.system.kkt)
 
 

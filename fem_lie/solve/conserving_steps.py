@@ -23,6 +23,7 @@ from fem_lie.results import Result
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.conserving import State
 from fem_lie.solve.conserving_run import PREFIX, Options, Run, local
+from fem_lie.solve.end_rates import EndRates, spatial
 from fem_lie.solve.events import events
 from fem_lie.solve.factors import Factors, solve
 from fem_lie.solve.filtered import REMEMBERS
@@ -31,7 +32,7 @@ from fem_lie.solve.kept_factors import Levels
 from fem_lie.solve.linear import DirectSolver
 from fem_lie.solve.mean_error import End, MeanError
 from fem_lie.solve.saving import Saving
-from fem_lie.solve.start import allowed_velocities
+from fem_lie.solve.start import accelerations, allowed_velocities
 from fem_lie.solve.step_control import Control, StepChoice
 from fem_lie.solve.time_error import StepError
 from fem_lie.solve.variable_steps import VariableSteps, side
@@ -65,6 +66,7 @@ class _Saved(NamedTuple):
         counters: Of the loop, likewise ``numbers``.
         joints: Memory of the connections.
         fields: Of the cells.
+        rates: Accelerations of the last steps.
     """
 
     s: State
@@ -72,6 +74,7 @@ class _Saved(NamedTuple):
     numbers: Array
     joints: Array
     fields: list[Array]
+    rates: EndRates
 
 
 class ConservingSteps(Run):
@@ -145,6 +148,17 @@ class ConservingSteps(Run):
         s.lag[REMEMBERS], s.w[:], s.w_F[:] = 0.0, 0.0, 0.0
         if system.connections.driven or len(s.H) > system.count + 1:
             self._kick(time)
+        if len(system.supported):
+            self._restart_rates(time)
+
+    def _restart_rates(self, time: float) -> None:
+        """Accelerations after a jump, for reactions."""
+        system, s, n = self.system, self.s, self.system.count
+        self._end, v = time, system.velocities.copy()
+        v[:n] = local(s.H[:n], s.V)
+        solver = DirectSolver(system.kkt.matrix, PREFIX)
+        found = accelerations(system, solver, s.H, v, time, self.h)[0]
+        self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
 
     def _kick(self, time: float) -> None:
         """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
@@ -174,13 +188,15 @@ class ConservingSteps(Run):
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """See the protocol."""
         done = self._go_to(self.index + 1, start, end)
+        self._note_rates()
         return int(self.counters[loop.LAST]) if done else 0
 
     def saved(self) -> _Saved:
         """See the protocol."""
         s = State(*(array.copy() for array in self.s))
         joints, fields = self.system.connections.memory, self.cells.local_fields
-        return _Saved(s, self.counters.copy(), self.numbers.copy(), joints.copy(), fields)
+        counts = self.counters.copy(), self.numbers.copy()
+        return _Saved(s, *counts, joints.copy(), fields, self.rates)
 
     def take_back(self, state: _Saved) -> None:
         """See the protocol."""
@@ -192,6 +208,7 @@ class ConservingSteps(Run):
         self.numbers[loop.MOTION] = state.numbers[loop.MOTION]
         self.system.connections.memory = state.joints
         self.cells.restore(state.fields)
+        self.rates = state.rates
 
     def follow(self, other: ConservingSteps, state: _Saved) -> None:
         """See the protocol."""

@@ -213,6 +213,12 @@ class SceneEquilibrium:
         system.carried_drilling.turn(self._H)
         self._multipliers += self._scale * dx[6 * system.count :]
 
+    def reactions(self, state: _State, factor: float) -> Array:
+        """Of supports in a state that is restored, see :meth:`~fem_lie.system.System.reactions`."""
+        self.restore(state)
+        self.system.set_time(factor, factor)
+        return self.system.reactions(self._H, self._zero, self._zero, self._multipliers)
+
     def positions(self) -> Array:
         """See the protocol."""
         return self._H[: self.system.count, 0].copy()
@@ -259,6 +265,7 @@ def _result(
     states: list[_State] = path.states
     frames = [attachment.frames(state.frames).copy() for state in states]
     forces = [system.joint_forces(state.frames, state.multipliers) for state in states]
+    reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
     return PathResult(
         factors=np.array(reached),
         frames=np.array(frames).reshape(len(states), system.numbering.total, 4, 3),
@@ -268,6 +275,7 @@ def _result(
         info=system.info(),
         initial=attachment.frames(system.frames).copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        reactions=np.array(reactions).reshape(len(states), len(system.supported), 6),
         load_steps=len(path.iterations),
         failed_steps=path.failed_steps,
         seconds=seconds,

@@ -153,6 +153,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
         factors=np.array([state.factor for state in states]),
         frames=np.array([state.frames for state in states]),
         joint_forces=np.array(forces),
+        reactions=np.array([model.reactions(s.state, s.factor) for s in found.stations]),
         iterations=np.array([s.iterations for s in found.stations], dtype=np.int64),
         failed_iterations=found.failed_iterations,
         info=run.info,

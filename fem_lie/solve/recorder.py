@@ -164,6 +164,7 @@ class Recorder(History):
         index: int,
         H: Array,
         v: Array,
+        a: Array,
         multipliers: Array,
         iterations: int,
         booked: Array,
@@ -178,10 +179,12 @@ class Recorder(History):
             self.update_bar(index, self._count)
         wanted = self.wants(index)
         if wanted:
-            self.fill(index * self._h, H, v, multipliers, booked)
+            self.fill(index * self._h, H, v, a, multipliers, booked)
         return wanted
 
-    def fill(self, time: float, H: Array, v: Array, multipliers: Array, booked: Array) -> None:
+    def fill(
+        self, time: float, H: Array, v: Array, a: Array, multipliers: Array, booked: Array
+    ) -> None:
         """Fill in the next row, for which there is room."""
         system, row = self._system, self.row
         attachment = system.numbering.attachment
@@ -190,6 +193,7 @@ class Recorder(History):
         forces, coordinates, violations = system.report_joints(H, v, multipliers)
         self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
         self.joint_violations[row] = violations
+        self.reactions[row] = system.reactions(H, v, a, multipliers)
         self.potential[row] = system.report(H, v, self.invariants[row])
         self.elastic[row] = system.stored_energy(H)
         self.book(row, booked)

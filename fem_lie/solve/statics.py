@@ -19,6 +19,7 @@ from fem_lie.elements.shell_maps import retract
 from fem_lie.info import SceneInfo
 from fem_lie.joints import Connection
 from fem_lie.plot import SI, Units
+from fem_lie.reactions import Support, reaction
 from fem_lie.scene import Scene
 from fem_lie.solve.linear import (
     ConvergenceError,
@@ -79,6 +80,8 @@ class StaticResult:
         initial: Frames of the unloaded configuration, shape (nodes, 4, 3).
         steady_rotation: Of the frame in which this is an equilibrium, at load factor 1.
         seconds: Wall time from the first assembly to the last solution, without set-up.
+        reactions: Force and moment of each support on its node, about it, global components, see
+            :meth:`reaction`, shape (k, s, 6).
         negative_pivots: Negative eigenvalues of the tangent at each state on what constraints leave
             free, shape (k,): with none it is stable. Under loads without potential it is 1 if their
             number is odd, else 0; −1 where the matrix could not be factorised.
@@ -95,6 +98,7 @@ class StaticResult:
     initial: Array
     steady_rotation: Rotation
     seconds: float
+    reactions: Array
     negative_pivots: npt.NDArray[np.int64] = field(
         default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True
     )
@@ -121,6 +125,13 @@ class StaticResult:
     def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6)."""
         return self.joint_forces[:, self.info.joint(joint)]
+
+    def reaction(self, *supports: Support) -> Array:
+        """Force and moment of a clamp or guide, or of several together, shape (k, 6).
+
+        See :meth:`fem_lie.Result.reaction`.
+        """
+        return reaction(self, supports)
 
     def rotation(self, point: Point | str) -> Array:
         """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
@@ -224,6 +235,7 @@ class LoadSteps:
         self._factors: list[float] = []
         self._frames: list[Array] = []
         self._forces: list[Array] = []
+        self._reactions: list[Array] = []
         self._counts: list[int] = []
         self._pivots: list[int] = []
         self._failed = 0
@@ -242,6 +254,7 @@ class LoadSteps:
             system.numbering.attachment.frames(system.frames).copy(),
             self._rotation,
             self._watch.seconds,
+            np.array(self._reactions).reshape(k, len(system.supported), 6),
             negative_pivots=np.array(self._pivots, dtype=np.int64),
             factorisations=self._solver.factorisations,
         )
@@ -327,6 +340,9 @@ class LoadSteps:
                 self._factors.append(factor)
                 self._frames.append(system.numbering.attachment.frames(self.H).copy())
                 self._forces.append(system.joint_forces(self.H, self.multipliers))
+                v = self._rotation.velocities(self.H[: system.count], np.sqrt(factor))
+                state = self.H, v, self._zero, self.multipliers
+                self._reactions.append(system.reactions(*state))
                 self._counts.append(self.iterations)
                 self._pivots.append(negative_pivots(system, self._solver))
                 system.connections.accept(self.H)

@@ -52,6 +52,7 @@ class Window:
             "frames": (n, 4, 3),
             "velocities": (n, 6),
             "joint_forces": (len(info.joints), 6),
+            "reactions": (len(info.supports.at), 6),
             "joint_violations": (len(info.joints),),
             "joint_coordinates": (sum(len(joint.coordinates) for joint in info.joints),),
             "invariants": (7,),
@@ -74,6 +75,7 @@ class Window:
             arrays[name] for name in ("times", "frames", "velocities")
         )
         self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
+        self.reactions = arrays["reactions"]
         self.joint_violations = arrays["joint_violations"]
         self.joint_coordinates = arrays["joint_coordinates"]
         self.elastic, self.potential = arrays["elastic"], arrays["potential"]
