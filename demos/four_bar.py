@@ -22,7 +22,6 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.inertia import gram_from_rigid
 
 RESULTS = Path(__file__).parents[1] / "results"
 A, B, C, D = np.array([[0, 0, 0], [0, 0, 0.12], [0.24, 0, 0.12], [0.24, 0, 0]])
@@ -37,9 +36,7 @@ PEAKS = np.array([433.4, 44.2, 715.2, 63.9, 119.1, 2.67])
 def bar(start: Any, end: Any, cells: int, of: Any, name: str) -> fl.Beam:
     """A bar with its third axis along +y."""
     stiffness, mass, inertia = of
-    section = fl.Section.from_stiffness(
-        stiffness, gram_from_rigid(mass, np.diag([2 * inertia, inertia, inertia]))
-    )
+    section = fl.Section.from_stiffness(stiffness, mass=mass, polar=2 * inertia)
     return fl.Beam.straight(start, end, section, cells=cells, up=(0, 1, 0), name=name)
 
 

@@ -100,8 +100,8 @@ def angle(time: float) -> float:
 def spin_up(elements: int, step: float, duration: float) -> tuple[Array, Array]:
     """Times, and place of the tip less its first one in axes that turn with the hub, (T, 3)."""
     EA, GA, EI, rho_A, rho_I = 2.8e7, 1e7, 1.4e4, 1.2, 6e-4
-    gram = [rho_A, 0.0, rho_I, rho_I]
-    section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI], gram)
+    stiffness = [EA, GA, GA, EI, EI, EI]
+    section = fl.Section.from_stiffness(stiffness, mass=rho_A, rotary=(rho_I, rho_I))
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=elements))
 

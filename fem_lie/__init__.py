@@ -34,6 +34,7 @@ from fem_lie.imperfections import (
     RandomImperfection,
     imperfect,
 )
+from fem_lie.inertia import gram_from_rigid
 from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.joints import (
     Collar,
@@ -238,6 +239,7 @@ __all__ = [
     "follow_loads",
     "follow_path",
     "from_dolfinx",
+    "gram_from_rigid",
     "ground",
     "imperfect",
     "local_frame_forms",

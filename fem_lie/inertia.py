@@ -254,7 +254,11 @@ def gram_from_rigid(
     G = np.empty((4, 4))
     G[0, 0] = mass
     G[0, 1:] = G[1:, 0] = mass * c
-    G[1:, 1:] = 0.5 * np.trace(J) * np.eye(3) - 0.5 * (J + J.T) + mass * np.outer(c, c)
+    E = 0.5 * np.trace(J) * np.eye(3) - 0.5 * (J + J.T)
+    own, axes = np.linalg.eigh(E)
+    if own[0] < 0.0:  # that of a flat section is zero along its normal, or round-off
+        E = axes @ np.diag(own.clip(0.0)) @ axes.T
+    G[1:, 1:] = E + mass * np.outer(c, c)
     return G
 
 

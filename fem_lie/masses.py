@@ -44,7 +44,7 @@ def inertia_of(
         elif required:
             raise ValueError(
                 "dynamics and gravity need the inertia of all sections: "
-                "Section.from_stiffness(..., inertia=...)"
+                "Section.from_stiffness(..., mass=..., rotary=...)"
             )
     for body in bodies:
         if isinstance(body, RigidBody):

@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._wanted import instance, number, numbers, positive
+from fem_lie.section_inertia import section_gram
 from fem_lie.section_properties import Array, SectionProperties, rotation
 
 _ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
@@ -173,28 +174,35 @@ class Section:
     def from_stiffness(
         cls,
         stiffness: npt.ArrayLike,
-        inertia: npt.ArrayLike | None = None,
+        gram: npt.ArrayLike | None = None,
         *,
+        mass: float | None = None,
+        polar: float | None = None,
+        rotary: npt.ArrayLike | None = None,
         outline: npt.ArrayLike | None = None,
     ) -> Section:
-        """Any section of which the matrices are known.
+        """Any section of which the numbers are known; without inertia it is for statics only.
 
         Args:
             stiffness: Symmetric positive definite, shape (6, 6), or its diagonal, shape (6,).
-            inertia: Gram matrix per length, shape (4, 4), or its diagonal, shape (4,): positive
-                semidefinite with a positive mass. A section of mass m per length with inertia J
-                about its centroid has ``gram_from_rigid(m, J, centre)``. Without it only statics
-                is possible.
+            gram: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive semidefinite
+                with a positive mass. A section of mass m per length with the inertia J about its
+                centroid ``centre`` has ``fl.gram_from_rigid(m, J, centre)``.
+            mass: Or mass per length, on the axis.
+            polar: With it, moment of inertia per length about e₁, of which e₂ and e₃ have half
+                each; default: no rotary inertia.
+            rotary: Or moments of inertia per length about e₂ and e₃, shape (2,); about e₁ it is
+                their sum.
             outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing.
 
         Raises:
-            ValueError: A matrix has the wrong shape, is not symmetric or not positive.
+            ValueError: A matrix has the wrong shape, is not symmetric or not positive; inertia is
+                given in two ways, or without mass.
         """
         D = numbers(stiffness, "stiffness")
-        G = None if inertia is None else numbers(inertia, "inertia")
         return cls(
             np.diag(D) if D.ndim == 1 else D,
-            np.diag(G) if G is not None and G.ndim == 1 else G,
+            section_gram(gram, mass, polar, rotary),
             None if outline is None else numbers(outline, "outline"),
         )
 

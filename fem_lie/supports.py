@@ -8,8 +8,28 @@ positive definite, which constraints with multipliers do not.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._jit import Array, Indices
+from fem_lie._jit import Array, Indices, compiled
+
+
+@compiled
+def wrenches(H: Array, local: Array, held: npt.NDArray[np.bool_], nodes: Indices) -> Array:
+    """Forces and moments of what is held, in global components, shape (s, 6).
+
+    Args:
+        H: Frames.
+        local: Forces and moments in their axes, (n, 6).
+        held: Which of them are reactions, (n, 6).
+        nodes: At these nodes, (s,).
+    """
+    found = np.zeros((len(nodes), 6))
+    for row, i in enumerate(nodes):
+        for k in range(6):
+            if held[i, k]:
+                for j in range(3):
+                    found[row, 3 * (k // 3) + j] += H[i, 1 + k % 3, j] * local[i, k]
+    return found
 
 
 class Supports:

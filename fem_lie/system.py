@@ -37,6 +37,7 @@ from fem_lie.nodal import Inertia, add_mass_damping, report, rigid_residual
 from fem_lie.pressure import Pressure
 from fem_lie.redundancy import redundant_constraints, refuse
 from fem_lie.scene import Scene
+from fem_lie.supports import wrenches
 from fem_lie.surface_pressure import SurfacePushes
 from fem_lie.tangent import Tangent
 
@@ -115,6 +116,7 @@ class System:
         clamped = [self.numbering.node(clamp.point) for clamp in scene.clamps]
         self.held[clamped] = True
         self.supported = np.union1d(self.numbering.supported, clamped).astype(np.int64)
+        self._everything = np.ones_like(self.held)
         self._any_held = bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table = self.connections.table
@@ -363,12 +365,14 @@ class System:
         if not len(self.supported):
             return np.zeros((0, 6))
         r = np.empty(self.size)
+        # along the axes of supports, where there are any
         self.with_reactions(H, v, a, weights, np.ones(self.m), r)
         local = r[: 6 * self.count].reshape(-1, 6)
-        local[~self.held] = 0.0
         if self.supports:
+            local[~self.held] = 0.0
             self.supports.turn_back(H, local)
-        return in_space(H[self.supported], local[self.supported])
+            return wrenches(H, local, self._everything, self.supported)
+        return wrenches(H, local, self.held, self.supported)
 
     def report_joints(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
         """See :meth:`~fem_lie.connections.Connections.report`."""
@@ -443,13 +447,6 @@ class System:
         rows = np.searchsorted(supported, attachment.leader[nodes])
         supports = SupportInfo(attachment.leaders[supported], nodes, rows)
         return SceneInfo(self.numbering.bodies(), self.connections.info(), mass, supports)
-
-
-def in_space(H: Array, wrenches: Array) -> Array:
-    """Forces and moments (…, 6) in the axes of frames (…, 4, 3), in global components."""
-    parts = wrenches.reshape(*wrenches.shape[:-1], 2, 3)
-    turned: Array = np.einsum("...ij,...ki->...kj", H[..., 1:, :], parts)
-    return turned.reshape(wrenches.shape)
 
 
 def _yes(chosen: bool | None) -> str:

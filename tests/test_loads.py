@@ -9,7 +9,7 @@ from fem_lie.pressure import Pressure
 from fem_lie.system import System
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
-MASS = [0.5, 0.0, 1e-4, 2e-4]
+MASS = np.diag([0.5, 0.0, 1e-4, 2e-4])
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], MASS)
 LENGTH = 2.0
 
@@ -309,7 +309,7 @@ def test_a_string_under_tension_gives_way_as_strings_do():
 
 def bar_with_a_mass(damping: fl.Damping | None = None):
     """One axial degree of freedom: frequency √(k/m), the bar's own mass being nothing."""
-    light = fl.Section.from_stiffness(SECTION.stiffness, 1e-6 * np.array(MASS))
+    light = fl.Section.from_stiffness(SECTION.stiffness, 1e-6 * MASS)
     scene, beam, _ = cantilever(1, light, damping=damping)
     block = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (LENGTH, 0, 0)))
     scene.add(fl.RigidLink(beam.end, block.centre))
@@ -408,7 +408,7 @@ def test_kelvin_voigt_damps_an_oscillator(ratio):
 )
 def test_rayleigh_damps_the_first_bending_mode(damping):
     """``ζ = (a/ω + τω)/2``, started in the shape of the mode of a clamped bar."""
-    section = fl.Section.from_stiffness([1e6, 1e6, 1e6, GJ, EI2, EI3], [0.5, 0, 1e-7, 1e-7])
+    section = fl.Section.from_stiffness([1e6, 1e6, 1e6, GJ, EI2, EI3], mass=0.5, polar=2e-7)
     scene, beam, _ = cantilever(12, section, damping=damping)
     root = 1.8751040687
     omega = (root / LENGTH) ** 2 * np.sqrt(EI2 / 0.5)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import fem_lie as fl
 from fem_lie import lie
 from fem_lie.inertia import gram_from_rigid, mass_matrix_6x6
 from fem_lie.section import Material, Section, rectangle_torsion_constant
@@ -151,6 +152,22 @@ def test_section_inertia_is_that_of_a_flat_rigid_body():
     )
 
 
+@pytest.mark.parametrize(
+    ("given", "moments"),
+    [
+        ({"mass": 2.0}, (0, 0, 0)),
+        ({"mass": 2.0, "polar": 0.5}, (0.5, 0.25, 0.25)),
+        ({"mass": 2.0, "rotary": (0.3, 0.1)}, (0.4, 0.3, 0.1)),
+        ({"gram": fl.gram_from_rigid(2.0, (0.4, 0.3, 0.1))}, (0.4, 0.3, 0.1)),
+    ],
+)
+def test_inertia_of_a_section_is_what_its_name_says(given, moments):
+    """Moments of inertia per length about e₁, e₂, e₃, never second moments in their place."""
+    section = Section.from_stiffness(np.eye(6), **given)
+    expected = np.diag([2.0, 2.0, 2.0, *moments])
+    np.testing.assert_allclose(mass_matrix_6x6(section.inertia), expected, atol=1e-15)
+
+
 def test_any_stiffness_is_accepted_and_kept():
     rng = np.random.default_rng(0)
     L = rng.normal(size=(6, 6)) * np.geomspace(1e4, 1e-2, 6)[:, np.newaxis]
@@ -185,7 +202,15 @@ COUPLED[0, 3] = COUPLED[3, 0] = 1.0
         (lambda: Section.from_stiffness(COUPLED), "positive definite"),
         (lambda: Section.from_stiffness(np.diag([1, 1, 1, 1, 1, -1])), "positive definite"),
         (lambda: Section.from_stiffness(np.full((6, 6), np.nan)), "finite"),
-        (lambda: Section.from_stiffness(np.eye(6), np.zeros(4)), "positive mass"),
+        (lambda: Section.from_stiffness(np.eye(6), np.zeros((4, 4))), "positive mass"),
+        (lambda: Section.from_stiffness(np.eye(6), mass=0.0), "positive mass"),
+        (lambda: Section.from_stiffness(np.eye(6), [2, 3, 1, 2]), r"mass=…, rotary=\(J₂, J₃\)"),
+        (lambda: Section.from_stiffness(np.eye(6), polar=1.0), "need mass="),
+        (lambda: Section.from_stiffness(np.eye(6), np.eye(4), mass=1.0), "not both"),
+        (lambda: Section.from_stiffness(np.eye(6), mass=1, polar=2, rotary=(1, 1)), "sum of"),
+        (lambda: Section.from_stiffness(np.eye(6), mass=1, rotary=(2, 1, 1)), "e₂ and e₃, 2 num"),
+        (lambda: Section.from_stiffness(np.eye(6), mass=1, rotary=(-2, 1)), "semidefinite"),
+        (lambda: Section.from_stiffness(np.eye(6), mass=1, polar=-1), "semidefinite"),
         (lambda: Section.from_stiffness(np.eye(6), np.diag([1, 0, -1, 1])), "semidefinite"),
         (lambda: Section.from_stiffness(np.eye(6), outline=[[0, 0]]), "at least 3"),
         (lambda: gram_from_rigid(0.0, np.eye(3)), "mass.*got 0"),

@@ -11,7 +11,7 @@ from fem_lie import lie
 from fem_lie.system import System
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
-SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], [0.5, 0.0, 1e-4, 2e-4])
+SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 LENGTH = 2.0
 FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2)]
@@ -188,7 +188,7 @@ def test_equilibrium_of_a_frame_with_a_branch():
 def test_little_weight_carries_the_force_of_the_joint_at_all_times():
     """A heavy body swings on a beam without much mass: what the joint has, the beam has."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    light = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], [1e-7, 0, 1e-11, 1e-11])
+    light = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=1e-7, polar=2e-11)
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), light, cells=2))
     body = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (1, 0, 0)))
     scene.add(fl.Spherical(fl.ground(), beam.start))

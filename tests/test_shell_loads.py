@@ -325,7 +325,7 @@ def test_pressures_have_histories_of_their_own():
 
 def test_a_beam_under_pressure_by_the_arc_length():
     """As by load steps; the load stiffness grows with the load."""
-    section = fl.Section.from_stiffness([1e4, 5e3, 5e3, 1.0, 1.0, 1.0], [1.0, 0, 0, 0])
+    section = fl.Section.from_stiffness([1e4, 5e3, 5e3, 1.0, 1.0, 1.0], mass=1.0)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, up=(0, 0, 1))
     scene = scene_with(beam, fl.Clamp(beam.start), fl.PressureLoad(beam, 8.0, (0, 1, 1)))
     stepped, followed = fl.statics(scene, load_steps=4), fl.follow_loads(scene, [0.5, 1.0])
@@ -423,7 +423,7 @@ def test_following_edge_forces_are_those_of_a_beam(direction):
     force = np.array([0.0, 0.0, 3.0]) if direction == 2 else np.array([0.0, -8.0, 1.0])
     load = fl.EdgeLoad(shell, "a=1", force=force / 0.1, following=True)
     result = fl.follow_loads(scene_with(shell, load))
-    section = fl.Section.from_stiffness([1.2e5, 5e4, 5e4, 1.0, 1.0, 1.0], [1.0, 0, 0, 0])
+    section = fl.Section.from_stiffness([1.2e5, 5e4, 5e4, 1.0, 1.0, 1.0], mass=1.0)
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=16, up=(0, 0, 1))
     # the beam's axes: along, then those of its section
     axes = beam.frames[-1, 1:]
