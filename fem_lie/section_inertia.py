@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._jit import Array
-from fem_lie._wanted import numbers
+from fem_lie._wanted import number, numbers
 
 
 def section_gram(
@@ -43,7 +43,7 @@ def section_gram(
         return None
     if polar is not None and rotary is not None:
         raise ValueError("give polar= or rotary=; the polar moment is the sum of the other two")
-    about = (0.0 if polar is None else polar / 2) * np.ones(2)
+    about = (0.0 if polar is None else number(polar, "polar") / 2) * np.ones(2)
     if rotary is not None:
         about = numbers(rotary, "rotary")
         if about.shape != (2,):
@@ -51,4 +51,4 @@ def section_gram(
                 f"rotary must be the moments of inertia about e₂ and e₃, 2 numbers, got {rotary!r}"
             )
     # what turns about e₂ lies along e₃
-    return np.diag([mass, 0.0, about[1], about[0]])
+    return np.diag([number(mass, "mass"), 0.0, about[1], about[0]])

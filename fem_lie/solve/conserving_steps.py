@@ -156,7 +156,7 @@ class ConservingSteps(Run):
         system, s, n = self.system, self.s, self.system.count
         self._end, v = time, system.velocities.copy()
         v[:n] = local(s.H[:n], s.V)
-        solver = DirectSolver(system.kkt.matrix, PREFIX)
+        solver = DirectSolver(system.kkt, PREFIX)
         found = accelerations(system, solver, s.H, v, time, self.h)[0]
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
 
