@@ -15,7 +15,7 @@ from fem_lie.info import BodyInfo, JointInfo, SceneInfo, SupportInfo
 from fem_lie.results import Result
 from fem_lie.step_history import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 7
+_FORMAT, _VERSION = "fem_lie results", 8
 _NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
 _OTHERS = (*_NUMBERS, "info", "steps")
 _ARRAYS = tuple(f.name for f in fields(Result) if f.name not in _OTHERS)
