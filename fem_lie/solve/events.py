@@ -9,7 +9,7 @@ from fem_lie.solve.step_control import SAME
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
     """Times within a run at which loads, drives or motions of a scene say that they jump."""
-    moves = [item.history for item in (*scene.joints, *scene.connections)]
+    moves: list[object] = [item.history for item in (*scene.joints, *scene.connections)]
     moves += [motion.motion for motion in scene.motions]
     times = declared((load.history for load in scene.loads), kinks=False)
     times += declared(moves, kinks=True)
