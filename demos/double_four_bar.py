@@ -15,8 +15,8 @@ steps below 2e-3 want less of it.
 Two ways to write it: five hinges for each loop of bars, of which six constraints too many in all
 (Redundant.MINIMUM_NORM; they are planar), or at one end of each upper bar a pin, a point that stays
 in two planes of the next upright bar (InPlane), with nothing redundant but in the flat posture.
-The conserving scheme takes the second only, and does not pass: it iterates to round-off, which is
-not reached next to a flat posture, and says so.
+The conserving scheme takes the second only. It iterates to round-off, which there is what the last
+digits of the posture make of it: it asks for that when its increments fall no more.
 """
 
 from __future__ import annotations

@@ -309,11 +309,13 @@ class System:
         damping: float,
         joint_frames: Array | None = None,
         inertial: bool = False,
+        forces_at: Array | None = None,
     ) -> None:
         """Derivative of :meth:`residual` in the increments ``d`` that led to ``H``, into the KKT.
 
         ``mass`` and ``damping`` are ∂a/∂d and ∂v/∂d; the constraints' Jacobian is taken at
-        ``joint_frames`` (default: ``H``). Call it after a residual at the same state. The matrix
+        ``joint_frames`` (default: ``H``), for their forces at ``forces_at`` (default: the same).
+        Call it after a residual at the same state. The matrix
         is in components along the nodes' axes, or along fixed ones if ``inertial``.
         """
         tangent, spinning = self.tangent, bool(self.choices.gyroscopic)
@@ -337,7 +339,7 @@ class System:
             tangent.add_geometric(H, weights)
         self.follow_motion()
         ahead = H if joint_frames is None else joint_frames
-        tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial)
+        tangent.fill_increments(ahead, self.kinds, d, scale, inertial=inertial, forces_at=forces_at)
 
     def report(self, H: Array, v: Array, invariants: Array) -> float:
         """Set kinetic energy, momentum and angular momentum, (7,).

@@ -234,14 +234,24 @@ class Tangent:
         self.kkt.fill(self.A, columns, self._rows, scale)
 
     def fill_increments(
-        self, H: Array, kinds: Indices, d: Array, scale: Array, *, inertial: bool
+        self,
+        H: Array,
+        kinds: Indices,
+        d: Array,
+        scale: Array,
+        *,
+        inertial: bool,
+        forces_at: Array | None = None,
     ) -> None:
         """``A + K T(d)``, bordered by the constraints at ``H``, into the KKT.
 
-        In components along the nodes' axes, or along fixed ones if ``inertial``.
+        In components along the nodes' axes, or along fixed ones if ``inertial``. Forces of the
+        constraints are those at the frames ``forces_at`` (default: ``H``).
         """
         self._connections.jacobian(H, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
+        if forces_at is not None:
+            self._connections.jacobian(forces_at, columns)
         if d.any():
             combine(self.A, self.K, kinds, d, bind)
             combine_rows(self._rows, kinds, d, nodes)

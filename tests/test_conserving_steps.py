@@ -229,7 +229,7 @@ def test_rejected_steps_leave_the_state_as_it_was():
     """A first step that is far too large, and taken back: the same run as without it."""
     small, large = (
         fl.EnergyMomentum().run(
-            turning_pendulum(), duration=0.1, step=fl.AdaptiveStep(1e-3, first=first)
+            turning_pendulum(), duration=0.1, step=fl.AdaptiveStep(1e-4, first=first)
         )
         for first in (1e-2 * 2.0**-3.5, 1e-2)
     )

@@ -252,7 +252,10 @@ def test_rotating_beam():
     # Kane, Ryan & Banerjee 1987, Simo & Vu-Quoc 1986: the tip lags by 0.57 and is then 5.14e-4 out
     assert abs(record["largest_lag"] - 0.574) <= 2e-3
     assert record["final_swing"] <= 5e-3
-    assert abs(record["extension"] / record["extension_exact"] - 1) <= 1e-3
+    found = {name: e / record["extension_exact"] - 1 for name, e in record["extensions"].items()}
+    assert abs(found.pop("generalised-alpha")) <= 1e-3
+    # nothing damps the waves that steps do not resolve
+    assert len(found) == 2 and max(map(abs, found.values())) <= 1e-2
 
 
 def test_speed_against_error(tmp_path):

@@ -89,6 +89,8 @@ class State(NamedTuple):
         books: Work of loads and drives that has no potential, of damping, numerical loss, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
+        earlier: Multipliers of the two steps before the last one, (2, m).
+        sizes: Of the last three steps since the start or an event, 0 for those before, (3,).
     """
 
     H: Array
@@ -105,6 +107,8 @@ class State(NamedTuple):
     carry: Array
     books: Array
     trend: Array
+    earlier: Array
+    sizes: Array
 
 
 class Step(NamedTuple):

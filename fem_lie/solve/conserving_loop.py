@@ -32,27 +32,34 @@ from fem_lie.constraints import unwrap
 from fem_lie.joint_table import joint_table
 from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
+from fem_lie.solve.conserving_end import (
+    ASKED,
+    BEST,
+    EXCESS,
+    INCREMENT,
+    ITERATION,
+    LAST,
+    LEAST,
+    MOTION,
+    PREVIOUS,
+    STALLS,
+    STEPS,
+    TOTAL,
+    converged,
+    loses,
+    settle_memory,
+    settled,
+    stagnates,
+)
 from fem_lie.solve.factors import solve
-from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID, WORKS
+from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
 from fem_lie.wrench import add_dead, add_wrench
 
-STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
-"""Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
-iterations of the present step that did not halve the increment, and iterations of the last step."""
-PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR = 0, 1, 2, 3, 4, 5, 6
-"""Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
-least of the present step, and the least that round-off lets one expect."""
 DONE, MATRIX, FAILED = 0, 1, 2
-ULPS = 1e3 * float(np.finfo(np.float64).eps)
-"""Increments, in lengths of the model, that may be round-off."""
-FINE = 1e-2 * ULPS
-"""Increments that are."""
-_SETTLE_MEMORY, _LATEST_MEMORY = 1e-6, 20
-"""Increment over the largest motion, and iteration, from which the factor of the memory stays."""
-_AGAIN = 6
-"""How often it is found once more."""
-STALLED = 0.8
-"""Ratio of increments that is no progress any more."""
+_ULP = 4.0 * float(np.finfo(np.float64).eps)
+"""What unknowns are changed by, in lengths of the model, to see what round-off does."""
+_FELT = 8.0
+"""Increments are round-off if they are at most as large as this many changes by it."""
 
 
 @compiled
@@ -134,7 +141,7 @@ def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...
 @compiled
 def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
     """Make the end of the step the start of the next."""
-    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend = state
+    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend, earlier, sizes = state
     step, rows, V1, F1, energies, change, losses = this[:7]
     n, h, μ = step.shape[0], model[11][0], model[11][2]
     if model[11][1] > 0.0:
@@ -161,8 +168,10 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]
     F[:], W[:] = F1, energies[0]
     for e in range(account.shape[0]):
         account[e] += energies[1, e]
+    sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
     for c in range(gap.shape[0]):
         gap[c] += change[c]
+        earlier[1, c], earlier[0, c] = earlier[0, c], this[13][c]
     _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + model[11][1]), lag, carry)
 
 
@@ -228,6 +237,7 @@ def run(
         last: Step to reach.
     """
     tolerance, limit, patience, cost = options
+    weighs = 0.0 < cost < np.inf
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(model, state, this), numbers[MOTION])
@@ -235,20 +245,25 @@ def run(
             counters[ITERATION], counters[STALLS] = 1, 0
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
-            due = numbers[EXCESS] >= cost if iteration == 1 else (iteration - 1) % patience == 0
+            # what a new matrix has not made better another one will not
+            wait = max(patience, 2 * counters[BEST]) if weighs else patience
+            due = numbers[EXCESS] >= cost if iteration == 1 else (iteration - 1) % wait == 0
             counters[ASKED] = iteration
             if due:
                 return MATRIX
         residual(model, state, this)
         numbers[INCREMENT] = correction(model, this, factors)
         counters[TOTAL] += 1
-        _settle_memory(state[10], numbers, iteration)
-        settled = _settled(counters, numbers)
-        if settled and not _loses(state[10], this[6]):
-            numbers[LEAST], counters[STALLS], settled = np.inf, 0, False
-        if settled or _converged(numbers, tolerance, iteration):
+        settle_memory(state[10], numbers, iteration)
+        finding = model[11][1] > 0.0 and state[10][FREE] == 1.0
+        noise = settled(counters, numbers, finding)
+        if not noise and not finding and stagnates(counters, numbers):
+            noise = numbers[INCREMENT] <= _FELT * _round_off(model, state, this, factors)
+        if noise and not loses(state[10], this[6]):
+            numbers[LEAST], counters[STALLS], noise = np.inf, 0, False
+        if noise or converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
-            if not settled:
+            if not noise:
                 correct(model, state, this)
                 residual(model, state, this)
             accept(model, state, this)
@@ -268,59 +283,35 @@ def run(
     return DONE
 
 
-@inlined
-def _settle_memory(lag: Array, numbers: Array, iteration: int) -> None:
-    """Let its factor be where it hardly changes any more: the iteration must come to an end."""
-    if lag[FREE] > 1.0:
-        lag[FREE] = 1.0 - lag[FREE]
-    elif lag[FREE] == 1.0 and (
-        iteration >= _LATEST_MEMORY or numbers[INCREMENT] < _SETTLE_MEMORY * numbers[MOTION]
-    ):
-        lag[FREE] = 0.0
+@compiled
+def _round_off(
+    model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any, ...]
+) -> float:
+    """How much the correction changes with the unknowns' last digits.
 
-
-@inlined
-def _loses(lag: Array, losses: Array) -> bool:
-    """Whether the step has no numerical gain.
-
-    If it has, it goes on with the memory that fits what was found, then with less, then with none.
+    That is what round-off makes of it in this scene and posture, where stiffness over inertia, or
+    constraints that are hardly independent, make much of it. An iteration that is at odds with its
+    matrix does not feel it.
     """
-    if lag[ACTIVE] == 0.0 or losses[2] >= -1e-12 * abs(lag[WORKS]):
-        return True
-    if lag[FREE] > -_AGAIN:
-        lag[FREE] = 2.0 - min(lag[FREE], 0.0)
-        return False
-    if lag[MEMORY] > 0.0:
-        lag[MEMORY] = 0.0
-    else:
-        lag[ACTIVE] = 0.0
-    return False
-
-
-@inlined
-def _settled(counters: Indices, numbers: Array) -> bool:
-    """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
-    increment, least = numbers[INCREMENT], numbers[LEAST]
-    if increment > STALLED * least:
-        counters[STALLS] += 1
-    numbers[LEAST] = min(increment, least)
-    if increment <= 2.0 * numbers[FLOOR]:
-        # a lucky zero must not make the next steps wait for another
-        numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
-        return True
-    if increment > ULPS or counters[STALLS] < (2 if increment < FINE else 6):
-        return False
-    numbers[FLOOR] = numbers[LEAST]
-    return True
-
-
-@inlined
-def _converged(numbers: Array, tolerance: float, iteration: int) -> bool:
-    """Whether what would follow is below the tolerance, or nothing would."""
-    increment = numbers[INCREMENT]
-    if tolerance > 0.0 and iteration > 1:
-        ratio = max(increment / numbers[PREVIOUS], 0.7 * numbers[RATIO])
-        numbers[RATIO] = ratio
-        if ratio < 1.0 and increment * ratio / (1.0 - ratio) <= tolerance * numbers[MOTION]:
-            return True
-    return increment == 0.0
+    held, measure = model[5], model[6]
+    H, weights, step, r = state[0], state[3], this[0], this[12]
+    kept, kept_weights, x = step.copy(), weights.copy(), r[1].copy()
+    n, sign = step.shape[0], 1.0
+    for i in range(n):
+        for k in range(6):
+            step[i, k] += sign * _ULP / measure[6 * i + k]
+            sign = -sign
+        _hold(H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
+        sign = -sign if i % 2 == 0 else sign
+    for c in range(weights.shape[0]):
+        weights[c] *= 1.0 + sign * _ULP
+        sign = -sign
+    residual(model, state, this)
+    correction(model, this, factors)
+    largest = 0.0
+    for k in range(x.shape[0]):
+        largest = max(largest, abs(r[1, k] - x[k]) * measure[k])
+    step[:], weights[:] = kept, kept_weights
+    residual(model, state, this)
+    r[1] = x
+    return largest

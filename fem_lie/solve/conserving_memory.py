@@ -35,6 +35,8 @@ def start_state(system: System, cells: Cells) -> State:
         carry=z((n, 6)),
         books=z(TOTAL),
         trend=z((n, 6)),
+        earlier=z((2, m)),
+        sizes=z(3),
     )
 
 

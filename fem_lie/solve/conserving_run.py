@@ -16,11 +16,13 @@ from fem_lie.loads import StrainLoad
 from fem_lie.nodal import report_rates
 from fem_lie.pressure import Pressure
 from fem_lie.results import Array, Result
+from fem_lie.solve import conserving_end as ending
 from fem_lie.solve import conserving_loop as loop
 from fem_lie.solve.cells import Cells, evaluate
 from fem_lie.solve.checkpoints import Checkpoints
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.conserving_memory import across, model_of, room_for_step, start_state
+from fem_lie.solve.end_forces import at_end
 from fem_lie.solve.end_rates import EndRates, local_rates, spatial
 from fem_lie.solve.factors import Factors, factorise
 from fem_lie.solve.filtered import ACTIVE
@@ -36,6 +38,9 @@ from fem_lie.system import System
 _log = logging.getLogger(__name__)
 
 PREFIX = "fem_lie_dynamics_"
+
+_USUAL = 4
+"""Iterations of a step with a matrix that suits it."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,7 @@ class Run(Integration[History]):
     @property
     def index(self) -> int:
         """See the base class."""
-        return int(self.counters[loop.STEPS])
+        return int(self.counters[ending.STEPS])
 
     # --- start ---
 
@@ -121,7 +126,7 @@ class Run(Integration[History]):
         s.gap[:] = r[6 * n :]
         self._fill(s.H, v[:n], vdot)
         self.model.scale[:] = system.tangent.constraint_scale(s.H)
-        self.numbers[loop.EXCESS] = np.inf
+        self.numbers[ending.EXCESS] = np.inf
 
     def _evaluate_start(self) -> Array:
         """Forces and energies of the cells at the start of a step; returns the energies."""
@@ -162,7 +167,7 @@ class Run(Integration[History]):
     def _again(self) -> int:
         """The step that failed from its start, with a new matrix in each iteration."""
         self.s.weights[:] = self.this.weights
-        self.counters[loop.ITERATION] = self.counters[loop.ASKED] = 0
+        self.counters[ending.ITERATION] = self.counters[ending.ASKED] = 0
         return self._go(self.index + 1, (1, 0.0), always=True)
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
@@ -172,29 +177,29 @@ class Run(Integration[History]):
             factors = () if self._factors is None else tuple(self._factors)
             if self._factors is None:
                 code = loop.MATRIX
-                if counters[loop.ITERATION] == 0:
-                    counters[loop.ITERATION], counters[loop.ASKED] = 1, 1
+                if counters[ending.ITERATION] == 0:
+                    counters[ending.ITERATION], counters[ending.ASKED] = 1, 1
                     motion = loop.begin(*self._plain)
-                    self.numbers[loop.MOTION] = max(motion, self.numbers[loop.MOTION])
-                    self.numbers[loop.PREVIOUS] = self.numbers[loop.LEAST] = np.inf
-                    counters[loop.STALLS] = 0
+                    self.numbers[ending.MOTION] = max(motion, self.numbers[ending.MOTION])
+                    self.numbers[ending.PREVIOUS] = self.numbers[ending.LEAST] = np.inf
+                    counters[ending.STALLS] = 0
             else:
                 code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
             if code == loop.DONE and self.rule is None:
-                self.decisions.after_step(int(counters[loop.LAST]))
+                self.decisions.after_step(int(counters[ending.LAST]))
             if code != loop.MATRIX:
                 return code
-            iteration = int(counters[loop.ITERATION])
+            iteration = int(counters[ending.ITERATION])
             asked = always or self.rule is not None or self._factors is None
             if asked or self.decisions.before_iteration(iteration):
                 try:
                     self._factorise()
                 except SingularMatrixError:
-                    self.numbers[loop.INCREMENT] = np.inf
+                    self.numbers[ending.INCREMENT] = np.inf
                     return loop.FAILED
 
     def _failure(self, steps: int) -> str:
-        increment = float(self.numbers[loop.INCREMENT])
+        increment = float(self.numbers[ending.INCREMENT])
         largest = float(np.abs(self.this.r[0]).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         rescued = self.options.policy.rescue
@@ -236,19 +241,46 @@ class Run(Integration[History]):
         self._fill_here()
         self._factors = factorise(self.system.kkt)
         self.counts[:] = self.counts[0] + 1, self.index
-        self.counters[loop.BEST], self.numbers[loop.EXCESS] = 0, 0.0
+        # what a step took before says nothing of a matrix that is made within it
+        self.counters[ending.BEST], self.numbers[ending.EXCESS] = _USUAL, 0.0
 
     def _fill_here(self) -> None:
-        """The matrix at the present end of the step, not yet factorised."""
-        s, this, n = self.s, self.this, self.system.count
-        residual(*self._plain)
-        H = this.rows[0]
-        v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
-        a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
-        self._fill(H, v, a)
+        """The matrix, not yet factorised: at the present end of the step, or at its start.
 
-    def _fill(self, H: Array, v: Array, a: Array) -> None:
-        """The matrix at frames ``H``, its constraints in the middle of its likely life."""
+        An end that is only predicted has stresses that are not there.
+        """
+        s, this, n = self.s, self.this, self.system.count
+        if self.counters[ending.ITERATION] > 1:
+            residual(*self._plain)
+            H = this.rows[0]
+            v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
+            age = 0.0
+        else:
+            H, v, age = s.H, local(s.H[:n], s.V), 1.0
+            a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
+        a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
+        # the constraints in the middle of the matrix's likely life: as old as the last one became
+        age += (self.index - self.counts[1]) // 2
+        self._fill(H, v, a, self._moved(H, v, age), self._moved(H, v, age - 0.5))
+
+    def _moved(self, H: Array, v: Array, steps: float) -> Array:
+        """Frames so many steps later."""
+        n, ahead = self.system.count, H.copy()
+        ahead[:n] = lie.se3_retract(H[:n], steps * self.h * v)
+        return ahead
+
+    def _fill(
+        self,
+        H: Array,
+        v: Array,
+        a: Array,
+        joints_at: Array | None = None,
+        forces_at: Array | None = None,
+    ) -> None:
+        """The matrix at frames ``H``.
+
+        Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
+        """
         system, n = self.system, self.system.count
         twists = np.zeros_like(system.velocities)
         twists[:n] = v
@@ -258,11 +290,10 @@ class Run(Integration[History]):
             system.elastic.reset_stress(H)
         else:
             system.elastic.clear_stress()
-        ahead = H.copy()
-        ahead[:n] = lie.se3_retract(H[:n], (self.index - self.counts[1]) // 2 * self.h * v)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[ACTIVE]) * self.h, np.zeros((n, 6))
-        system.fill_matrix(H, twists, a, self.s.weights, scale, still, 4.0 / h**2, 2.0 / h, ahead)
+        state = H, twists, a, self.s.weights, scale, still
+        system.fill_matrix(*state, 4.0 / h**2, 2.0 / h, joints_at, forces_at=forces_at)
 
     # --- results ---
 
@@ -272,7 +303,7 @@ class Run(Integration[History]):
         if wanted:
             self.keep(history)
         if index:
-            history.update_if_due(index, int(self.counters[loop.TOTAL]))
+            history.update_if_due(index, int(self.counters[ending.TOTAL]))
         return wanted
 
     def _result(self, history: History) -> Result:
@@ -284,18 +315,37 @@ class Run(Integration[History]):
         attachment, v = system.numbering.attachment, local(s.H, s.V)
         history.frames[row] = attachment.frames(s.H)
         history.velocities[row] = attachment.twists(v)
-        forces, coordinates, violations = system.report_joints(s.H, v, s.weights)
+        weights = self._end_weights()
+        forces, coordinates, violations = system.report_joints(s.H, v, weights)
         history.joint_forces[row], history.joint_coordinates[row] = forces, coordinates
         history.joint_violations[row] = violations
-        history.reactions[row] = self._reactions(v)
+        history.reactions[row] = self._reactions(v, weights)
         mass, dead, invariants = self.model.inertia, system.conservative, history.invariants[row]
         history.potential[row] = report_rates(s.H, s.V, mass, dead, self.this.q, invariants)
         springs = constraints.spring_energy(s.H, system.table) if len(system.table.springs) else 0.0
         history.elastic[row] = s.W.sum() + springs
         history.book(row, s.books)
-        history.keep(np.array([self.index]), self.counters[loop.TOTAL : loop.TOTAL + 1])
+        history.keep(np.array([self.index]), self.counters[ending.TOTAL : ending.TOTAL + 1])
 
-    def _reactions(self, v: Array) -> Array:
+    def _end_weights(self) -> Array:
+        """Multipliers at the end of the last step, see :mod:`.end_forces`.
+
+        In the first two steps, and in those after an event, by the equations of motion.
+        """
+        system, s = self.system, self.s
+        if system.m == 0 or self.index == 0:
+            return s.weights
+        if s.sizes[-1] > 0.0:
+            return at_end(s.weights, s.earlier, s.sizes)
+        v, matrix = system.velocities.copy(), system.kkt.csr[0].copy()
+        v[: system.count] = local(s.H[: system.count], s.V)
+        solver = DirectSolver(system.kkt, PREFIX)
+        _, weights = accelerations(system, solver, s.H, v, self._end, self.h)
+        # the kept factors are those of this matrix
+        system.kkt.csr[0][:] = matrix
+        return weights
+
+    def _reactions(self, v: Array, weights: Array) -> Array:
         """Of supports, by the equations of motion at the end of the step."""
         system, s = self.system, self.s
         if not len(system.supported):
@@ -304,7 +354,7 @@ class Run(Integration[History]):
             system.set_time(self._end)
         system.elastic.settle(s.H)
         n = system.count
-        return system.reactions(s.H, v, local_rates(s.H[:n], v[:n], self.rates.end()), s.weights)
+        return system.reactions(s.H, v, local_rates(s.H[:n], v[:n], self.rates.end()), weights)
 
     # --- checkpoints ---
 

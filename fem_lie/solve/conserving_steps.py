@@ -20,7 +20,7 @@ from fem_lie.balances import BY_REACTIONS
 from fem_lie.frames import push
 from fem_lie.nodal import report_rates
 from fem_lie.results import Result
-from fem_lie.solve import conserving_loop as loop
+from fem_lie.solve import conserving_end as ending
 from fem_lie.solve.conserving import State
 from fem_lie.solve.conserving_run import PREFIX, Options, Run, local
 from fem_lie.solve.end_rates import EndRates, spatial
@@ -96,7 +96,7 @@ class ConservingSteps(Run):
     @property
     def increment(self) -> float:
         """See the protocol."""
-        return float(self.numbers[loop.INCREMENT])
+        return float(self.numbers[ending.INCREMENT])
 
     @property
     def factorisations(self) -> int:
@@ -120,9 +120,9 @@ class ConservingSteps(Run):
         s, r = self.s, h / self.h
         if abs(r - 1.0) > 1e-12:
             s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
-            self.numbers[loop.MOTION] *= r
+            self.numbers[ending.MOTION] *= r
             # round-off of a larger step is none of a smaller one
-            self.numbers[loop.FLOOR] = 0.0
+            self.numbers[ending.FLOOR] = 0.0
             self._set_size(h)
         self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
         self._factors = self.levels.present
@@ -135,7 +135,7 @@ class ConservingSteps(Run):
         level = self.control.level
         if level not in self._scales:
             self._fill_here()
-            self._scales[level] = self.system.tangent.constraint_scale(self.this.rows[0])
+            self._scales[level] = self.system.tangent.constraint_scale(self.s.H)
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
@@ -145,7 +145,7 @@ class ConservingSteps(Run):
     def pass_event(self, time: float) -> None:
         """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
         system, s = self.system, self.s
-        s.lag[REMEMBERS], s.w[:], s.w_F[:] = 0.0, 0.0, 0.0
+        s.lag[REMEMBERS], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0
         if system.connections.driven or len(s.H) > system.count + 1:
             self._kick(time)
         if len(system.supported):
@@ -189,7 +189,7 @@ class ConservingSteps(Run):
         """See the protocol."""
         done = self._go_to(self.index + 1, start, end)
         self._note_rates()
-        return int(self.counters[loop.LAST]) if done else 0
+        return int(self.counters[ending.LAST]) if done else 0
 
     def saved(self) -> _Saved:
         """See the protocol."""
@@ -202,10 +202,10 @@ class ConservingSteps(Run):
         """See the protocol."""
         for own, kept in zip(self.s, state.s, strict=True):
             own[:] = kept
-        for counter in (loop.STEPS, loop.TOTAL):
+        for counter in (ending.STEPS, ending.TOTAL):
             self.counters[counter] = state.counters[counter]
-        self.counters[loop.ITERATION] = self.counters[loop.ASKED] = 0
-        self.numbers[loop.MOTION] = state.numbers[loop.MOTION]
+        self.counters[ending.ITERATION] = self.counters[ending.ASKED] = 0
+        self.numbers[ending.MOTION] = state.numbers[ending.MOTION]
         self.system.connections.memory = state.joints
         self.cells.restore(state.fields)
         self.rates = state.rates

@@ -3,12 +3,15 @@
 For *any* element with an objective energy ``W``, known by its energy and its nodal forces at both
 ends of the step alone. Nodal forces and moments conjugate to ``(Δx, ψ)`` are, for one element::
 
-    f = P [ C⁻¹ ½ (Q f₀ + Qᵀ f₁) ] + (ΔW − f·s)/|s|² M s
+    f = P [ C ½ (Q f₀ + Qᵀ f₁) ] + (ΔW − f·s)/|s|² M s
 
 1. *Mean.* The element's rigid part of the step, translation and rotation ω, is fitted to its nodes
    in a metric ``M`` (1 on translations, a length squared on rotations). ``Q = cay(ω)^½`` turns the
-   forces of both ends half-way; with ``C = ½(Q + Qᵀ)``, the shrinking of means of what turns, the
-   work of the mean is exact to third order in the *deformation* of the step, whatever its rotation.
+   forces of both ends half-way. Means of positions and directors that turn are shrunk by ``C = ½(Q
+   + Qᵀ)``, and what is left of an increment beside a rotation of the mean is ``C⁻¹`` times the
+   deformation; so forces are shrunk (moments, whose ψ has ``C⁻¹`` and ``1 + ¼|ω|²``, get both), and
+   the work of the mean is exact to third order in the *deformation* of the step, whatever its
+   rotation. Else it had an error of second order, as large as ``|ω|²/4`` of the whole.
 2. *Balance.* ``P`` takes out what net force and moment the mean has: ``M`` times a rigid motion, so
    the sum of forces, and of moments about the mean configuration, is zero to round-off.
 3. *Energy.* ``s`` is the step without its rigid part: ``M s`` has no net force and no net moment,
@@ -24,8 +27,9 @@ both ends, lever from the mean configuration, to third order.
 noise, and the iteration would not settle. So it acts on what is beyond, and each element has an
 account of the work that was done on it: when energy and account differ by more than round-off at
 the start of a step, the step makes that up. Nothing adds up. Where an element deforms much less in
-a step than others do, its part of round-off waits for a step in which it deforms more: divided by a
-small ``s``, whose sign is open, it would be no function of the motion any more.
+a step than others do, or by less than positions can show, its part of round-off waits for a step in
+which it deforms more: divided by a small ``s``, whose sign is open, it would be no function of the
+motion any more.
 """
 
 from __future__ import annotations
@@ -91,8 +95,15 @@ def _resisting(director: bool, ρ2: float, t: Vector, w: Vector) -> Vector:
 
 
 @inlined
+def _shrunk(ω: Vector, v: Vector) -> Vector:
+    """``C v`` with ``C`` the mean of ``cay(ω)^½`` and its transpose."""
+    k = sqrt(1.0 + 0.25 * dot(ω, ω))
+    return combined(1.0 / k, v, 0.25 * dot(ω, v) / (k * (1.0 + k)), ω)
+
+
+@inlined
 def _unshrunk(ω: Vector, v: Vector) -> Vector:
-    """``C⁻¹ v`` with ``C`` the mean of ``cay(ω)^½`` and its transpose."""
+    """``C⁻¹ v``."""
     k = sqrt(1.0 + 0.25 * dot(ω, ω))
     return combined(k, v, -0.25 * dot(ω, v) / (1.0 + k), ω)
 
@@ -129,12 +140,12 @@ def metric_and_fit(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _half_way(H0: Array, H1: Array, f0: Vector, f1: Vector, φ: Vector, ω: Vector) -> Vector:
-    """``C⁻¹ ½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames."""
+def _half_way(H0: Array, H1: Array, f0: Vector, f1: Vector, φ: Vector) -> Vector:
+    """``½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames."""
     a = rotate(load_row(H0, 1), load_row(H0, 2), load_row(H0, 3), f0)
     b = rotate(load_row(H1, 1), load_row(H1, 2), load_row(H1, 3), f1)
     back = scaled(-1.0, φ)
-    return _unshrunk(ω, combined(0.5, turned(φ, a), 0.5, turned(back, b)))
+    return combined(0.5, turned(φ, a), 0.5, turned(back, b))
 
 
 @inlined
@@ -154,13 +165,13 @@ def mean_forces(  # type: ignore[no-untyped-def]
     for a in range(nodes.shape[0]):
         i = nodes[a]
         t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
-        f = _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ, ω)
+        f = _shrunk(ω, _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ))
         if director:
-            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), φ, ω)
-            m = cross(t, g)
+            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), φ)
+            m = cross(t, _shrunk(ω, g))
         else:
-            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), φ, ω)
-            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), g)
+            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), φ)
+            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), _unshrunk(ω, g))
         store(out[a], 0, f)
         store(out[a], 3, m)
         force = plus(force, f)
@@ -208,12 +219,12 @@ def beyond(value: float, bound: float) -> float:
 
 
 @inlined
-def _factor(missing: float, noise: float, square: float, typical: float) -> float:
-    """``missing/|s|²``, bounded where ``s`` is small and what is missing is round-off."""
+def _factor(missing: float, noise: float, square: float, least: float) -> float:
+    """``missing/|s|²``, bounded where ``|s|²`` is below ``least`` and what is missing is noise."""
     if missing == 0.0 or square == 0.0:
         return 0.0
     share = noise / (abs(missing) + noise)
-    return missing / (square + 0.01 * share * share * typical)
+    return missing / (square + share * share * least)
 
 
 @inlined
@@ -269,7 +280,9 @@ def add_elastic(
         noise, debt = round_off(F0[here], sqrt(fit[1])), W[e] - account[e]
         missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
         missing += debt if abs(debt) > noise else 0.0
-        factor = _factor(missing, KNOWN * noise, square, typical)
+        # below the second a factor of noise would be as large as a stiffness by present forces
+        least = max(0.01 * typical, ROUND_OFF * fit[1])
+        factor = _factor(missing, KNOWN * noise, square, least)
         work[e] = done + factor * square
         squares += square
         for a in range(count):

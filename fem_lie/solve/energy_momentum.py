@@ -19,9 +19,10 @@ every force is that on ``Δq`` without any error:
 - *loads* at the middle of the step: gravity and constant forces have a potential, the work of all
   others is counted, and so is what viscous forces take.
 
-The scheme is of second order. It damps nothing: what a step does not resolve stays. Joint forces
-are means over the step. The iteration goes on until nothing but round-off changes, with a matrix in
-local frames that is kept as the policy says. Bodies' groups have no meaning for it.
+The scheme is of second order. It damps nothing: what a step does not resolve stays. Multipliers act
+over a step; joint forces are reported at its end (:mod:`fem_lie.solve.end_forces`). The iteration
+goes on until nothing but round-off changes, with a matrix in local frames that is kept as the
+policy says. Bodies' groups have no meaning for it.
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.
@@ -53,7 +54,9 @@ class EnergyMomentum(Integrator):
 
     Attributes:
         tolerance: 0: iterate until only round-off changes, which conserves to round-off. Otherwise
-            the predicted error of the iteration in each step over the largest motion in a step.
+            the predicted error of the iteration in each step over the largest motion in a step;
+            energy and momenta are then kept to some hundred times that, and
+            ``result.balance_error`` and the errors of momenta say how well.
         policy: When to factorise.
         max_iterations: More in one step are a failure.
     """
