@@ -12,7 +12,9 @@ from fem_lie.solve import discrete_gradient
 from fem_lie.solve.between import span
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
-SLENDER = fl.Section.from_stiffness([2.8e7, 1e7, 1e7, 1.4e4, 1.4e4, 1.4e4], [1.2, 0.0, 6e-4, 6e-4])
+SLENDER = fl.Section.from_stiffness(
+    [2.8e7, 1e7, 1e7, 1.4e4, 1.4e4, 1.4e4], mass=1.2, rotary=(6e-4, 6e-4)
+)
 
 
 # --- the mean of nodal forces ---
