@@ -213,6 +213,16 @@ class Statics:
     def translations(self, dx: np.ndarray) -> np.ndarray:
         return np.einsum("nij,ni->nj", self.frames.frames[:, 1:], self._full(dx)[:, :3])
 
+    def twists(self, dx: np.ndarray) -> np.ndarray:
+        full = self._full(dx)
+        return np.hstack([full[:, :3], self.diameter * full[:, 3:]])
+
+    def check_turns(self, factor: float) -> None:
+        """Cells of these shells are fine enough for their turns."""
+
+    def turn_hint(self) -> str:
+        return ""
+
     def _carried(self) -> fem.Function:
         return self.forms.stress if self.forms.local is None else self.forms.local
 

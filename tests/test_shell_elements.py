@@ -367,6 +367,15 @@ class Truss:
     def translations(self, dx):
         return np.array([[0.0, 0.0, dx[0]]])
 
+    def twists(self, dx):
+        return np.array([[0.0, 0.0, dx[0], 0.0, 0.0, 0.0]])
+
+    def check_turns(self, factor: float) -> None:
+        """Bars have no turn that they must not make."""
+
+    def turn_hint(self) -> str:
+        return ""
+
     def state(self):
         return self.w
 

@@ -344,7 +344,7 @@ class LoadSteps:
                 state = self.H, v, self._zero, self.multipliers
                 self._reactions.append(system.reactions(*state))
                 self._counts.append(self.iterations)
-                self._pivots.append(negative_pivots(system, self._solver))
+                self._pivots.append(self._negative_pivots(factor))
                 system.connections.accept(self.H)
                 return True
             previous = self.last
@@ -353,7 +353,16 @@ class LoadSteps:
         system.elastic.reset_stress(H)
         return False
 
-    def _iterate(self, factor: float) -> None:
+    def _negative_pivots(self, factor: float) -> int:
+        """Of the last iteration; if it has some, of the state that it has led to."""
+        found = negative_pivots(self.system, self._solver)
+        if found > 0:
+            self._factorise(factor)
+            found = negative_pivots(self.system, self._solver)
+        return found
+
+    def _factorise(self, factor: float) -> None:
+        """Residual and matrix of the present state."""
         system, H, zero = self.system, self.H, self._zero
         if not self._carried:
             system.elastic.reset_stress(H)
@@ -366,6 +375,10 @@ class LoadSteps:
         else:
             self._fill()
         self._solver.factorise()
+
+    def _iterate(self, factor: float) -> None:
+        system, H = self.system, self.H
+        self._factorise(factor)
         self._solver.solve()
         if system.supports:
             system.supports.turn_back(H, self._dx[: 6 * system.count].reshape(-1, 6))
