@@ -29,6 +29,7 @@ from fem_lie.elements.shell_measures import (
 )
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
+from fem_lie.solve.linear import NEGATIVE
 
 
 def section(E: float, nu: float, t: float) -> np.ndarray:
@@ -216,6 +217,9 @@ class Statics:
     def twists(self, dx: np.ndarray) -> np.ndarray:
         full = self._full(dx)
         return np.hstack([full[:, :3], self.diameter * full[:, 3:]])
+
+    def negative_pivots(self) -> int:
+        return self.ksp.getPC().getFactorMatrix().getMumpsInfog(NEGATIVE)
 
     def check_turns(self, factor: float) -> None:
         """Cells of these shells are fine enough for their turns."""

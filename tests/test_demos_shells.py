@@ -17,7 +17,9 @@ def main(demo: str, **parameters):
 
 @slow  # FFCx and the C compiler take long for decoupled bending
 def test_moment_rolls_a_strip_to_a_circle():
-    record = main("cantilever_moment", levels=2)
+    # a whole circle would rather tip over sideways
+    with pytest.warns(fl.UnstableEquilibriumWarning):
+        record = main("cantilever_moment", levels=2)
     assert record["turning_error"] <= 1e-8
     # chords of 16 elements, half a circle: (π/16)²/24 of its diameter
     assert record["path_error"] <= 2e-3
@@ -25,10 +27,11 @@ def test_moment_rolls_a_strip_to_a_circle():
 
 def test_full_bending_strain_feels_the_chords():
     """Of second order: 16 elements are 0.044 rad behind at half a circle, 32 a quarter of that."""
-    errors = [
-        main("cantilever_moment", mesh=mesh, formulation="HR", levels=2)["path_error"]
-        for mesh in (16, 32)
-    ]
+    with pytest.warns(fl.UnstableEquilibriumWarning):
+        errors = [
+            main("cantilever_moment", mesh=mesh, formulation="HR", levels=2)["path_error"]
+            for mesh in (16, 32)
+        ]
     assert errors[0] <= 0.03
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 

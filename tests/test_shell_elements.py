@@ -370,6 +370,9 @@ class Truss:
     def twists(self, dx):
         return np.array([[0.0, 0.0, dx[0], 0.0, 0.0, 0.0]])
 
+    def negative_pivots(self) -> int:
+        return int(self.k < 0)
+
     def check_turns(self, factor: float) -> None:
         """Bars have no turn that they must not make."""
 

@@ -209,10 +209,12 @@ class _Follower:
             done, self._folded = False, f" It folds: {error}."
         except (_Lost, SingularMatrixError):
             done = False
-        twist = model.twists(self._moved)
-        # a step has its length at two states and more: one is behind, others on other paths
-        done = done and (self._twist is None or _cosine(twist, self._twist) > _AHEAD)
-        if not done:
+        twist = self._twist
+        if done:
+            twist = model.twists(self._moved)
+            # a step has its length at two states and more: one is behind, others on other paths
+            done = self._twist is None or _cosine(twist, self._twist) > _AHEAD
+        if not done or twist is None:
             model.restore(before)
             self._factor = factor
             self._length /= 2
