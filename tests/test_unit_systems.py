@@ -1,6 +1,6 @@
 """The converter of units, and laws that hold in each system."""
 
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -130,6 +130,24 @@ def test_what_does_not_start_as_it_must_is_refused(u):
     body.move(u.velocity([1e-3, 1.0, 0]))
     with pytest.raises(ValueError, match="initial velocities break hinge"):
         fl.GeneralisedAlpha().run(scene, duration=u.time(0.1), step=u.time(0.01))
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+def test_what_is_driven_smoothly_starts_at_rest_and_nothing_else_does(u):
+    """Rates of drives are differences, whose error is no broken constraint."""
+    for smooth in (True, False):
+        scene, body = hinged(u)
+        hinge = fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+        scene.add(hinge)
+        angle = (lambda τ: 0.3 * np.sin(2 * τ) ** 2) if smooth else (lambda τ: 1e-2 * τ)
+        scene.add(fl.Drive(hinge.angle, lambda t, angle=angle: angle(t / u.time(1.0))))
+        run = partial(fl.GeneralisedAlpha().run, scene, duration=u.time(0.1), step=u.time(0.01))
+        if smooth:
+            body_end = run().rotation(body.centre)[-1]
+            np.testing.assert_allclose(body_end[1, 0], np.sin(0.3 * np.sin(0.2) ** 2), atol=1e-9)
+        else:
+            with pytest.raises(ValueError, match="initial velocities break"):
+                run()
 
 
 @pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
