@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
@@ -166,16 +167,22 @@ def main(
     return record
 
 
-def plot(loads: dict[float, float], ratio: float, path: Path) -> None:
-    """The knock-down curve."""
+def knock_down_diagram() -> tuple[Figure, Axes]:
+    """Empty, for loads over amplitudes."""
     figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
     axes = figure.subplots()
-    fine = np.linspace(0.0, max(loads), 200)
-    axes.plot(fine, [koiter(d) for d in fine], color="black", label="Koiter 1963")
-    axes.plot(loads.keys(), loads.values(), "o", color=COLOURS[0], label=f"R/t = {ratio:g}")
     axes.set(xlabel="amplitude of the rings over t", ylabel="load over the classical one")
     axes.set_ylim(0.0, 1.05)
     axes.grid(color="#DDDDDD", linewidth=0.6)
+    return figure, axes
+
+
+def plot(loads: dict[float, float], ratio: float, path: Path) -> None:
+    """The knock-down curve."""
+    figure, axes = knock_down_diagram()
+    fine = np.linspace(0.0, max(loads), 200)
+    axes.plot(fine, [koiter(d) for d in fine], color="black", label="Koiter 1963")
+    axes.plot(loads.keys(), loads.values(), "o", color=COLOURS[0], label=f"R/t = {ratio:g}")
     axes.legend(frameon=False)
     figure.savefig(path)
 

@@ -26,16 +26,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 import fem_lie as fl
 from fem_lie.plot import COLOURS
 
 try:
-    from demos.compressed_cylinder import KOITER, RESULTS, cell, koiter, outward
+    from demos.compressed_cylinder import KOITER, RESULTS, cell, knock_down_diagram, koiter, outward
 except ModuleNotFoundError:  # started as a script
-    from compressed_cylinder import KOITER, RESULTS, cell, koiter, outward
+    from compressed_cylinder import KOITER, RESULTS, cell, knock_down_diagram, koiter, outward
 
 AMPLITUDES = (0.1, 0.5, 1.0)
 SLIMNESS = (0.85, 1.0, 1.15)  # times that of the formula
@@ -158,8 +157,7 @@ def main(mesh: int = 6, ratios: str = "100,500", pictures: bool = True) -> dict[
 
 def plot(loads: dict[float, dict[float, Any]], path: Path) -> None:
     """Loads over amplitude beside Koiter's curve."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
+    figure, axes = knock_down_diagram()
     fine = 1.05 * np.linspace(0.0, 1.0, 60) ** 2
     axes.plot(fine, [koiter(d) for d in fine], "--", color="#777777", label="Koiter 1963, small d")
     curve = [1.0] + [koiter_pattern(d)[0] for d in fine[1:]]
@@ -167,9 +165,6 @@ def plot(loads: dict[float, dict[float, Any]], path: Path) -> None:
     for (ratio, found), colour, mark in zip(loads.items(), COLOURS, "os^", strict=False):
         values = [of["load"] for of in found.values()]
         axes.plot(found.keys(), values, mark, color=colour, label=f"R/t = {ratio:g}")
-    axes.set(xlabel="amplitude of the rings over t", ylabel="load over the classical one")
-    axes.set_ylim(0.0, 1.05)
-    axes.grid(color="#DDDDDD", linewidth=0.6)
     axes.legend(frameon=False)
     figure.savefig(path)
 

@@ -23,7 +23,7 @@ import numpy as np
 
 import fem_lie as fl
 from tests.random_scenes import HELD, MOTION, random_scene
-from tests.scene_builder import Built, add
+from tests.scene_builder import build
 from tests.scene_data import PointRef, SceneData, arguments, replaced
 
 STEPS = 3
@@ -150,22 +150,10 @@ def _wrong_number(value: Any, rng: np.random.Generator, positive: bool) -> tuple
     return np.asarray(value)[()] * factor, f"{factor:g} times as much", False
 
 
-def _build(data: SceneData) -> fl.Scene:
-    """As the builder does, with a body that is not in the scene."""
-    scene = fl.Scene(data.gravity)
-    built = Built(scene, data.duration)
-    built.bodies["stray"] = fl.RigidBody(1.0, (1, 1, 1), name="stray")
-    for part in (*data.bodies, *data.joints, *data.supports, *data.actions, *data.loads):
-        add(part, built)
-    for body in scene.bodies:
-        body.turn(data.spin, about=data.about)
-        body.move(data.velocity)
-    return scene
-
-
 def _solved(data: SceneData, static: bool) -> np.ndarray:
     """Frames of the last state."""
-    scene = _build(data)
+    stray = fl.RigidBody(1.0, (1, 1, 1), name="stray")
+    scene = build(data, strays=(stray,)).scene
     if static:
         return fl.statics(scene).frames[-1]
     step = data.duration / data.steps

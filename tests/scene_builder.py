@@ -52,11 +52,16 @@ def _factor(given: data.HistoryData | data.OnsetData, τ: float) -> float:
 
 
 def build(
-    given: data.SceneData, *, static: bool = False, redundant: fl.Redundant = fl.Redundant.REFUSE
+    given: data.SceneData,
+    *,
+    static: bool = False,
+    redundant: fl.Redundant = fl.Redundant.REFUSE,
+    strays: tuple[fl.Body, ...] = (),
 ) -> Built:
-    """The scene; in statics histories run with the load factor."""
+    """The scene; in statics histories run with the load factor. It does not have the ``strays``."""
     scene = fl.Scene(given.gravity, redundant=redundant)
     built = Built(scene, 1.0 if static else given.duration)
+    built.bodies |= {body.name: body for body in strays}
     for part in (*given.bodies, *given.joints, *given.supports, *given.actions, *given.loads):
         add(part, built)
     for body in scene.bodies:

@@ -318,6 +318,8 @@ def _tries():
     for name, (_, arguments) in CASES.items():
         for argument, (_, kind) in arguments.items():
             for k, wrong in enumerate(WRONG[kind]):
+                if _is_fine(name, argument, wrong):
+                    continue
                 yield pytest.param(name, argument, wrong, id=f"{name}-{argument}-{k}")
 
 
@@ -343,8 +345,6 @@ def _check(made: object) -> None:
 @pytest.mark.parametrize(("name", "argument", "wrong"), _tries())
 def test_the_message_names_what_was_given_and_what_is_wanted(name, argument, wrong):
     make, arguments = CASES[name]
-    if _is_fine(name, argument, wrong):
-        pytest.skip("right here")
     given = {key: value for key, (value, _) in arguments.items()} | {argument: wrong}
     with pytest.raises((TypeError, ValueError)) as caught:
         _check(make(**given))

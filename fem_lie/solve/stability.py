@@ -123,18 +123,32 @@ class StableEquilibrium(SceneEquilibrium):
     def smallest(self, factor: float) -> tuple[float, Array]:
         """Eigenvalue of least absolute value of the tangent, and its vector of free unknowns.
 
-        Inverse iteration; both in the units of the unknowns.
+        Both in the units of the unknowns.
         """
         self.factorise(factor)
-        n, free = len(self.weight), (~self.system.held).ravel()
-        x: Array = np.random.default_rng(_SEED).standard_normal(n) * free
-        value, right = np.nan, np.zeros(self.system.size)
-        for _ in range(_REPEATS):
+        value, x = self.inverse_iteration(None, _REPEATS)
+        return value, x[(~self.system.held).ravel()]
+
+    def inverse_iteration(self, start: Array | None, repeats: int) -> tuple[float, Array]:
+        """Eigenvalue of least absolute value of the tangent that was factorised last.
+
+        Args:
+            start: About its vector, shape (6 n,); ``None``: nothing is known of it.
+            repeats: Linear solutions.
+
+        Returns:
+            It and its unit vector, shape (6 n,), in the units of the unknowns.
+        """
+        n = len(self.weight)
+        if start is None:
+            start = np.random.default_rng(_SEED).standard_normal(n) * (~self.system.held).ravel()
+        value, right, x = np.nan, np.zeros(self.system.size), start
+        for _ in range(repeats):
             x = x / np.linalg.norm(x)
             right[:n] = x / self.weight
             y = self.solve_raw(right)[:n] / self.weight
             value, x = 1.0 / float(x @ y), y
-        return value, x[free] / float(np.linalg.norm(x))
+        return value, np.asarray(x / np.linalg.norm(x))
 
     def increments(self, vector: Array) -> Array:
         """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""

@@ -22,7 +22,6 @@ from fem_lie.solve.stability import StableEquilibrium
 
 _SIDEWAYS = 4.0  # lengths of the step: an iteration that goes farther is lost
 _SEARCH = 0.05  # shorter steps are those of a search, not of a path
-_SEED = 1  # of the first vector of the inverse iteration
 
 
 class LostError(ArithmeticError):
@@ -201,19 +200,6 @@ class Walker:
 
     def _smallest(self) -> float:
         """Smallest eigenvalue of the tangent that was factorised last, by inverse iteration."""
-        model = self.model
-        n = len(model.weight)
-        free = (~model.system.held).ravel()
-        if self._mode is None:
-            x: Array = np.random.default_rng(_SEED).standard_normal(n) * free
-            repeats = 12
-        else:
-            x, repeats = self._mode, 3
-        value, right = np.nan, np.zeros(model.system.size)
-        for _ in range(repeats):
-            x = x / np.linalg.norm(x)
-            right[:n] = x / model.weight
-            y = model.solve_raw(right)[:n] / model.weight
-            value, x = 1.0 / float(x @ y), y
-        self._mode = x / np.linalg.norm(x)
+        repeats = 12 if self._mode is None else 3
+        value, self._mode = self.model.inverse_iteration(self._mode, repeats)
         return value
