@@ -280,22 +280,26 @@ def test_viscous_part():
 
 
 @every_formulation
-def test_line_load(formulation):
+@pytest.mark.parametrize(
+    ("axis", "shear", "moment", "sign"), [(1, "Vy", "Mz", 1), (2, "Vz", "My", -1)]
+)
+def test_line_load(formulation, axis, shear, moment, sign):
     """Exact: means, and shears and moments at the ends without jumps."""
     q, cells = 1e-4, 4
     scene, beam = cantilever(cells, formulation=formulation)
-    scene.add(fl.LineLoad(beam, force=(0, 0, q)))
+    scene.add(fl.LineLoad(beam, force=q * np.eye(3)[axis]))
     found = fl.section_forces(fl.statics(scene), beam, scene)
     x, size = found.arc, q * LENGTH
     tolerance = {"rtol": 0, "atol": 1e-6 * size}
-    np.testing.assert_allclose(found.mean("Vz")[-1], q * (LENGTH - x.mean(axis=1)), **tolerance)
-    np.testing.assert_allclose(found.smooth("Vz")[-1], q * (LENGTH - x), **tolerance)
-    np.testing.assert_allclose(found.smooth("My")[-1], -q * (LENGTH - x) ** 2 / 2, **tolerance)
+    np.testing.assert_allclose(found.mean(shear)[-1], q * (LENGTH - x.mean(axis=1)), **tolerance)
+    np.testing.assert_allclose(found.smooth(shear)[-1], q * (LENGTH - x), **tolerance)
+    bent = sign * q * (LENGTH - x) ** 2 / 2
+    np.testing.assert_allclose(found.smooth(moment)[-1], bent, **tolerance)
     if formulation == fl.Geodesic():
         cubes = (LENGTH - x[:, 1]) ** 3 - (LENGTH - x[:, 0]) ** 3
-        mean = q * cubes / 6 / (LENGTH / cells)
-        np.testing.assert_allclose(found.mean("My")[-1], mean, **tolerance)
-    jumps = found.raw("Vz")[-1, :-1, 1] - found.raw("Vz")[-1, 1:, 0]
+        mean = -sign * q * cubes / 6 / (LENGTH / cells)
+        np.testing.assert_allclose(found.mean(moment)[-1], mean, **tolerance)
+    jumps = found.raw(shear)[-1, :-1, 1] - found.raw(shear)[-1, 1:, 0]
     part = 1.0 if formulation != fl.Director(2) else 1 / 3  # the rest is on the inner nodes
     np.testing.assert_allclose(jumps, q * part * LENGTH / cells, **tolerance)
 

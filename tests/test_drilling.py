@@ -1,0 +1,80 @@
+"""What drilling is worth, where it has no stress, and whose frames are carried along."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.drilling import FRACTION
+from fem_lie.system import System
+
+MATERIAL = fl.Material(100.0, 0.3, 2.0)
+SHEAR = 100.0 / 2.6
+Parameters = fl.Parameters
+
+
+def plate(thickness: float, parameters: Parameters = Parameters.SIX) -> fl.Shell:
+    """Of size 1, four by four cells."""
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (4, 4))
+    return fl.Shell(mesh, fl.ShellSection.layer(thickness, MATERIAL), parameters=parameters)
+
+
+@pytest.mark.parametrize("over_cell", [0.04, 0.4, 4.0, 40.0])
+def test_drilling_is_below_bending_and_never_above_the_membrane(over_cell):
+    t = over_cell / 4
+    found = plate(t).drilling_stiffness([])
+    expected = min(FRACTION * SHEAR * t * over_cell**2, SHEAR * t)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("corners", "stiff"),
+    [
+        ({"00": "one"}, 1),
+        ({"00": "one", "11": "one"}, 0),  # forces on an arm take its moment
+        ({"00": "one", "11": "other"}, 2),
+        ({"00": "one", "11": "one", "10": "other"}, 1),
+    ],
+)
+def test_cells_where_a_node_alone_takes_a_moment_are_as_stiff_as_the_membrane(corners, stiff):
+    scene, shell = fl.Scene(), plate(0.01)
+    scene.add(shell)
+    bodies = {name: scene.add(fl.RigidBody(1.0, [1.0] * 3)) for name in sorted({*corners.values()})}
+    for corner, body in corners.items():
+        scene.add(fl.Fixed(shell[corner], bodies[body].centre, at=shell[corner].position))
+    drills, found = shell.drilling_told(scene.held_rotations()[shell])
+    assert drills
+    membrane = np.isclose(found, SHEAR * 0.01, rtol=1e-12)
+    assert membrane.sum() == stiff
+    assert found[~membrane].max() < 1e-3 * SHEAR * 0.01
+
+
+def test_an_unloaded_shell_of_warped_cells_has_no_drilling_stress():
+    mesh = fl.surface(lambda a, b: (a + 0.2 * b * b, b + 0.1 * a * a, 0.8 * a * b), (3, 2))
+    shell = fl.Shell(
+        mesh, fl.ShellSection.layer(0.1, MATERIAL), parameters=Parameters.SIX, kink_angle=1.5
+    )
+    scene = fl.Scene()
+    scene.add(shell)
+    system = System(scene, dynamics=False)
+    zero, forces = np.zeros((system.count, 6)), np.zeros(system.size)
+    system.residual(system.frames, zero, zero, np.zeros(0), np.ones(0), forces)
+    assert np.abs(forces).max() <= 1e-13 * SHEAR
+
+
+def test_frames_with_joints_are_not_carried_along():
+    """The axes of the joint are written in them."""
+    scene, shell = fl.Scene(), plate(0.1, Parameters.FIVE_CARRIED)
+    scene.add(shell)
+    scene.add(fl.Spherical(shell["00"], fl.ground()))
+    system = System(scene, dynamics=False)
+    joint = system.numbering.node(shell["00"])
+    motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))
+    moved = lie.se3_compose(motion, system.frames[: system.count])
+    wrong = moved.copy()
+    wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
+    before = wrong[joint].copy()
+    system.carried_drilling.turn(wrong)
+    others = np.arange(system.count) != joint
+    np.testing.assert_allclose(wrong[others], moved[others], atol=1e-13)
+    np.testing.assert_array_equal(wrong[joint], before)
