@@ -208,7 +208,7 @@ class Body:
             )
         axes = self.frames[:, 1:]
         gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-        right = np.einsum("nj,nj->n", np.cross(axes[:, 0], axes[:, 1]), axes[:, 2]) > 0.0
+        right = np.linalg.det(axes) > 0.0
         finite = np.isfinite(self.frames).all(axis=(1, 2))
         bad = np.flatnonzero(~(finite & (gap <= _ORTHONORMAL) & right))
         if len(bad):

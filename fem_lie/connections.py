@@ -385,8 +385,11 @@ class Connections:
         """For results, in the numbering of all nodes."""
         first = np.cumsum([0] + [len(item.coordinate_names) for item in self.items])
         joints = []
+        pairs = {int(k): int(pair) for k, pair in zip(self._tied, self._reported, strict=True)}
+        sliders = {int(k): j for j, k in enumerate(self._slides)}
         for k, item in enumerate(self.items):
-            node, offset = self._drawn(k)
+            slides = k in sliders
+            node, offset = self._drawn_slider(sliders[k]) if slides else self._drawn_pair(pairs[k])
             joints.append(
                 JointInfo(
                     name=item.label,
@@ -399,14 +402,14 @@ class Connections:
             )
         return tuple(joints)
 
-    def _drawn(self, k: int) -> tuple[int, Array]:
-        """Node that item k is drawn at, and where in its frame."""
+    def _drawn_slider(self, j: int) -> tuple[int, Array]:
+        """Node that what slides is drawn at, and where in its frame."""
+        leaders = self._numbering.attachment.leaders
+        node, offset = int(self.sliding.nodes[j]), self.sliding.frames[j, 0]
+        return (int(leaders[node]), offset) if node < len(leaders) else (-1, np.zeros(3))
+
+    def _drawn_pair(self, pair: int) -> tuple[int, Array]:
+        """The same of a pair of frames: on its side A, or on B if A is ground."""
         leaders, table = self._numbering.attachment.leaders, self.table
-        if k in self._slides:
-            j = int(np.flatnonzero(self._slides == k)[0])
-            node, offset = int(self.sliding.nodes[j]), self.sliding.frames[j, 0]
-            return (int(leaders[node]), offset) if node < len(leaders) else (-1, np.zeros(3))
-        pair = self._reported[np.flatnonzero(self._tied == k)[0]]
-        # on its side A, or on B if A is ground
         side = int(table.nodes[pair, 0] >= self._numbering.count)
         return int(leaders[table.nodes[pair, side]]), table.frames[pair, side, 0]

@@ -32,8 +32,12 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
+    # only shells have the choice
+    if not any(body is not None and body.uncoupled for body in item.bodies):
+        return
+    turns = item.turns
     for tie in item.ties():
-        if item.turns:
+        if turns:
             yield from _by_each_other(item.label, tie.a, tie.b)
         elif not tie.reversible:
             # its axes belong to the frame of a

@@ -20,6 +20,16 @@ _POWER = 2  # of the filter: what moves 10⁻³ together keeps all but 10⁻⁸
 _PASSES = 2  # round-off over IDLE is what the first leaves
 
 
+def symmetric_factors(positive: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU:
+    """Of a positive definite matrix, whose diagonal are the pivots whatever they are."""
+    return scipy.sparse.linalg.splu(
+        positive,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+
+
 class IdleMultipliers:
     """Takes the idle part out of multipliers."""
 
@@ -36,10 +46,7 @@ class IdleMultipliers:
         gram = scaled @ scaled.T
         self._bound = IDLE * max(float(gram.diagonal().max(initial=0.0)), np.finfo(float).tiny)
         shifted = (gram + self._bound * sp.identity(len(measure))).tocsc()
-        options = {"SymmetricMode": True}
-        self._factors = scipy.sparse.linalg.splu(
-            shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
-        )
+        self._factors = symmetric_factors(shifted)
 
     @classmethod
     def of(cls, B: sp.csr_matrix, length: float, measure: Array) -> IdleMultipliers:

@@ -152,28 +152,36 @@ class KKT:
         order = np.lexsort((c, border.nodes))
         self._incident = np.stack([c, leg], axis=1)[order]
         self._incident_ptr = np.searchsorted(border.nodes[order], np.arange(count + 1))
-        columns = []
-        lengths = []
-        for i in range(count):
-            blocks = self.indices[self.indptr[i] : self.indptr[i + 1]]
-            entries = self._incident[self._incident_ptr[i] : self._incident_ptr[i + 1], 0]
-            multipliers = 6 * count + entries
-            own, all_free = 6 * i + np.arange(6), 6 * blocks[:, np.newaxis] + np.arange(6)
-            row = np.concatenate([all_free[~self._held[blocks]], multipliers])
-            rows = [
-                np.append(diagonal, multipliers) if h else row
-                for diagonal, h in zip(own, self._held[i], strict=True)
-            ]
-            columns += rows
-            lengths += [len(r) for r in rows]
-        for constraint in range(m):
-            nodes = border.nodes[border.ptr[constraint] : border.ptr[constraint + 1]]
-            row = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
-            columns.append(np.append(row, 6 * count + constraint) if self.redundant else row)
-            lengths.append(len(columns[-1]))
-        self._row_pointers = np.concatenate([[0], np.cumsum(lengths)]).astype(PETSc.IntType)
-        self._columns = np.concatenate(columns).astype(PETSc.IntType)
+        of_nodes, lengths = self._node_rows(count)
+        of_constraints: Indices = (6 * border.nodes[:, np.newaxis] + np.arange(6)).ravel()
+        ends = 6 * border.ptr[1:]
+        if self.redundant:
+            of_constraints = np.insert(of_constraints, ends, 6 * count + np.arange(m))
+        lengths = np.append(lengths, 6 * np.diff(border.ptr) + int(self.redundant))
+        self._row_pointers = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
+        self._columns = np.append(of_nodes, of_constraints).astype(PETSc.IntType)
         self._size = len(self._columns)
+
+    def _node_rows(self, count: int) -> tuple[Indices, Indices]:
+        """Columns of the rows of all nodes, and how many each row has, shape (6 n,).
+
+        A row has all columns of its node's blocks that are free, or its diagonal if it is held, and
+        then the multipliers of its node.
+        """
+        own = np.arange(6 * count).reshape(-1, 6)
+        free = ~self._held[self.indices]
+        blocks, multipliers = own[self.indices][free], 6 * count + self._incident[:, 0]
+        starts = np.append(0, np.cumsum(free.sum(axis=1)))[self.indptr]
+        pool = np.concatenate([blocks, multipliers, own.ravel()])
+        first = np.where(
+            self._held, len(blocks) + len(multipliers) + own, starts[:-1, np.newaxis]
+        ).ravel()
+        number = np.where(self._held, 1, np.diff(starts)[:, np.newaxis]).ravel()
+        then = np.repeat(len(blocks) + self._incident_ptr[:-1], 6)
+        touched = np.repeat(np.diff(self._incident_ptr), 6)
+        begins, sizes = np.stack([first, then], 1).ravel(), np.stack([number, touched], 1).ravel()
+        at = np.repeat(begins - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+        return pool[at], number + touched
 
     def place(self, rows: Indices, columns: Indices) -> Indices:
         """Positions of node pairs among the blocks; -1 where a node does not move."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices
 from fem_lie.connections import Connections
+from fem_lie.idle_multipliers import symmetric_factors
 
 _NOTHING = 1e-10  # of a row whose entries would be of order 1
 _DEPENDENT = 1e-10  # squared distance of a unit row from the span of others
+_SHIFT = 1e-14
+"""Added to the squared length of each unit row: what depends on others leaves this much of itself,
+times one and the squares of its coefficients, and not round-off that is divided by round-off."""
 
 
 def redundant_constraints(B: sp.csr_matrix, length: float, measure: Array) -> Indices:
@@ -31,12 +34,21 @@ def redundant_constraints(B: sp.csr_matrix, length: float, measure: Array) -> In
     norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     # within one rigid body both sides cancel up to round-off
     norms[norms < _NOTHING] = 0.0
-    empty = np.flatnonzero(norms == 0.0)
-    unit = sp.diags(np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)) @ B
-    gram = (unit @ unit.T).toarray()
-    # a pivot is the squared distance of a row from the span of those before it
-    _, pivots, rank, _ = scipy.linalg.lapack.dpstrf(gram, tol=_DEPENDENT)
-    return np.asarray(np.union1d(pivots[rank:] - 1, empty), dtype=np.int64)
+    empty, full = np.flatnonzero(norms == 0.0), np.flatnonzero(norms)
+    dependent = full[_squared_distances(sp.diags(1.0 / norms[full]) @ B[full]) <= _DEPENDENT]
+    return np.asarray(np.union1d(dependent, empty), dtype=np.int64)
+
+
+def _squared_distances(unit: sp.csr_matrix) -> Array:
+    """Of each unit row from the span of those that a sparse elimination takes before, (m,).
+
+    They are the pivots of the Gram matrix, in an order that keeps its factors sparse.
+    """
+    if unit.shape[0] == 0:
+        return np.empty(0)
+    gram = (unit @ unit.T + _SHIFT * sp.identity(unit.shape[0])).tocsc()
+    factors = symmetric_factors(gram)
+    return np.asarray(factors.U.diagonal()[factors.perm_c])
 
 
 def refuse(redundant: Indices, connections: Connections) -> None:

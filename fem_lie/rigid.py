@@ -6,12 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
+from fem_lie._jit import Array
 from fem_lie._wanted import numbers
 from fem_lie.bodies import Body, Point, vector
 from fem_lie.groups import Group
 from fem_lie.inertia import gram_from_rigid
 
 _ORTHOGONAL = 1e-8
+
+
+def _proper(rotation: npt.ArrayLike) -> Array:
+    """``rotation`` as a matrix; errors as in :class:`RigidBody`."""
+    R = numbers(rotation, "rotation")
+    orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
+    if not orthogonal or np.linalg.det(R) < 0:
+        raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
+    return R
 
 
 class RigidBody(Body):
@@ -50,10 +60,7 @@ class RigidBody(Body):
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
         self.gram = gram_from_rigid(mass, tensor)
-        R = np.eye(3) if rotation is None else numbers(rotation, "rotation")
-        orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
-        if not orthogonal or np.linalg.det(R) < 0:
-            raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
+        R = np.eye(3) if rotation is None else _proper(rotation)
         super().__init__(
             lie.frame(vector(position, 3, "position"), R)[np.newaxis],
             cells=np.empty((0, 2), dtype=np.int64),

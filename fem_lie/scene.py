@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
@@ -66,6 +67,9 @@ class Scene:
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
+        self._known: set[Body] = set()
+        self._names: set[str] = set()
+        self._kinds: Counter[type[Body]] = Counter()
         self._shared: SharedSetup | None = None
 
     @property
@@ -192,6 +196,8 @@ class Scene:
         """The same without loads; what is set up is shared."""
         scene = Scene(self.gravity, choices=self.choices, redundant=self.redundant)
         scene.bodies, scene.joints = list(self.bodies), list(self.joints)
+        scene._known, scene._names = set(self._known), set(self._names)
+        scene._kinds = Counter(self._kinds)
         scene.connections, scene.links = list(connections), list(self.links)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
         self._shared = self._shared or SharedSetup()
@@ -199,7 +205,14 @@ class Scene:
         return scene
 
     def numbered(self) -> Numbering:
-        """The numbering of its nodes, with the assembled forms of the elements, made anew."""
+        """The numbering of its nodes, with the assembled forms of the elements, made anew.
+
+        Raises:
+            ValueError: Two bodies were given the same name after they were added.
+        """
+        twice = [name for name, count in Counter(b.name for b in self.bodies).items() if count > 1]
+        if twice:
+            raise ValueError(f"the scene has several bodies named {twice[0]!r}")
         return Numbering(self.bodies, self.links, self.held_rotations())
 
     def numbering_for(self, user: object) -> Numbering:
@@ -240,18 +253,20 @@ class Scene:
         draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units or SI)
 
     def _add_body(self, body: Body) -> None:
-        if body in self.bodies:
+        if body in self._known:
             raise ValueError(f"{body.label} is in the scene already")
-        kind = type(body).__name__.lower()
-        number = 1 + sum(type(other) is type(body) for other in self.bodies)
-        body.name = body.name or f"{kind} {number}"
-        if any(other.name == body.name for other in self.bodies):
+        number = 1 + self._kinds[type(body)]
+        body.name = body.name or f"{type(body).__name__.lower()} {number}"
+        if body.name in self._names:
             raise ValueError(f"the scene has a body named {body.name!r} already")
+        self._known.add(body)
+        self._names.add(body.name)
+        self._kinds[type(body)] = number
         self.bodies.append(body)
 
     def _check_points(self, what: str, *bodies: Body | None) -> None:
         for body in bodies:
-            if body is not None and body not in self.bodies:
+            if body is not None and body not in self._known:
                 raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
 
     def _check_coordinates(self, item: Connection) -> None:

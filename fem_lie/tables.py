@@ -50,6 +50,15 @@ class Border(NamedTuple):
         found = np.flatnonzero(nodes == node)
         return int(self.ptr[row] + found[0]) if len(found) else -1
 
+    def legs(self, rows: Indices, nodes: Indices) -> Indices:
+        """Of constraints (t,) at nodes (t, k), −1 where the node or the constraint has none."""
+        if not len(self.nodes):
+            return np.full_like(nodes, -1)
+        count = max(int(self.nodes.max()), int(nodes.max(initial=0))) + 1
+        keys, wanted = self.rows * count + self.nodes, rows[:, np.newaxis] * count + nodes
+        found = np.searchsorted(keys, wanted).clip(max=len(keys) - 1)
+        return np.where(keys[found] == wanted, found, -1)
+
 
 class Pair(NamedTuple):
     """A tie between two nodes, perhaps with its sides exchanged, and the rows of its terms.
@@ -106,19 +115,18 @@ class Tables:
         """Of ``m`` constraints; without a border there are no legs."""
         number = iter(range(m, m + len(springs)))
         rows = [row if row >= 0 else next(number) for pair in pairs for row in pair.rows]
-        nodes = [pair.nodes for pair in pairs for _ in pair.rows]
-        legs = [
-            [border.leg(row, node) if border is not None and row < m else -1 for node in both]
-            for row, both in zip(rows, nodes, strict=True)
-        ]
+        terms = np.array(rows, dtype=np.int64)
+        both = [pair.nodes for pair in pairs for _ in pair.rows]
+        nodes = np.array(both, dtype=np.int64).reshape(-1, 2)
+        legs = np.full_like(nodes, -1) if border is None else border.legs(terms, nodes)
         table = JointTable(
             nodes=np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2),
             frames=self._in_nodes([(pair.nodes, pair.tie.frames) for pair in pairs]),
             first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
             selection=_stacked([pair.tie.selection for pair in pairs], (0, 12)),
             functions=_stacked([pair.tie.functions for pair in pairs], (0, 3)),
-            rows=np.array(rows, dtype=np.int64),
-            legs=np.array(legs, dtype=np.int64).reshape(-1, 2),
+            rows=terms,
+            legs=legs,
             angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
             curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=np.int64),
             turned=np.zeros(len(pairs)),
@@ -194,12 +202,9 @@ class Tables:
 
     def _in_nodes(self, pairs: Sequence[tuple[tuple[int, int], tuple[Array, Array]]]) -> Array:
         """Frames of pairs in those of their nodes, shape (j, 2, 4, 3)."""
-        inside = [
-            lie.se3_compose(lie.se3_inverse(self._frames[node]), frame)
-            for nodes, frames in pairs
-            for node, frame in zip(nodes, frames, strict=True)
-        ]
-        return np.array(inside).reshape(-1, 2, 4, 3)
+        nodes = np.array([nodes for nodes, _ in pairs], dtype=np.int64).reshape(-1, 2)
+        frames = np.array([frames for _, frames in pairs]).reshape(-1, 2, 4, 3)
+        return lie.se3_compose(lie.se3_inverse(self._frames[nodes]), frames)
 
 
 def _stacked(parts: Sequence[Array], shape: tuple[int, int]) -> Array:

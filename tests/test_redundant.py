@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie.idle_multipliers import IdleMultipliers
+from fem_lie.redundancy import redundant_constraints
 from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
 
 Z = (0.0, 0.0, 1.0)
@@ -108,3 +109,30 @@ def test_minimum_norm_measures_moments_by_the_length_of_the_model(u):
     expected[1, 3:] = length * least[6:]
     # joints act on the ground with the opposite
     np.testing.assert_allclose(found, -expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rows_that_follow_from_others_are_found_in_a_sparse_matrix(seed):
+    rng = np.random.default_rng(seed)
+    free, extra = sp.random(60, 120, 0.08, random_state=rng), seed
+    mixed = sp.random(extra, 60, 0.08, random_state=rng)
+    rows = sp.vstack([free, mixed @ free]).tocsr()[rng.permutation(60 + extra)]
+    found = redundant_constraints(rows, 1.0, np.ones(60 + extra))
+    rank = np.linalg.matrix_rank(rows.toarray())
+    kept = np.delete(rows.toarray(), found, axis=0)
+    assert len(found) == 60 + extra - rank
+    assert np.linalg.matrix_rank(kept) == rank
+
+
+@pytest.mark.parametrize("count", [4, 300])
+def test_one_constraint_too_many_of_a_long_ring_is_found(count):
+    """A ring of hinged bodies in a plane: three of its constraints follow from the others."""
+    scene, angle = fl.Scene(), 2.0 * np.pi / count
+    radius = 0.5 / np.sin(0.5 * angle)
+    middles = [(radius * np.cos(k * angle), radius * np.sin(k * angle), 0) for k in range(count)]
+    bodies = [scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), x)) for x in middles]
+    for k, body in enumerate(bodies):
+        place = 0.5 * (np.array(middles[k - 1]) + middles[k])
+        scene.add(fl.Revolute(bodies[k - 1].centre, body.centre, at=place))
+    with pytest.raises(ValueError, match=f"3 of {5 * count} constraints are redundant"):
+        fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)

@@ -200,3 +200,12 @@ def test_a_point_needs_a_node_that_is_there():
             fl.Point(bar, node)
     with pytest.raises(TypeError, match="body must be a body, or None for ground, got 'bar'"):
         fl.Point("bar")
+
+
+def test_bodies_that_are_given_the_same_name_later_are_refused():
+    scene = fl.Scene()
+    one = scene.add(fl.RigidBody(1.0, (1, 1, 1), name="one"))
+    scene.add(fl.RigidBody(1.0, (1, 1, 1), (1, 0, 0), name="two"))
+    one.name = "two"
+    with pytest.raises(ValueError, match="several bodies named 'two'"):
+        fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from fem_lie import joint_functions
 from fem_lie._jit import Array
 from fem_lie._wanted import text
-from fem_lie.bodies import Point, direction, require_point, vector
+from fem_lie.bodies import Body, Point, direction, require_point, vector
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
@@ -73,6 +73,11 @@ class Joint(Connection):
         if self.a.body is self.b.body and self.a.node == self.b.node:
             raise ValueError(f"{self.label} joins a point to itself")
 
+    @property
+    def bodies(self) -> list[Body | None]:
+        """See the base class."""
+        return [self.a.body, self.b.body]
+
     def ties(self) -> list[Tie]:
         """One pair of frames with all constraints."""
         return [self._tie(self.selection, self.functions, range(self.size), self.turn)]
@@ -85,7 +90,9 @@ class Joint(Connection):
         """
         e3 = self._direction(self.axis, "axis")
         e1 = self._first_axis(e3)
-        return np.array([self._place(), e1, np.cross(e3, e1), e3])
+        # one by one, as np.cross takes its time
+        (a, b, c), (x, y, z) = e3, e1
+        return np.array([self._place(), e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
 
     def frames(self) -> tuple[Array, Array]:
         """Frames A and B in the initial configuration."""
@@ -94,7 +101,9 @@ class Joint(Connection):
 
     def _first_axis(self, e3: Array) -> Array:
         """Some direction across the axis."""
-        e1 = np.cross(np.eye(3)[np.argmin(np.abs(e3))], e3)
+        k = int(np.argmin(np.abs(e3)))
+        i, j, e1 = (k + 1) % 3, (k + 2) % 3, np.zeros(3)
+        e1[i], e1[j] = -e3[j], e3[i]
         return np.asarray(e1 / np.linalg.norm(e1))
 
     def _direction(self, given: npt.ArrayLike, what: str) -> Array:

@@ -18,7 +18,6 @@ from fem_lie.groups import from_local, move_all
 from fem_lie.info import SceneInfo
 from fem_lie.loads import History as LoadHistory
 from fem_lie.loads import NodalLoad, amplitudes, histories
-from fem_lie.numbering import Numbering
 from fem_lie.results import Result
 from fem_lie.rigid import RigidBody
 from fem_lie.scene import Scene
@@ -138,7 +137,7 @@ class Run:
             float(rule[1]),
             options.policy.rescue,
         )
-        self.scene, self.numbering = scene, Numbering(scene.bodies)
+        self.scene, self.numbering = scene, scene.numbered()
         n = self.numbering.count
         self.blocks = np.empty((n, 4, 4))
         size = np.empty(n)
