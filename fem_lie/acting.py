@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from fem_lie import outer_forces
 from fem_lie._jit import Array
+from fem_lie.nodal import Inertia
 from fem_lie.numbering import Flags
-from fem_lie.outer_forces import (
-    LOADS,
-    LOSS,
-    POWER,
-    REACTIONS,
-    add_loads,
-    add_local,
-    add_mass_damping,
-)
+from fem_lie.outer_forces import LOADS, LOSS, POWER, REACTIONS, add_local
 from fem_lie.system import System
 
 
@@ -35,31 +31,38 @@ class Acting:
 
     Attributes:
         strained: Whether strains without stress change.
+        plain: Whether all is seen by :func:`~fem_lie.outer_forces.look`.
     """
 
     def __init__(self, system: System) -> None:
         """See what there is."""
         self._system, self._supported = system, supported(system)
         self.strained = system.strains_change
-        self._loaded = system.loaded
-        self._joined = system.connections.outward
-        self._held, self._damped = bool(self._supported.any()), system.mass_damping is not None
-        self._pushed, self._viscous = len(system.pressures) > 0, system.elastic.viscous
-        self._any = (
-            self._loaded
-            or self._joined
-            or self._held
-            or self._damped
-            or self._pushed
-            or self._viscous
-            or self.strained
-            or system.connections.driven
-        )
-        self._work = np.zeros((2, system.count, 4, 3))
+        connections = system.connections
+        self._loaded, damped = system.loaded, system.mass_damping is not None
+        joined = connections.outward
+        self._others = joined and not connections.of_joints_only
+        self._held, self._pushed = bool(self._supported.any()), len(system.pressures) > 0
+        self._viscous = system.elastic.viscous
+        special = self._others or self._held or self._pushed or self._viscous or self.strained
+        self._any = special or self._loaded or joined or damped or connections.driven
+        self.plain = self._any and not special
+        damping = tuple(system.mass_damping or Inertia.none())
+        joints = connections.packed, self._loaded, joined and not self._others
+        self._constant = system.conservative, damping, *joints
 
     def __bool__(self) -> bool:
         """Whether anything acts."""
         return self._any
+
+    @property
+    def scene(self) -> tuple[Any, ...]:
+        """For compiled functions, at the present time of the equations.
+
+        Nodal loads, those of ``dead`` that have a potential, damping that goes with mass, the
+        packed table of joints, and whether loads and whether joints of that table are looked at.
+        """
+        return tuple(self._system.loads), *self._constant
 
     def look(
         self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array
@@ -76,20 +79,16 @@ class Acting:
                 overwritten.
         """
         system, n = self._system, self._system.count
-        row[:], wrenches[:] = 0.0, 0.0
-        if self._loaded:
-            add_loads(H, v, tuple(system.loads), system.conservative, self._work, row)
+        outer_forces.look(H, v, weights, self.scene, row, wrenches)
         if self._pushed:
             forces = system.elastic.pressure_forces(H)
             add_local(H, forces, LOADS, 1.0, row)
             row[POWER] += np.sum(forces * v)
-        if system.mass_damping is not None:
-            add_mass_damping(H, v, tuple(system.mass_damping), self._work, row)
         if self._viscous:
             forces = np.zeros(6 * n)
             system.elastic.add_viscous_forces(H, v, forces)
             row[LOSS] += forces @ v.ravel()
-        if self._joined:
+        if self._others:
             wrenches[:], loss = system.connections.reactions(H, v, weights)
             row[LOSS] += loss
             add_local(H[n:], wrenches, REACTIONS, 1.0, row)

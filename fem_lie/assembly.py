@@ -132,7 +132,10 @@ class Assembly:
         indptr: Rows of the pattern of node pairs, with ``indices``.
         inertia: In that pattern, or ``None`` without mass.
         viscous: Whether there are viscous forces.
+        settles: Whether forces depend on more than one step of Newton for the cells' own unknowns.
     """
+
+    settles = False
 
     def __init__(
         self,

@@ -16,13 +16,15 @@ from fem_lie._jit import Array, Indices, compiled
 
 
 @compiled
-def _expand(H: Array, leader: Indices, C: Array, out: Array) -> None:
+def expand(H: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Frames ``out`` of all nodes from those of their leaders."""
     for i in range(leader.shape[0]):
         lie.compose(H[leader[i]], C[i], out[i])
 
 
 @compiled
-def _expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
+def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Likewise twists."""
     for i in range(leader.shape[0]):
         lie.apply_adjoint_inverse(C[i], v[leader[i]], out[i])
 
@@ -79,7 +81,7 @@ class Attachment:
         if self.trivial:
             return H[: self.count]
         out = np.empty((len(self.leader), 4, 3))
-        _expand(H, self.leader, self.offset, out)
+        expand(H, self.leader, self.offset, out)
         return out
 
     def twists(self, v: Array) -> Array:
@@ -87,7 +89,7 @@ class Attachment:
         if self.trivial:
             return v[: self.count]
         out = np.empty((len(self.leader), 6))
-        _expand_twists(v, self.leader, self.offset, out)
+        expand_twists(v, self.leader, self.offset, out)
         return out
 
     def collect(self, forces: Array, out: Array) -> None:

@@ -335,6 +335,11 @@ class Connections:
 
     # --- results ---
 
+    @property
+    def reported(self) -> tuple[Indices, Indices, Indices]:
+        """Pairs and their sides whose forces results report, and the item of each constraint."""
+        return self._reported, self._exchanged, self.owner
+
     def report(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
         """What results say of the items at twists ``v`` of the moving nodes.
 
@@ -346,20 +351,8 @@ class Connections:
         forces: Array = np.empty((len(self._tied), 6))
         coordinates: Array = np.empty(len(self.probes.targets))
         values, largest = np.zeros(self.m), np.zeros(len(self.items))
-        constraints.report(
-            H,
-            v,
-            self.packed,
-            self.packed_probes,
-            weights,
-            self._reported,
-            self._exchanged,
-            self.owner,
-            forces,
-            coordinates,
-            values,
-            largest,
-        )
+        found = forces, coordinates, values, largest
+        constraints.report(H, v, self.packed, self.packed_probes, weights, *self.reported, *found)
         if not self.of_joints_only:
             forces, coordinates = self._report_others(H, v, weights, forces, coordinates, values)
             np.maximum.at(largest, self.owner, np.abs(values))

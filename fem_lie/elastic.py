@@ -40,6 +40,7 @@ class Elastic:
         """
         self._assemblies, self._attachment, self._pressures = assemblies, attachment, pressures
         self.viscous = any(assembly.viscous for _, assembly in assemblies)
+        self._settling = [pair for pair in assemblies if pair[1].settles]
         self._all = np.zeros((len(attachment.leader), 6))
         # Ad(C⁻¹): twist of a node from that of its leader
         self._turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset))
@@ -145,8 +146,10 @@ class Elastic:
 
     def settle(self, H: Array) -> None:
         """Make what the forces at frames ``H`` need of carried unknowns that of these frames."""
+        if not self._settling:
+            return
         frames = self._attachment.frames(H)
-        for where, assembly in self._assemblies:
+        for where, assembly in self._settling:
             assembly.settle(frames[where])
 
     def reset_stress(self, H: Array) -> None:

@@ -91,20 +91,28 @@ class ElementTurns:
             along, count = nodes[turning.nodes], len(turning.nodes)
             rows.append(along[:, [0, -1, -1]] if along.shape[1] == 2 else along)
             limits.append(np.full(count, turning.limit))
-            whole.append(np.full(count, turning.whole))
+            whole.append(np.full(count, int(turning.whole)))
             self._bodies += [body.label] * count
             numbers.append(turning.elements)
-        self._any = bool(rows)
-        if self._any:
-            self._nodes, self._limits = np.concatenate(rows), np.concatenate(limits)
-            self._whole, self._numbers = np.concatenate(whole), np.concatenate(numbers)
-        self._warned = False
+        none = np.empty(0, dtype=np.int64)
+        self._nodes: Indices = np.concatenate([np.empty((0, 3), dtype=np.int64), *rows])
+        self._limits: Array = np.concatenate([np.empty(0), *limits])
+        self._whole: Indices = np.concatenate([none, *whole])
+        self._numbers: Indices = np.concatenate([none, *numbers])
+        self._any, self._warned = bool(rows), False
+
+    @property
+    def elements(self) -> tuple[Array, Indices, Indices]:
+        """Limits (w,), nodes from end to end (w, 3), and whether whole frames turn (w,)."""
+        return self._limits, self._nodes, self._whole
 
     def largest(self, frames: Array) -> Turn | None:
         """The element nearest to its limit at frames of all nodes, (n, 4, 3); none if none turn."""
         if not self._any:
             return None
-        row, angle = _nearest(frames, self._nodes, self._limits, self._whole)
+        return self._turn(*nearest(frames, self._nodes, self._limits, self._whole))
+
+    def _turn(self, row: int, angle: float) -> Turn:
         return Turn(self._bodies[row], int(self._numbers[row]), angle, float(self._limits[row]))
 
     def hint(self, frames: Array) -> str:
@@ -114,29 +122,34 @@ class ElementTurns:
             return ""
         return f" There {turn}."
 
-    def check(self, frames: Array, when: str) -> None:
+    def check(self, frames: Array, when: str | float) -> None:
         """Warn, once, where an element is near its limit.
 
         Args:
             frames: Of all nodes, shape (n, 4, 3).
-            when: Of which state, for messages.
+            when: Of which state, for messages; a number is a time.
 
         Raises:
             FoldedElementError: An element is beyond it.
         """
-        turn = self.largest(frames)
-        if turn is None or turn.angle <= _NEAR * turn.limit:
+        self.judge(nearest(frames, self._nodes, self._limits, self._whole), when)
+
+    def judge(self, found: tuple[int, float], when: str | float) -> None:
+        """:meth:`check` for what :func:`nearest` has found."""
+        row, angle = found
+        if not self._any or angle <= _NEAR * self._limits[row]:
             return
+        turn, state = self._turn(row, angle), when if isinstance(when, str) else f"at time {when:g}"
         if turn.angle > turn.limit:
-            raise FoldedElementError(f"{when} {turn}")
+            raise FoldedElementError(f"{state} {turn}")
         if not self._warned:
             self._warned = True
-            warnings.warn(f"{when} {turn}", CoarseElementsWarning, stacklevel=2)
+            warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
 
 
 @compiled
-def _nearest(H: Array, nodes: Indices, limits: Array, whole: Array) -> tuple[int, float]:
-    """Row whose turn is the largest part of its limit, and that turn."""
+def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> tuple[int, float]:
+    """Row whose turn is the largest part of its limit, and that turn; 0 if there is none."""
     worst, row, angle = -1.0, 0, 0.0
     for w in range(nodes.shape[0]):
         turn = 0.0

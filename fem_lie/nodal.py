@@ -20,6 +20,11 @@ class Inertia(NamedTuple):
     indices: Indices
     blocks: Array
 
+    @classmethod
+    def none(cls) -> Inertia:
+        """Without rows: for compiled functions where there is nothing."""
+        return cls(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
+
 
 class Loads(NamedTuple):
     """Nodal loads at one time.

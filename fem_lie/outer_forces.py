@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from fem_lie import constraints, inertia
+import numpy as np
+
+from fem_lie import constraints, inertia, lie
 from fem_lie._jit import Array, compiled, inlined
 from fem_lie._lie_tuples import Vector, dot, load, load_row, plus, rotate, scaled
+from fem_lie.balances import BY_LOADS
 from fem_lie.frames import push
 from fem_lie.joint_table import PackedJoints, joint_table
 from fem_lie.wrench import add_dead, add_wrench
@@ -100,3 +103,84 @@ def joint_reactions(
     table = joint_table(joints)
     constraints.evaluate(H, v, table, weights, scale, H.shape[0], r)
     return constraints.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
+
+
+@compiled
+def look(
+    H: Array, v: Array, weights: Array, scene: tuple[Any, ...], row: Array, wrenches: Array
+) -> None:
+    """See what nodal loads, damping that goes with mass, and joints do.
+
+    Args:
+        H: Frames of all rows.
+        v: Twists, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        scene: See :class:`~fem_lie.acting.Acting`.
+        row: Shape (14,), overwritten.
+        wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
+            overwritten.
+    """
+    loads, conservative, damping, joints, loaded, joined = scene
+    n, rows = loads[0].shape[0], H.shape[0]
+    work = np.empty((2, n, 4, 3))
+    row[:], wrenches[:] = 0.0, 0.0
+    if loaded:
+        add_loads(H, v, loads, conservative, work, row)
+    if damping[0].shape[0] > 0:
+        add_mass_damping(H, v, damping, work, row)
+    if joined:
+        r = np.empty(6 * rows + weights.shape[0])
+        row[LOSS] += joint_reactions(H, v, joints, weights, weights, r)
+        for i in range(n, rows):
+            for k in range(6):
+                wrenches[i - n, k] = r[6 * i + k]
+        add_local(H[n:], wrenches, REACTIONS, 1.0, row)
+
+
+@compiled
+def sum_up(
+    h: float,
+    end: tuple[Array, Array, Array, Array],
+    row: Array,
+    wrenches: Array,
+    start: tuple[Any, ...],
+    total: Array,
+) -> None:
+    """Book a step between two looks, and make its end the start of the next.
+
+    Args:
+        h: Size of the step.
+        end: Frames, twists, multipliers and targets of the constraints at its end.
+        row: What acts there, see :func:`look`.
+        wrenches: See there.
+        start: See :class:`~fem_lie.solve.books.Seen`, overwritten.
+        total: See :class:`~fem_lie.solve.books.Books`, updated.
+    """
+    H, v, weights, targets = end
+    old_row, old_wrenches, old_H, old_v, old_weights, old_targets = start
+    for k in range(SIZE):
+        total[k if k < LOADS else k + BY_LOADS - LOADS] += 0.5 * h * (old_row[k] + row[k])
+    for c in range(targets.shape[0]):
+        total[POWER] -= 0.5 * (old_weights[c] + weights[c]) * (targets[c] - old_targets[c])
+    moved, first = np.empty(6), H.shape[0] - wrenches.shape[0]
+    for p in range(1, wrenches.shape[0]):
+        lie.relative(old_H[first + p], H[first + p], moved)
+        for k in range(6):
+            total[POWER] += 0.5 * (old_wrenches[p, k] + wrenches[p, k]) * moved[k]
+    old_row[:], old_wrenches[:] = row, wrenches
+    old_H[:], old_v[:] = H, v
+    old_weights[:], old_targets[:] = weights, targets
+
+
+@compiled
+def look_and_sum_up(
+    h: float,
+    end: tuple[Array, Array, Array, Array],
+    scene: tuple[Any, ...],
+    start: tuple[Any, ...],
+    total: Array,
+) -> None:
+    """:func:`look` at the end of a step, and :func:`sum_up`."""
+    row, wrenches = np.empty(SIZE), np.empty_like(start[1])
+    look(end[0], end[1], end[2], scene, row, wrenches)
+    sum_up(h, end, row, wrenches, start, total)

@@ -57,7 +57,7 @@ class ShellAssembly(Assembly):
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None
-        self._settles = forms.local is not None and not plain
+        self.settles = forms.local is not None and not plain
         self._drilling: DrillingAssembly | None = None
         if first.drills(holds.get(first, ())):
             each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
@@ -108,12 +108,12 @@ class ShellAssembly(Assembly):
 
     def settle(self, H: Array) -> None:
         """See the base class."""
-        if self._settles:
+        if self.settles:
             self.reset_stress(H)
 
     def reset_stress(self, H: Array) -> None:
         """See the base class; Newton's method in each cell where one solution is not enough."""
-        for _ in range(_LOCAL_ITERATIONS if self._settles else 1):
+        for _ in range(_LOCAL_ITERATIONS if self.settles else 1):
             before = self.carried.copy()
             super().reset_stress(H)
             change = np.abs(self.carried - before).max(initial=0.0)

@@ -149,6 +149,7 @@ class System:
         )
         self.turns = ElementTurns(self.numbering)
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
+        self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.table.nodes.ravel())
         B = self.tangent.jacobian(self.frames)
         redundant = redundant_constraints(B, self.length, self.kkt.measure)
@@ -265,7 +266,7 @@ class System:
             add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
         if self._any_uncoupled:
             self._internal[:] = r[: 6 * self.count].reshape(-1, 6) - self._applied
-        if self.supports:
+        if self._guided:
             self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
 
     def applied(self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array) -> None:
@@ -370,7 +371,7 @@ class System:
         # along the axes of supports, where there are any
         self.with_reactions(H, v, a, weights, np.ones(self.m), r)
         local = r[: 6 * self.count].reshape(-1, 6)
-        if self.supports:
+        if self._guided:
             local[~self.held] = 0.0
             self.supports.turn_back(H, local)
             return wrenches(H, local, self._everything, self.supported)
@@ -378,10 +379,14 @@ class System:
 
     def report_joints(self, H: Array, v: Array, weights: Array) -> tuple[Array, Array, Array]:
         """See :meth:`~fem_lie.connections.Connections.report`."""
-        if self.scene.redundant is Redundant.MINIMUM_NORM and self.m:
-            B = self.tangent.jacobian(H)
-            weights = IdleMultipliers.of(B, self.length, self.kkt.measure).remove(weights)
-        return self.connections.report(H, v, weights)
+        return self.connections.report(H, v, self.felt(H, weights))
+
+    def felt(self, H: Array, weights: Array) -> Array:
+        """The multipliers that results report, shape (m,): the smallest, where that was chosen."""
+        if self.scene.redundant is not Redundant.MINIMUM_NORM or not self.m:
+            return weights
+        B = self.tangent.jacobian(H)
+        return IdleMultipliers.of(B, self.length, self.kkt.measure).remove(weights)
 
     @cached_property
     def has_potential(self) -> bool:

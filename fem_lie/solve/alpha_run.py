@@ -74,12 +74,14 @@ class Run(Integration[Recorder]):
         self.options, self.p = options, parameters(options.radius, step, system.length)
         system.velocity_factor = 1.0 / self.p.damping
         self.s = State.start(system.frames, system.kinds)
+        self._guided = bool(system.supports)
         self._projects = options.index == Index.STABILISED_TWO and system.m > 0
         self._turned = options.components == Components.INERTIAL
         if self._turned and system.supports:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = tuple(self.p), tuple(self.s)
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
+        self._accepted = self.s.H, self.s.twist1, self.s.rate1, self.weights
         turns = system.connections.angular
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
         methods = methods_in_time(system)
@@ -149,13 +151,10 @@ class Run(Integration[Recorder]):
         return self._iterations > 0
 
     def _book(self, end: float) -> None:
-        s = self.s
-        self.books.add(self.h, end, s.H, s.twist1, s.rate1, self.weights)
+        self.books.add(self.h, end, *self._accepted)
 
     def _record(self, history: Recorder) -> bool:
-        s = self.s
-        state = s.H, s.twist1, s.rate1, self.weights
-        return history.record(self._index, *state, self._iterations, self.books.total)
+        return history.record(self._index, *self._accepted, self._iterations, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)
@@ -225,11 +224,12 @@ class Run(Integration[Recorder]):
         self._motion = max(predict(*self._plain), self._motion)
         tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
+        end = s.H1, *self._accepted[1:], self.scale, self.r
         for iteration in range(1, self.options.max_iterations + 1):
             self._made = iteration
             if not carried:
                 system.elastic.settle(s.H1)
-            system.residual(s.H1, s.twist1, s.rate1, self.weights, self.scale, self.r)
+            system.residual(*end)
             update = decisions.before_iteration(iteration)
             if self.solver.factorisations == 0 or update == Update.ALL or update is True:
                 self._factorise(None if carried else s.H1)
@@ -286,14 +286,14 @@ class Run(Integration[Recorder]):
 
     def _solve(self) -> None:
         """Solve; the residual and the solution are in local components."""
-        system, H1, n = self.system, self.s.H1, self.system.count
+        H1, n = self.s.H1, self.system.count
         if self._turned:
             turn_all(H1, self.r, n)
         self.solver.solve()
         if self._turned:
             turn_all_back(H1, self.dx, n)
-        if system.supports:
-            system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
+        if self._guided:
+            self.system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""

@@ -237,9 +237,7 @@ class AlphaSteps(Run):
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """See the protocol."""
-        s = self.s
-        state = s.H, s.twist1, s.rate1, self.weights
-        recorder.fill(0.0, *state, self.books.total)
+        recorder.fill(0.0, *self._accepted, self.books.total)
 
     # --- what changes in a step ---
 

@@ -8,15 +8,35 @@ prescribed motions the increments are known exactly, and the mean of their force
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._jit import Array
 from fem_lie.acting import Acting
-from fem_lie.balances import BY_LOADS, BY_REACTIONS, TOTAL
-from fem_lie.outer_forces import LOADS, POWER, SIZE
+from fem_lie.balances import BY_REACTIONS, TOTAL
+from fem_lie.outer_forces import POWER, SIZE, look_and_sum_up, sum_up
 from fem_lie.system import System
+
+
+class Seen(NamedTuple):
+    """What was seen at the start of a step.
+
+    Attributes:
+        row: What acted, see :func:`~fem_lie.outer_forces.look`, shape (14,).
+        wrenches: See there, shape (p + 1, 6).
+        H: Frames of all rows.
+        v: Twists, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        targets: Of the constraints, shape (m,); zero if none is driven.
+    """
+
+    row: Array
+    wrenches: Array
+    H: Array
+    v: Array
+    weights: Array
+    targets: Array
 
 
 class Books:
@@ -31,11 +51,19 @@ class Books:
         """Empty books of the equations ``system``."""
         self._system, self._acting = system, Acting(system)
         self.total = np.zeros(TOTAL)
-        rows = len(system.frames) - system.count
-        self._row, self._weights = np.zeros(SIZE), np.zeros(system.m)
-        self._targets, self._wrenches = np.zeros(system.m), np.zeros((rows, 6))
-        self._H, self._v = system.frames.copy(), np.zeros((system.count, 6))
-        self._stored, self._time = np.zeros(1), np.zeros(1)
+        rows, z = len(system.frames) - system.count, np.zeros
+        self._seen = Seen(
+            row=z(SIZE),
+            wrenches=z((rows, 6)),
+            H=system.frames.copy(),
+            v=z((system.count, 6)),
+            weights=z(system.m),
+            targets=z(system.m),
+        )
+        self._start = tuple(self._seen)
+        self._row, self._wrenches = z(SIZE), z((rows, 6))
+        self._undriven = z(system.m)
+        self._stored, self._time = z(1), z(1)
 
     def open(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """Start anew with what acts at the present time of the equations.
@@ -52,15 +80,27 @@ class Books:
 
     def look(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """See what acts at the present time of the equations."""
-        system = self._system
         if not self._acting:
             return
-        self._acting.look(H, v, a, weights, self._row, self._wrenches)
-        if system.connections.driven:
-            self._weights[:], self._targets[:] = weights, system.connections.present_targets
-        self._time[0], self._H[:], self._v[:] = time, H, v
+        seen = self._seen
+        self._acting.look(H, v, a, weights, seen.row, seen.wrenches)
+        seen.H[:], seen.v[:], seen.weights[:], seen.targets[:] = H, v, weights, self._targets
+        self._note(time, H)
+
+    def _note(self, time: float, H: Array) -> None:
+        self._time[0] = time
         if self._acting.strained:
-            self._stored[0] = system.elastic.energy(H)
+            self._stored[0] = self._system.elastic.energy(H)
+
+    @property
+    def _targets(self) -> Array:
+        """Of all constraints, shape (m,)."""
+        connections = self._system.connections
+        if not connections.driven:
+            return self._undriven
+        if connections.of_joints_only:
+            return connections.table.targets
+        return connections.present_targets
 
     def add(self, h: float, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """Book a step; the equations are at the time of its end, where the state is as given.
@@ -73,31 +113,23 @@ class Books:
             a: See there.
             weights: See there.
         """
-        system, total = self._system, self.total
-        if not self._acting:
+        acting, total = self._acting, self.total
+        if not acting:
             return
-        row, driven, first = self._row.copy(), system.connections.driven, system.count + 1
-        if driven:
-            old, targets = self._weights.copy(), self._targets.copy()
-        if len(H) > first:
-            wrenches, frames = self._wrenches.copy(), self._H[first:].copy()
-        if self._acting.strained:
+        end = H, v, weights, self._targets
+        if acting.plain:
+            look_and_sum_up(h, end, acting.scene, self._start, total)
+            return
+        if acting.strained:
             total[POWER] += self._strain_work(time, H)
-        self.look(time, H, v, a, weights)
-        row += self._row
-        row *= 0.5 * h
-        total[:LOADS] += row[:LOADS]
-        total[BY_LOADS:] += row[LOADS:]
-        if driven:
-            total[POWER] -= 0.5 * (old + self._weights) @ (self._targets - targets)
-        if len(H) > first:
-            moved = lie.se3_relative(frames, H[first:])
-            total[POWER] += 0.5 * np.sum((wrenches + self._wrenches)[1:] * moved)
+        acting.look(H, v, a, weights, self._row, self._wrenches)
+        sum_up(h, end, self._row, self._wrenches, self._start, total)
+        self._note(time, H)
 
     def _strain_work(self, time: float, H: Array) -> float:
         """Of strains without stress: energy that they change at each end, on the average."""
         system, elastic = self._system, self._system.elastic
-        ahead = elastic.energy(self._H) - self._stored[0]
+        ahead = elastic.energy(self._seen.H) - self._stored[0]
         behind = elastic.energy(H)
         system.set_time(float(self._time[0]))
         behind -= elastic.energy(H)
@@ -109,8 +141,8 @@ class Books:
 
         Arguments are those of :meth:`open`.
         """
-        system, before, after = self._system, np.empty(7), np.empty(7)
-        system.report(self._H, self._v, before)
+        system, seen, before, after = self._system, self._seen, np.empty(7), np.empty(7)
+        system.report(seen.H, seen.v, before)
         system.report(H, v, after)
         stored = float(self._stored[0])
         self.look(time, H, v, a, weights)
@@ -127,4 +159,5 @@ class Books:
             value[:] = kept[f"books.{name}"]
 
     def _arrays(self) -> dict[str, Array]:
-        return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        own = {"total": self.total, "stored": self._stored, "time": self._time}
+        return own | self._seen._asdict()

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie.acting import supported
 from fem_lie.balances import TOTAL
+from fem_lie.nodal import Inertia
 from fem_lie.pressure import Pressure
 from fem_lie.results import Array
 from fem_lie.solve.cells import Cells
@@ -69,13 +70,12 @@ def model_of(
     attachment = system.numbering.attachment
     turns = system.connections.angular
     lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
-    none = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
     pieces = [pressure.pairs for pressure in pressures]
     return Model(
         cells=cells.table,
         joints=system.connections.packed,
         inertia=tuple(system.inertia),
-        damping=none if system.mass_damping is None else tuple(system.mass_damping),
+        damping=tuple(system.mass_damping or Inertia.none()),
         attachment=(attachment.leader, attachment.offset, attachment.trivial),
         held=system.held,
         measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),

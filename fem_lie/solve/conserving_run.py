@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fem_lie import constraints, inertia, lie
+from fem_lie import inertia, lie
 from fem_lie.frames import push
 from fem_lie.groups import Group
 from fem_lie.loads import StrainLoad
-from fem_lie.nodal import report_rates
 from fem_lie.pressure import Pressure
 from fem_lie.results import Array, Result
 from fem_lie.solve import conserving_end as ending
@@ -30,6 +29,7 @@ from fem_lie.solve.integration import Integration
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Policy
 from fem_lie.solve.recorder import History
+from fem_lie.solve.result_row import ResultRow
 from fem_lie.solve.saving import Saving
 from fem_lie.solve.scheme import failure
 from fem_lie.solve.start import accelerations, check_velocities
@@ -95,6 +95,7 @@ class Run(Integration[History]):
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
         self.counts = np.zeros(2, dtype=np.int64)
         self._factors: Factors | None = None
+        self._filled = ResultRow(system)
         self.rates, self._end = EndRates.at(np.zeros((system.count, 6))), 0.0
 
     def history(
@@ -150,7 +151,9 @@ class Run(Integration[History]):
         return done
 
     def _note_rates(self) -> None:
-        self.rates = self.rates.after(2.0 * self.s.trend, self.h)
+        # reactions of supports are made of them
+        if len(self.system.supported):
+            self.rates = self.rates.after(2.0 * self.s.trend, self.h)
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
@@ -311,20 +314,11 @@ class Run(Integration[History]):
 
     def keep(self, history: History) -> None:
         """Keep the present state."""
-        system, s, row = self.system, self.s, history.row
-        attachment, v = system.numbering.attachment, local(s.H, s.V)
-        history.frames[row] = attachment.frames(s.H)
-        history.velocities[row] = attachment.twists(v)
-        weights = self._end_weights()
-        forces, coordinates, violations = system.report_joints(s.H, v, weights)
-        history.joint_forces[row], history.joint_coordinates[row] = forces, coordinates
-        history.joint_violations[row] = violations
-        history.reactions[row] = self._reactions(v, weights)
-        mass, dead, invariants = self.model.inertia, system.conservative, history.invariants[row]
-        history.potential[row] = report_rates(s.H, s.V, mass, dead, self.this.q, invariants)
-        springs = constraints.spring_energy(s.H, system.table) if len(system.table.springs) else 0.0
-        history.elastic[row] = s.W.sum() + springs
-        history.book(row, s.books)
+        s, row, weights = self.s, history.row, self._end_weights()
+        self._filled.by_rates(history, s.H, s.V, weights, s.books)
+        if len(self.system.supported):
+            history.reactions[row] = self._reactions(weights)
+        history.elastic[row] += s.W.sum()
         history.keep(np.array([self.index]), self.counters[ending.TOTAL : ending.TOTAL + 1])
 
     def _end_weights(self) -> Array:
@@ -345,15 +339,13 @@ class Run(Integration[History]):
         system.kkt.csr[0][:] = matrix
         return weights
 
-    def _reactions(self, v: Array, weights: Array) -> Array:
+    def _reactions(self, weights: Array) -> Array:
         """Of supports, by the equations of motion at the end of the step."""
         system, s = self.system, self.s
-        if not len(system.supported):
-            return np.zeros((0, 6))
         if system.time_dependent:
             system.set_time(self._end)
         system.elastic.settle(s.H)
-        n = system.count
+        n, v = system.count, local(s.H, s.V)
         return system.reactions(s.H, v, local_rates(s.H[:n], v[:n], self.rates.end()), weights)
 
     # --- checkpoints ---

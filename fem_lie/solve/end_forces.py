@@ -15,9 +15,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._jit import Array
+from fem_lie._jit import Array, compiled
+from fem_lie._lie_tuples import cross, scaled
 
 
+@compiled
 def at_end(last: Array, earlier: Array, sizes: Array) -> Array:
     """Multipliers at the end of the last step, shape (m,).
 
@@ -26,7 +28,11 @@ def at_end(last: Array, earlier: Array, sizes: Array) -> Array:
         earlier: Those over the two before, the later one first, (2, m).
         sizes: Of these three steps, the last one first, (3,).
     """
-    after = np.cumsum(sizes) - 0.5 * sizes
-    weights = np.cross(after, np.array([1.0, -1.0, 1.0]) / sizes)
-    first, *others = weights / weights.sum()
-    return np.asarray(first * last + others @ earlier)
+    h1, h2, h3 = sizes[0], sizes[1], sizes[2]
+    after = 0.5 * h1, h1 + 0.5 * h2, h1 + h2 + 0.5 * h3
+    w = cross(after, (1.0 / h1, -1.0 / h2, 1.0 / h3))
+    w = scaled(1.0 / (w[0] + w[1] + w[2]), w)
+    out = np.empty_like(last)
+    for c in range(last.shape[0]):
+        out[c] = w[0] * last[c] + w[1] * earlier[0, c] + w[2] * earlier[1, c]
+    return out

@@ -110,7 +110,7 @@ class Integration(ABC, Generic[Kept]):
             return
         row = history.row - 1
         try:
-            self.system.turns.check(history.frames[row], f"at time {history.times[row]:g}")
+            self.system.turns.judge(history.turn, float(history.times[row]))
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 

@@ -234,7 +234,7 @@ class DirectSolver:
         Raises:
             InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
         """
-        np.multiply(self.right_hand_side, self._own.left, out=self._scaled)
+        np.multiply(self.right_hand_side, self._own.left, self._scaled)
         self._ksp.solve(self._b, self._x)
         if self._refines:
             self._refine()
@@ -243,7 +243,7 @@ class DirectSolver:
         if self._idle is not None:
             multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
             multipliers[:] = self._idle.remove(multipliers)
-        np.multiply(self._found, self._own.right, out=self.solution)
+        np.multiply(self._found, self._own.right, self.solution)
 
     def _check(self) -> None:
         """Make sure that what was found is a solution."""

@@ -13,6 +13,7 @@ from fem_lie._jit import Array, Indices
 from fem_lie.info import SceneInfo
 from fem_lie.results import Result
 from fem_lie.solve.checkpoints import Checkpoints
+from fem_lie.solve.result_row import ResultRow
 from fem_lie.solve.saving import Saving
 from fem_lie.solve.window import Window
 from fem_lie.system import System
@@ -156,7 +157,7 @@ class Recorder(History):
     ) -> None:
         """As :class:`History`, for the equations ``system``."""
         super().__init__(system.info(), steps, step, saving, progress, store)
-        self._system = system
+        self._system, self._filled = system, ResultRow(system)
         self._count = 0 if store is None or not store.memory else int(store.memory["count"])
 
     def record(
@@ -169,7 +170,7 @@ class Recorder(History):
         iterations: int,
         booked: Array,
     ) -> bool:
-        """Fill step ``index`` in if it is one that is wanted; ``booked``: see :meth:`book`.
+        """Fill step ``index`` in if it is one that is wanted; ``booked``: balance and impulses.
 
         Returns:
             Whether it was.
@@ -187,16 +188,10 @@ class Recorder(History):
     ) -> None:
         """Fill in the next row, for which there is room."""
         system, row = self._system, self.row
-        attachment = system.numbering.attachment
-        self.frames[row] = attachment.frames(H)
-        self.velocities[row] = attachment.twists(v)
-        forces, coordinates, violations = system.report_joints(H, v, multipliers)
-        self.joint_forces[row], self.joint_coordinates[row] = forces, coordinates
-        self.joint_violations[row] = violations
-        self.reactions[row] = system.reactions(H, v, a, multipliers)
-        self.potential[row] = system.report(H, v, self.invariants[row])
-        self.elastic[row] = system.stored_energy(H)
-        self.book(row, booked)
+        self._filled.by_twists(self, H, v, multipliers, booked)
+        if len(system.supported):
+            self.reactions[row] = system.reactions(H, v, a, multipliers)
+        self.elastic[row] += system.elastic.energy(H)
         self.times[row], self.iterations[row] = time, self._count
         self.row += 1
 

@@ -165,8 +165,7 @@ class VariableSteps:
             self._stepper.record(self._recorder, index, iterations)
             self._recorder.stamp(time)
             try:
-                frames = self._recorder.frames[self._recorder.row - 1]
-                self._stepper.system.turns.check(frames, f"at time {time:g}")
+                self._stepper.system.turns.judge(self._recorder.turn, time)
             except FoldedElementError as error:
                 result = self._completed(self._watch.seconds)
                 raise ConvergenceError(f"an element folds: {error}", result) from None

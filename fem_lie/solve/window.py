@@ -33,6 +33,8 @@ class Window:
         balance: Work, damping, numerical loss, see :mod:`fem_lie.balances`, shape (T, 3); zero
             where a row is not yet written, as ``impulses`` are.
         impulses: Of loads and reactions, shape (T, 2, 6).
+        arrays: Those that :mod:`fem_lie.solve.result_row` fills.
+        turn: Of the last row, see :meth:`~fem_lie.element_turns.ElementTurns.judge`.
     """
 
     def __init__(
@@ -84,6 +86,8 @@ class Window:
         for array in (self.elastic, self.balance, self.impulses):
             array[:] = 0.0
         self.row, self._parts = 0, list[dict[str, Array]]()
+        self.turn = 0, 0.0
+        self._collect_arrays()
         self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
         self._last_gap = 0.0
         # rows that have passed
@@ -110,11 +114,14 @@ class Window:
         for name in self._names:
             old = getattr(self, name)
             setattr(self, name, np.concatenate([old, np.full_like(old, old[-1:])]))
+        self._collect_arrays()
 
-    def book(self, row: int, total: Array) -> None:
-        """Keep balance and impulses up to the time of a row, shape (15,)."""
-        self.balance[row] = total[: balances.COLUMNS]
-        self.impulses[row] = total[balances.COLUMNS :].reshape(2, 6)
+    def _collect_arrays(self) -> None:
+        self.arrays = (
+            *(self.frames, self.velocities),
+            *(self.joint_forces, self.joint_coordinates, self.joint_violations),
+            *(self.invariants, self.balance, self.impulses),
+        )
 
     @property
     def gap(self) -> float:
