@@ -1,0 +1,105 @@
+"""The numbers of all demos, and whether two versions of the code give the same.
+
+Each demo runs with its defaults and writes its record (``--json``) into a folder; two folders are
+compared number by number, but for times: relative to their size, or to 1 where they are smaller.
+
+    python3 tools/records.py make before
+    python3 tools/records.py compare before after
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+DEMOS = Path("demos")
+HELPERS = ("command_line",)
+TIMES = ("seconds", "ms_per_step", "_ms")
+TOLERANCE = 1e-10
+
+
+def demos() -> list[str]:
+    """Names of all demos."""
+    return sorted(file.stem for file in DEMOS.glob("*.py") if file.stem not in HELPERS)
+
+
+def make(folder: Path, names: list[str], limit: float) -> None:
+    """Run demos one after the other; what fails or takes too long has no record."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        record, start = folder.absolute() / f"{name}.json", time.perf_counter()
+        command = [sys.executable, f"demos/{name}.py", "--json", str(record)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=limit)
+            said = "" if done.returncode == 0 else done.stderr.strip().splitlines()[-1:]
+        except subprocess.TimeoutExpired:
+            said = f"not done in {limit:g} s"
+        print(f"{name:28} {time.perf_counter() - start:7.1f} s  {said}", flush=True)
+
+
+def numbers(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """All that is no mapping and no list, with its place."""
+    items: Any = ()
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    else:
+        yield path, value
+    for key, inner in items:
+        yield from numbers(inner, f"{path}/{key}")
+
+
+def compare(before: Path, after: Path) -> None:
+    """Print what differs by more than the tolerance, and what is in one folder only."""
+    names = sorted({file.name for folder in (before, after) for file in folder.glob("*.json")})
+    compared = differ = 0
+    for name in names:
+        if not all((folder / name).exists() for folder in (before, after)):
+            print(f"{name}: in one folder only")
+            continue
+        old, new = (dict(numbers(json.loads((f / name).read_text()))) for f in (before, after))
+        for path in sorted(set(old) | set(new)):
+            if any(word in path for word in TIMES):
+                continue
+            compared += 1
+            one, other = old.get(path), new.get(path)
+            if not _same(one, other):
+                differ += 1
+                print(f"{name}{path}: {one!r} -> {other!r}")
+    print(f"{compared} numbers of {len(names)} demos compared, {differ} differ by over {TOLERANCE}")
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two numbers agree, relative to the larger or, below 1, to 1."""
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return one == other or abs(one - other) <= TOLERANCE * max(abs(one), abs(other), 1.0)
+    return bool(one == other)
+
+
+def main() -> None:
+    """Make or compare."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    tasks = parser.add_subparsers(dest="task", required=True)
+    task = tasks.add_parser("make")
+    task.add_argument("folder", type=Path)
+    task.add_argument("--demo", action="append", choices=demos(), help="default: all")
+    task.add_argument("--limit", type=float, default=600.0, help="seconds for each")
+    task = tasks.add_parser("compare")
+    task.add_argument("before", type=Path)
+    task.add_argument("after", type=Path)
+    given = parser.parse_args()
+    if given.task == "make":
+        make(given.folder, given.demo or demos(), given.limit)
+    else:
+        compare(given.before, given.after)
+
+
+if __name__ == "__main__":
+    main()
