@@ -26,6 +26,7 @@ from fem_lie._lie_tuples import (
 from fem_lie.balances import BY_LOADS, BY_REACTIONS
 from fem_lie.solve.between import span
 from fem_lie.solve.conserving_cells import add_from_nodes
+from fem_lie.solve.copies import put
 from fem_lie.solve.filtered import ACTIVE, LIMIT, end_velocities, lag_behind, velocity_loss
 from fem_lie.solve.joints_between import add_joints
 from fem_lie.wrench import add_dead, add_wrench
@@ -159,7 +160,7 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     end, mean, middle, delta = rows[0], rows[1], rows[2], rows[3]
     span(H, step, delta, mean, end, middle)
     losses[:] = 0.0
-    _add_momenta(model, state, this)
+    _add_momenta(model[2], model[3], model[8][0], scheme, state, this)
     _add_loads(model[8], middle, forces)
     add_from_nodes(model, state, this)
     given = joints, weights, model[13], scheme[0]
@@ -205,16 +206,18 @@ def _add_reactions(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+def _add_momenta(  # type: ignore[no-untyped-def]
+    mass, damping, dead, scheme, state, this
+):
     """Set forces: rates of momenta, with damping that goes with mass."""
-    mass, damping, loads, h, χ = model[2], model[3], model[8], model[11][0], model[11][1]
+    h, χ = scheme[0], scheme[1]
     V, w, lag = state[2], state[8], state[10]
     rows, V1, losses, forces, q = this[1], this[2], this[6], this[9], this[10]
     mean, delta = rows[1], rows[3]
     n = V.shape[0]
     end_velocities(mass, V, V1, delta, w, lag, χ, h, q)
     # what round-off has left over is made up: momenta are compensated sums
-    forces[:] = state[11]
+    put(state[11], forces)
     if damping[0].shape[0] > 0:
         for i in range(n):
             for k in range(4):
@@ -233,7 +236,7 @@ def _add_momenta(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any
     for i in range(n):
         for k in range(4):
             for j in range(3):
-                q[1, i, k, j] -= loads[0][i, k, j]
+                q[1, i, k, j] -= dead[i, k, j]
     _on_directors(mean, q[1], forces)
     if χ > 0.0:
         losses[2] += velocity_loss(mass, V, V1, delta, h, q)

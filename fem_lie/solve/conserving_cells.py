@@ -21,6 +21,7 @@ from fem_lie._lie_tuples import (
 from fem_lie.balances import BY_LOADS
 from fem_lie.solve import cells as elements
 from fem_lie.solve.between import follow
+from fem_lie.solve.copies import put
 from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
 from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REPAID, SQUARES, WORKS
 from fem_lie.wrench import add_wrench
@@ -43,7 +44,7 @@ def add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[A
         on_all = forces
         parts = (H, rows[0], rows[1], rows[2], rows[3], nodes[5], step)
     else:
-        this[10][0] = nodes[5, : step.shape[0]]
+        put(nodes[5, : step.shape[0]], this[10][0])
         follow(H, leader, offset, nodes[0])
         for k in range(4):
             follow(rows[k], leader, offset, nodes[1 + k])

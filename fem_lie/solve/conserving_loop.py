@@ -51,6 +51,7 @@ from fem_lie.solve.conserving_end import (
     settled,
     stagnates,
 )
+from fem_lie.solve.copies import put
 from fem_lie.solve.factors import solve
 from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
 from fem_lie.wrench import add_dead, add_wrench
@@ -63,15 +64,17 @@ _FELT = 8.0
 
 
 @compiled
-def begin(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> float:
+def begin(  # type: ignore[no-untyped-def]
+    held, measure, scheme, state, this
+):
     """Predict the step; returns the size of its largest motion."""
-    held, measure, h = model[5], model[6], model[11][0]
+    h = scheme[0]
     H, V, lag, trend, step, V1 = state[0], state[2], state[10], state[13], this[0], this[2]
-    V1[:] = V
-    this[13][:] = state[3]
+    put(V, V1)
+    put(state[3], this[13])
     lag[MEMORY], lag[ACTIVE], lag[FREE] = 1.0, lag[REMEMBERS], 1.0
     # β of dissipation is settled in the first iterations, and depends on where they begin
-    ahead, largest = 0.0 if model[11][1] > 0.0 else h * h, 0.0
+    ahead, largest = 0.0 if scheme[1] > 0.0 else h * h, 0.0
     for i in range(step.shape[0]):
         u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
         ψ = combined(h, _spin(H[i], V[i]), ahead, load(trend[i], 3))
@@ -108,9 +111,8 @@ def _hold(H: Array, held: Any, u: Vector, ψ: Vector, step: Array) -> None:
 
 
 @compiled
-def correction(model: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any, ...]) -> float:
+def correction(measure: Array, r: Array, factors: tuple[Any, ...]) -> float:
     """Solve for the correction; returns the size of its largest part."""
-    measure, r = model[6], this[12]
     x, largest = r[1], 0.0
     solve(factors, r[0], r[2], x)
     for k in range(x.shape[0]):
@@ -121,9 +123,11 @@ def correction(model: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any
 
 
 @compiled
-def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+def correct(  # type: ignore[no-untyped-def]
+    held, scale, scheme, state, this
+):
     """Apply the correction."""
-    held, scale, χ = model[5], model[7], model[11][1] * state[10][ACTIVE]
+    χ = scheme[1] * state[10][ACTIVE]
     H, weights = state[0], state[3]
     step, middle, x = this[0], this[1][2], this[12][1]
     n = step.shape[0]
@@ -139,18 +143,20 @@ def correct(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...
 
 
 @compiled
-def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+def accept(  # type: ignore[no-untyped-def]
+    joints, probes, loads, scheme, state, this
+):
     """Make the end of the step the start of the next."""
     H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend, earlier, sizes = state
     step, rows, V1, F1, energies, change, losses = this[:7]
-    n, h, μ = step.shape[0], model[11][0], model[11][2]
-    if model[11][1] > 0.0:
+    n, (h, χ, μ) = step.shape[0], scheme
+    if χ > 0.0:
         # the first step knows of no change before
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
         lag[REMEMBERS] = lag[ACTIVE] = 1.0
         w += μ * (V1 - V - w)
         w_F += μ * (F1 - F - w_F)
-    books[0] += losses[0] + _work_of_loads(model, rows, step, losses)
+    books[0] += losses[0] + _work_of_loads(loads, rows, step, losses)
     books[1] += losses[1]
     books[2] += losses[2]
     books[BY_LOADS:] += h * losses[BY_LOADS:]
@@ -158,21 +164,22 @@ def accept(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]
     for i in range(n, H.shape[0]):
         for k in range(4):
             store_row(H[i], k, load_row(rows[0, i], k))
-    unwrap(H, joint_table(model[1]))
-    unwrap(H, joint_table(model[12]))
-    V[:] = V1
+    unwrap(H, joint_table(joints))
+    unwrap(H, joint_table(probes))
+    put(V1, V)
     for i in range(n):
         for at in (0, 3):
             end = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
             store(trend[i], at, combined(1.0 / h, end, -1.0 / h**2, load(step[i], at)))
-    F[:], W[:] = F1, energies[0]
+    put(F1, F)
+    put(energies[0], W)
     for e in range(account.shape[0]):
         account[e] += energies[1, e]
     sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
     for c in range(gap.shape[0]):
         gap[c] += change[c]
         earlier[1, c], earlier[0, c] = earlier[0, c], this[13][c]
-    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + model[11][1]), lag, carry)
+    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + χ), lag, carry)
 
 
 @compiled
@@ -195,9 +202,9 @@ def _keep_what_is_left(
 
 
 @compiled
-def _work_of_loads(model: tuple[Any, ...], rows: Array, step: Array, losses: Array) -> float:
+def _work_of_loads(loads: tuple[Any, ...], rows: Array, step: Array, losses: Array) -> float:
     """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
-    dead, moment, following, constant = model[8]
+    dead, moment, following, constant = loads
     mean, middle, delta, work = rows[1], rows[2], rows[3], 0.0
     for i in range(step.shape[0]):
         for k in range(4):
@@ -237,10 +244,12 @@ def run(
         last: Step to reach.
     """
     tolerance, limit, patience, cost = options
+    # what takes all of the model is much code at each call
+    held, measure, scale, scheme = model[5], model[6], model[7], model[11]
     weighs = 0.0 < cost < np.inf
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
-            numbers[MOTION] = max(begin(model, state, this), numbers[MOTION])
+            numbers[MOTION] = max(begin(held, measure, scheme, state, this), numbers[MOTION])
             numbers[PREVIOUS] = numbers[LEAST] = np.inf
             counters[ITERATION], counters[STALLS] = 1, 0
         iteration = counters[ITERATION]
@@ -252,10 +261,10 @@ def run(
             if due:
                 return MATRIX
         residual(model, state, this)
-        numbers[INCREMENT] = correction(model, this, factors)
+        numbers[INCREMENT] = correction(measure, this[12], factors)
         counters[TOTAL] += 1
         settle_memory(state[10], numbers, iteration)
-        finding = model[11][1] > 0.0 and state[10][FREE] == 1.0
+        finding = scheme[1] > 0.0 and state[10][FREE] == 1.0
         noise = settled(counters, numbers, finding)
         if not noise and not finding and stagnates(counters, numbers):
             noise = numbers[INCREMENT] <= _FELT * _round_off(model, state, this, factors)
@@ -264,9 +273,9 @@ def run(
         if noise or converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
-                correct(model, state, this)
+                correct(held, scale, scheme, state, this)
                 residual(model, state, this)
-            accept(model, state, this)
+            accept(model[1], model[12], model[8], scheme, state, this)
             counters[LAST] = iteration
             counted = max(iteration, 2)
             if counters[BEST] == 0 or counted < counters[BEST]:
@@ -277,13 +286,13 @@ def run(
         elif iteration == limit or not numbers[INCREMENT] < 1e3:
             return FAILED
         else:
-            correct(model, state, this)
+            correct(held, scale, scheme, state, this)
             numbers[PREVIOUS] = numbers[INCREMENT]
             counters[ITERATION] += 1
     return DONE
 
 
-@compiled
+@linked
 def _round_off(
     model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any, ...]
 ) -> float:
@@ -307,11 +316,12 @@ def _round_off(
         weights[c] *= 1.0 + sign * _ULP
         sign = -sign
     residual(model, state, this)
-    correction(model, this, factors)
+    correction(measure, this[12], factors)
     largest = 0.0
     for k in range(x.shape[0]):
         largest = max(largest, abs(r[1, k] - x[k]) * measure[k])
-    step[:], weights[:] = kept, kept_weights
+    put(kept, step)
+    put(kept_weights, weights)
     residual(model, state, this)
-    r[1] = x
+    put(x, r[1])
     return largest

@@ -182,7 +182,8 @@ class Run(Integration[History]):
                 code = loop.MATRIX
                 if counters[ending.ITERATION] == 0:
                     counters[ending.ITERATION], counters[ending.ASKED] = 1, 1
-                    motion = loop.begin(*self._plain)
+                    model, *rest = self._plain
+                    motion = loop.begin(model[5], model[6], model[11], *rest)
                     self.numbers[ending.MOTION] = max(motion, self.numbers[ending.MOTION])
                     self.numbers[ending.PREVIOUS] = self.numbers[ending.LEAST] = np.inf
                     counters[ending.STALLS] = 0

@@ -28,6 +28,7 @@ import numpy as np
 from fem_lie import inertia
 from fem_lie._jit import Array, compiled, inlined
 from fem_lie._lie_tuples import Vector, cross, dot, load_row, minus, plus, scaled
+from fem_lie.solve.copies import put
 from fem_lie.solve.discrete_gradient import solve_symmetric
 
 MEMORY, ACTIVE, REMEMBERS, WORKS, FREE = 0, 1, 2, 3, 9
@@ -69,7 +70,7 @@ def end_velocities(  # type: ignore[no-untyped-def]
                 turned = scaled(χ / (1.0 + χ), cross(Ω, _mean(V, V1, i, k)))
                 for j in range(3):
                     q[0, i, k, j] = V[i, k, j] + a[i, k, j] + turned[j]
-        V1[:] = q[0]
+        put(q[0], V1)
         gap = minus(Ω, before)
         if dot(gap, gap) <= 1e-30 * dot(Ω, Ω):
             return
@@ -107,13 +108,13 @@ def _projection(  # type: ignore[no-untyped-def]
     """Rotation that makes ``Ω × V̄`` nearest to ``a − sign b`` in the metric of inertia."""
     indptr, indices, blocks = mass
     n = V.shape[0]
-    q[0] = a[:n] - sign * b[:n]
+    put(a[:n] - sign * b[:n], q[0])
     inertia.multiply(indptr, indices, blocks, q[0], q[1])
     right = (0.0, 0.0, 0.0)
     for i in range(n):
         for k in range(4):
             right = plus(right, cross(_mean(V, V1, i, k), load_row(q[1, i], k)))
-    q[0] = 0.5 * (V + V1)
+    put(0.5 * (V + V1), q[0])
     inertia.multiply(indptr, indices, blocks, q[0], q[1])
     A[:] = 0.0
     for i in range(n):
@@ -173,6 +174,6 @@ def velocity_loss(  # type: ignore[no-untyped-def]
     """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly."""
     indptr, indices, blocks = mass
     n = V.shape[0]
-    q[0] = delta[:n] / h - 0.5 * (V + V1)
+    put(delta[:n] / h - 0.5 * (V + V1), q[0])
     inertia.multiply(indptr, indices, blocks, q[0], q[1])
     return np.sum((V1 - V) * q[1])

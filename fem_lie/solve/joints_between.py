@@ -30,6 +30,7 @@ from fem_lie._lie_tuples import (
 )
 from fem_lie.joint_table import PackedJoints, joint_table
 from fem_lie.relative_motion import relative_motion
+from fem_lie.solve.copies import put
 from fem_lie.wrench import add_wrench
 
 
@@ -117,7 +118,7 @@ def add_joints(
             joint_functions.values(z, table.angle[j], table.turned[j], f)
         p[:] = 0.0
         for t in range(table.first[j], table.first[j + 1]):
-            g[:] = table.selection[t]
+            put(table.selection[t], g)
             if table.curved[j]:
                 joint_functions.add_secants(z, dz, table.angle[j], table.functions[t], g)
             gain, row = 0.0, table.rows[t]
