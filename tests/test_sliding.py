@@ -203,6 +203,20 @@ def test_travel_is_driven_and_the_end_is_an_error():
         fl.GeneralisedAlpha().run(scene, duration=1.5, step=5e-3)
 
 
+@settings(max_examples=60, deadline=None)
+@given(along=st.floats(0.0, 1.0), seed=st.integers(0, 10))
+def test_every_place_on_a_beam_is_found(along, seed):
+    """Near a node, too, where the nearest of some points is on the wrong side of it."""
+    beam, rng = rail(), np.random.default_rng(seed)
+    k = rng.integers(len(beam.lengths))
+    a, b = beam.elements[k, :2]
+    twist = lie.se3_relative(beam.frames[a], beam.frames[b])
+    place = lie.se3_retract(beam.frames[a], along * twist)[0]
+    bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
+    tie = fl.Sliding(beam, bead.centre).sliding_tie()
+    assert tie.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
+
+
 def test_bad_places_and_beams_are_refused():
     scene = fl.Scene()
     beam = scene.add(rail())

@@ -152,19 +152,24 @@ class Sleeve(Sliding):
 def _nearest(
     beam: Beam, elements: Indices, starts: Array, place: Array
 ) -> tuple[Array, float, float]:
-    """Frame of the axis next to a place, its arclength, and the distance."""
+    """Frame of the axis next to a place, its arclength, and the distance.
+
+    Each element is searched: next to a node either side may be the nearer one.
+    """
     a, b = beam.frames[elements[:, 0]], beam.frames[elements[:, 1]]
     d = lie.se3_relative(a, b)
     ξ = np.linspace(0.0, 1.0, 9)
     points = lie.se3_retract(a[:, np.newaxis], ξ[:, np.newaxis] * d[:, np.newaxis])
     distance = np.linalg.norm(points[:, :, 0] - place, axis=2)
-    e, k = np.unravel_index(distance.argmin(), distance.shape)
-    at = float(ξ[k])
+    at = ξ[distance.argmin(axis=1)]
     for _ in range(30):
-        frame = lie.se3_retract(a[e], at * d[e])
-        gap = frame[1:] @ (place - frame[0])
-        slope = -d[e, 0] + np.cross(gap, d[e, 3:])[0]
-        at = float(np.clip(at - gap[0] / slope, 0.0, 1.0))
-    frame = lie.se3_retract(a[e], at * d[e])
-    off = float(np.linalg.norm(place - frame[0]))
-    return frame, float(starts[e] + at * beam.lengths[e]), off
+        frames = lie.se3_retract(a, at[:, np.newaxis] * d)
+        gap = np.einsum("eij,ej->ei", frames[:, 1:], place - frames[:, 0])
+        slope = -d[:, 0] + np.cross(gap, d[:, 3:])[:, 0]
+        # where all of a far element is equally near there is no slope
+        step = np.divide(gap[:, 0], slope, out=np.zeros_like(at), where=slope != 0.0)
+        at = np.clip(at - step, 0.0, 1.0)
+    frames = lie.se3_retract(a, at[:, np.newaxis] * d)
+    off = np.linalg.norm(place - frames[:, 0], axis=1)
+    e = int(off.argmin())
+    return frames[e], float(starts[e] + at[e] * beam.lengths[e]), float(off[e])
