@@ -32,6 +32,9 @@ class Acting:
     Attributes:
         strained: Whether strains without stress change.
         plain: Whether all is seen by :func:`~fem_lie.outer_forces.look`.
+        looks: Whether that looks at loads, and whether at joints.
+        scene: What it looks at: nodal loads, those of ``dead`` that have a potential, damping that
+            goes with mass, the packed table of joints, and ``looks``.
     """
 
     def __init__(self, system: System) -> None:
@@ -48,21 +51,19 @@ class Acting:
         self._any = special or self._loaded or joined or damped or connections.driven
         self.plain = self._any and not special
         damping = tuple(system.mass_damping or Inertia.none())
-        joints = connections.packed, self._loaded, joined and not self._others
-        self._constant = system.conservative, damping, *joints
+        self.looks = self._loaded, joined and not self._others
+        constant = system.conservative, damping, connections.packed
+        self.scene: tuple[Any, ...] = tuple(system.lasting_loads), *constant, *self.looks
 
     def __bool__(self) -> bool:
         """Whether anything acts."""
         return self._any
 
     @property
-    def scene(self) -> tuple[Any, ...]:
-        """For compiled functions, at the present time of the equations.
-
-        Nodal loads, those of ``dead`` that have a potential, damping that goes with mass, the
-        packed table of joints, and whether loads and whether joints of that table are looked at.
-        """
-        return tuple(self._system.loads), *self._constant
+    def arrays(self) -> list[Any]:
+        """Those of :attr:`scene`, one after the other."""
+        loads, conservative, damping, joints, *_ = self.scene
+        return [*loads, conservative, *damping, *joints]
 
     def look(
         self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array

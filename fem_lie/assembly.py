@@ -7,69 +7,16 @@ once; only the nodal frames are written anew before each call, by one compiled l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-import dolfinx
-import numba
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
 
-from fem_lie import _compat, ufcx
+from fem_lie import ufcx
 from fem_lie._jit import Array, Indices, compiled
+from fem_lie.cell_forms import CellForm, FormTable
 from fem_lie.frames import NodalFrames
 from fem_lie.kernel import LocalFrameForms
-from fem_lie.ufcx import call_kernel, pointer, stack
-
-_SIX = 6
-
-
-@compiled
-def _evaluate(
-    H: Array,
-    cells: npt.NDArray[np.int32],
-    kernel: int,
-    packed: Array,
-    constants: Array,
-    x: Array,
-    unknowns: int,
-    out: Array,
-) -> None:
-    """Sum a form over its cells, at nodal frames ``H``.
-
-    What DOLFINx's assembly does, in one call with the frames of each cell's nodes, which are
-    written at the head of its packed coefficients. For twenty beams that is half the time.
-
-    Args:
-        H: Frames of the nodes, shape (count, 4, 3).
-        cells: Nodes of each cell, shape (m, k).
-        kernel: Address, see :mod:`fem_lie.ufcx`.
-        packed: Coefficients of each cell, the frames first, overwritten there.
-        constants: Of the form.
-        x: Coordinates of each cell.
-        unknowns: Of each node, 0 for a number.
-        out: Added to, shape (count · unknowns,) or (1,).
-    """
-    size = max(1, cells.shape[1] * unknowns)
-    place = stack(size)
-    values = numba.carray(place, (size,))
-    w, c = np.int64(packed.ctypes.data), pointer(np.int64(constants.ctypes.data))
-    at = np.int64(x.ctypes.data)
-    for e in range(cells.shape[0]):
-        k = 0
-        for i in range(cells.shape[1]):
-            for a in range(4):
-                for j in range(3):
-                    packed[e, k] = H[cells[e, i], a, j]
-                    k += 1
-        values[:] = 0.0
-        shift = packed.shape[1] * e
-        call_kernel(kernel, place, pointer(w + 8 * shift), c, pointer(at + 8 * x.shape[1] * e))
-        if unknowns == 0:
-            out[0] += values[0]
-        for i in range(cells.shape[1]):
-            for k in range(unknowns):
-                out[unknowns * cells[e, i] + k] += values[unknowns * i + k]
 
 
 @compiled
@@ -81,32 +28,6 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
             for j in range(6):
                 packed[e, k] = v[cells[e, i], j]
                 k += 1
-
-
-class _Packed:
-    """A form with its constants and coefficients packed; the state comes first in them."""
-
-    def __init__(self, form: fem.Form, kernel: Any, cells: npt.NDArray[np.int32]) -> None:
-        self.form, self.kernel, self.cells = form._cpp_object, int(kernel.address), cells
-        self._cpp = dolfinx.cpp.fem
-        self.constants = self._cpp.pack_constants(self.form)
-        mesh = form.mesh
-        x = mesh.geometry.x[_compat.geometry_dofmap(mesh)]
-        self.x = np.ascontiguousarray(x).reshape(len(cells), -1)
-        self.pack()
-
-    def pack(self) -> None:
-        """Read all coefficients anew."""
-        # there is one integral
-        (self.values,) = self._cpp.pack_coefficients(self.form).values()
-
-    def add_vector(self, H: Array, out: Array) -> None:
-        _evaluate(H, self.cells, self.kernel, self.values, self.constants, self.x, _SIX, out)
-
-    def scalar(self, H: Array) -> float:
-        value = np.zeros(1)
-        _evaluate(H, self.cells, self.kernel, self.values, self.constants, self.x, 0, value)
-        return float(value[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +54,10 @@ class Assembly:
         inertia: In that pattern, or ``None`` without mass.
         viscous: Whether there are viscous forces.
         settles: Whether forces depend on more than one step of Newton for the cells' own unknowns.
+        summed_alone: Whether forces and energy are sums of :attr:`tables` and nothing else.
     """
 
-    settles = False
+    settles, summed_alone = False, True
 
     def __init__(
         self,
@@ -159,13 +81,13 @@ class Assembly:
         self.inertia: NodalInertia | None = None
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         cells = frames.function.function_space.dofmap.list
-        self._residual = _Packed(forms.residual, ufcx.residual_kernel, cells)
-        self._energy = _Packed(forms.energy, ufcx.energy_kernel, cells)
+        self._residual = CellForm(forms.residual, ufcx.residual_kernel, cells)
+        self._energy = CellForm(forms.energy, ufcx.energy_kernel, cells)
         self._matrix = fem.create_matrix(forms.tangent)
         self.indptr, self.indices = self._matrix.indptr, self._matrix.indices
         self.viscous = forms.viscous is not None
         if forms.viscous is not None:
-            self._viscous = _Packed(forms.viscous, ufcx.viscous_kernel, cells)
+            self._viscous = CellForm(forms.viscous, ufcx.viscous_kernel, cells)
             self._velocity_at = forms.velocity_at
 
     @property
@@ -177,6 +99,11 @@ class Assembly:
     def contents(self) -> tuple[str, list[Array], list[Array]]:
         """What its energy is, see :attr:`~fem_lie.kernel.LocalFrameForms.contents`."""
         return self._forms.contents
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy, see :func:`~fem_lie.cell_forms.add_cells`."""
+        return self._residual.table, self._energy.table
 
     @property
     def cells(self) -> npt.NDArray[np.int32]:

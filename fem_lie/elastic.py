@@ -13,6 +13,7 @@ from fem_lie import lie
 from fem_lie._jit import Array, Indices
 from fem_lie.assembly import Assembly
 from fem_lie.attachment import Attachment
+from fem_lie.cell_forms import add_cells, joined
 from fem_lie.pressure import Pressure
 from fem_lie.surface_pressure import SurfacePushes
 
@@ -23,6 +24,8 @@ class Elastic:
     Attributes:
         pairs: Rows and columns of the node pairs that each assembly couples, then each pressure.
         viscous: Whether there are viscous forces.
+        tables: Of forces and of energy, for :func:`~fem_lie.cell_forms.add_cells` at the frames of
+            the leaders, if that is all there is; else ``None``.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class Elastic:
         self._assemblies, self._attachment, self._pressures = assemblies, attachment, pressures
         self.viscous = any(assembly.viscous for _, assembly in assemblies)
         self._settling = [pair for pair in assemblies if pair[1].settles]
+        self.tables = self._joined()
         self._all = np.zeros((len(attachment.leader), 6))
         # Ad(C⁻¹): twist of a node from that of its leader
         self._turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset))
@@ -54,6 +58,14 @@ class Elastic:
         self._nodes += [(pressure.rows, pressure.columns) for pressure in pressures]
         leader = attachment.leader
         self.pairs: list[tuple[Indices, Indices]] = [(leader[r], leader[c]) for r, c in self._nodes]
+
+    def _joined(self) -> list[tuple[Indices, Indices]] | None:
+        plain = all(assembly.summed_alone for _, assembly in self._assemblies)
+        if not self._attachment.trivial or self._pressures or not plain:
+            return None
+        first = [where.start for where, _ in self._assemblies]
+        tables = [assembly.tables for _, assembly in self._assemblies]
+        return [joined([table[k] for table in tables], first) for k in range(2)]
 
     def add_forces(self, H: Array, r: Array) -> None:
         """Add the elastic forces at frames ``H`` of the leaders to ``r``, (≥ 6 count,)."""
@@ -95,6 +107,10 @@ class Elastic:
 
     def energy(self, H: Array) -> float:
         """Stored energy."""
+        if self.tables is not None:
+            value = np.zeros(1)
+            add_cells(H, self.tables[1], 0, value)
+            return float(value[0])
         frames = self._attachment.frames(H)
         return sum(assembly.energy(frames[where]) for where, assembly in self._assemblies)
 

@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_lie import constraints, inertia
-from fem_lie._jit import Array, Indices, compiled
+from fem_lie._jit import Array, Indices, compiled, linked
+from fem_lie.cell_forms import add_cells
+from fem_lie.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
 from fem_lie.frames import pull, pull_derivative, push
 from fem_lie.groups import tangent, turn
 from fem_lie.joint_table import PackedJoints, joint_table
@@ -99,6 +101,29 @@ def rigid_residual(
     pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
     _add_moments(H, moment, following, r)
     constraints.evaluate(H, v, joint_table(joints), weights, scale, count, r)
+
+
+@linked
+def residual(
+    H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array, table: Indices
+) -> None:
+    """:func:`rigid_residual`, and forces of elements.
+
+    Args:
+        H: See there, and so on.
+        v: See there.
+        a: See there.
+        weights: See there.
+        scale: See there.
+        r: See there.
+        table: Of fixed arrays: inertia, loads, joints, work, and a
+            :class:`~fem_lie.cell_forms.FormTable`.
+    """
+    mass = integers1(table, 0), integers1(table, 1), numbers3(table, 2)
+    loads = numbers3(table, 3), numbers2(table, 4), numbers2(table, 5)
+    joints = numbers1(table, 6), integers1(table, 7)
+    rigid_residual(H, v, a, mass, loads, joints, weights, scale, numbers4(table, 8), r)
+    add_cells(H, (integers2(table, 9), integers1(table, 10)), 6, r)
 
 
 @compiled

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from fem_lie import constraints, inertia, lie
-from fem_lie._jit import Array, compiled, inlined
+from fem_lie._jit import Array, Indices, compiled, inlined, linked
 from fem_lie._lie_tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.balances import BY_LOADS
+from fem_lie.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.frames import push
 from fem_lie.joint_table import PackedJoints, joint_table
 from fem_lie.wrench import add_dead, add_wrench
@@ -172,15 +173,33 @@ def sum_up(
     old_weights[:], old_targets[:] = weights, targets
 
 
-@compiled
+@linked
 def look_and_sum_up(
     h: float,
     end: tuple[Array, Array, Array, Array],
-    scene: tuple[Any, ...],
-    start: tuple[Any, ...],
-    total: Array,
+    loaded: bool,
+    joined: bool,
+    table: Indices,
 ) -> None:
-    """:func:`look` at the end of a step, and :func:`sum_up`."""
-    row, wrenches = np.empty(SIZE), np.empty_like(start[1])
+    """:func:`look` at the end of a step, and :func:`sum_up`.
+
+    Args:
+        h: See :func:`sum_up`.
+        end: See there.
+        loaded: Whether loads are looked at.
+        joined: Whether joints are.
+        table: Of fixed arrays: loads, those with a potential, damping that goes with mass, joints,
+            then what ``sum_up`` calls ``start`` and ``total``.
+    """
+    loads = numbers3(table, 0), numbers2(table, 1), numbers2(table, 2)
+    damping = integers1(table, 4), integers1(table, 5), numbers3(table, 6)
+    joints = numbers1(table, 7), integers1(table, 8)
+    scene = loads, numbers3(table, 3), damping, joints, loaded, joined
+    before, moving = (
+        (numbers1(table, 9), numbers2(table, 10)),
+        (numbers3(table, 11), numbers2(table, 12)),
+    )
+    start = before[0], before[1], moving[0], moving[1], numbers1(table, 13), numbers1(table, 14)
+    row, wrenches = np.empty(SIZE), np.empty_like(before[1])
     look(end[0], end[1], end[2], scene, row, wrenches)
-    sum_up(h, end, row, wrenches, start, total)
+    sum_up(h, end, row, wrenches, start, numbers1(table, 15))

@@ -57,6 +57,7 @@ class ShellAssembly(Assembly):
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None
+        self.summed_alone = False
         self.settles = forms.local is not None and not plain
         self._drilling: DrillingAssembly | None = None
         if first.drills(holds.get(first, ())):

@@ -27,13 +27,14 @@ from fem_lie.connections import Connections
 from fem_lie.elastic import Elastic
 from fem_lie.element_turns import ElementTurns
 from fem_lie.elements.shell_maps import retract
+from fem_lie.fixed_arrays import FixedArrays
 from fem_lie.groups import Group, Parametrisation
 from fem_lie.histories import declared, until_next
 from fem_lie.idle_multipliers import IdleMultipliers
 from fem_lie.info import SceneInfo, SupportInfo
 from fem_lie.load_cases import LoadCases
 from fem_lie.masses import inertia_of
-from fem_lie.nodal import Inertia, add_mass_damping, report, rigid_residual
+from fem_lie.nodal import Inertia, Loads, add_mass_damping, report, residual, rigid_residual
 from fem_lie.pressure import Pressure
 from fem_lie.redundancy import redundant_constraints, refuse
 from fem_lie.scene import Scene
@@ -67,6 +68,7 @@ class System:
         supported: Moving nodes that clamps and bodies hold, see :meth:`reactions`, shape (s,).
         uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
         inertia: That of the moving nodes.
+        loads: At the time that was set last; ``lasting_loads``: the same in arrays that stay.
         elastic: Elements and pressure.
         tangent: The matrix; ``kkt`` is what it is filled into.
         force: On (x, d₁, d₂, d₃) in the last residual: ``G q̈`` and mass damping minus dead loads,
@@ -130,6 +132,8 @@ class System:
         required = dynamics or bool(scene.gravity.any())
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         self._damping = damping if dynamics else None
+        z, n = np.zeros, self.count
+        self.lasting_loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
         self._loads = LoadCases(scene, self.numbering, self._weight(scene))
         moves = bool(self._motions) or self.connections.driven
         self.time_dependent = self._loads.time_dependent or moves
@@ -163,6 +167,10 @@ class System:
         self._still = np.zeros((self.count, 6))
         self._applied, self._internal = np.zeros((2, self.count, 6))
         self._any_uncoupled = bool(self.uncoupled.any())
+        self._fixed: FixedArrays | None = None
+        if not self._others and not self._any_uncoupled and self.elastic.tables is not None:
+            constant = *self.inertia, *self.lasting_loads, *self.connections.packed, self._work
+            self._fixed = FixedArrays([*constant, *self.elastic.tables[0]])
         # reactions of what is held in a node's own axes turn with them
         self._turns = ~self.held
         self._turns[np.isfinite(self.numbering.supports[:, 0, 0]), :3] = True
@@ -185,6 +193,8 @@ class System:
             ValueError: A history, motion or drive is not finite.
         """
         self.loads = self._loads.at(time, factor)
+        for lasting, now in zip(self.lasting_loads, self.loads, strict=True):
+            lasting[:] = now
         self._plain_loads = tuple(self.loads)
         if self.connections.driven:
             self.connections.set_time(time)
@@ -258,8 +268,11 @@ class System:
         self, H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array
     ) -> None:
         """:meth:`residual`, with the forces that hold what is held."""
-        self.applied(H, v, a, weights, scale, r)
-        self.elastic.add_forces(H, r)
+        if self._fixed is None:
+            self.applied(H, v, a, weights, scale, r)
+            self.elastic.add_forces(H, r)
+        else:
+            residual(H, v, a, weights, scale, r, self._fixed.table)
         if self._viscous:
             self.elastic.add_viscous_forces(H, v, r)
         if self._damping is not None:

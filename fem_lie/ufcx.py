@@ -124,6 +124,16 @@ def pointer(typing_context, address):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
+def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    """Where 64-bit integers stand."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
+
+    return types.CPointer(types.int64)(types.int64), generate
+
+
+@intrinsic
 def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped-def]
     """Call a kernel of this module at ``address``, as DOLFINx calls it for a cell."""
     return types.void(types.int64, *UFCX_SIGNATURE.args[:4]), _tabulate_code

@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._jit import Array
 from fem_lie.acting import Acting
 from fem_lie.balances import BY_REACTIONS, TOTAL
+from fem_lie.fixed_arrays import FixedArrays
 from fem_lie.outer_forces import POWER, SIZE, look_and_sum_up, sum_up
 from fem_lie.system import System
 
@@ -61,6 +62,7 @@ class Books:
             targets=z(system.m),
         )
         self._start = tuple(self._seen)
+        self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)
         self._stored, self._time = z(1), z(1)
@@ -118,7 +120,7 @@ class Books:
             return
         end = H, v, weights, self._targets
         if acting.plain:
-            look_and_sum_up(h, end, acting.scene, self._start, total)
+            look_and_sum_up(h, end, *acting.looks, self._fixed.table)
             return
         if acting.strained:
             total[POWER] += self._strain_work(time, H)

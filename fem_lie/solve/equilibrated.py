@@ -101,7 +101,6 @@ class Equilibrated:
     """A copy of the matrix that stays as it was taken.
 
     Attributes:
-        matrix: For PETSc; :meth:`take` changes its values.
         left: Of rows, shape (n,): ``L b`` is the right-hand side for ``matrix``.
         right: Of columns: its solution times this is that of the scene.
         csr: Values, columns, row pointers.
@@ -113,10 +112,17 @@ class Equilibrated:
         self._kkt = kkt
         self.right, self.left = kkt.units, np.ones(len(kkt.units))
         self.csr = np.zeros_like(values), columns, pointers
-        shape = (len(self.right),) * 2
-        self.matrix = PETSc.Mat().createAIJWithArrays(
-            shape, (pointers, columns, self.csr[0]), comm=PETSc.COMM_SELF
-        )
+        self._matrix: PETSc.Mat | None = None
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """For PETSc, made when it is first asked for; :meth:`take` changes its values."""
+        if self._matrix is None:
+            values, columns, pointers = self.csr
+            self._matrix = PETSc.Mat().createAIJWithArrays(
+                (len(self.right),) * 2, (pointers, columns, values), comm=PETSc.COMM_SELF
+            )
+        return self._matrix
 
     def take(self) -> None:
         """Copy the matrix as it is now.
@@ -127,8 +133,9 @@ class Equilibrated:
         largest = _take(*self._kkt.csr, self.right, self._kkt.unit_rows, self.csr[0], self.left)
         if not np.isfinite(largest):
             raise SingularMatrixError("the matrix is not finite")
-        self.matrix.stateIncrease()
-        self.matrix.assemble()
+        if self._matrix is not None:
+            self._matrix.stateIncrease()
+            self._matrix.assemble()
 
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
         """Of the solution ``x`` for ``b``, both of this matrix; sets ``r = b − A x``."""

@@ -1,20 +1,28 @@
 """A row of results from the state of the equations: all but elements' energy in one compiled call.
 
-A step of a small scene takes a hundred microseconds, and a call from Python a few: the longer the
-more arrays it has. So all that stays the same is in two of them.
+A step of a small scene takes a hundred microseconds, and a call from Python a few.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_lie import constraints, inertia
-from fem_lie._jit import Array, Indices, compiled, inlined
+from fem_lie._jit import Array, Indices, compiled, linked
 from fem_lie.attachment import expand, expand_twists
 from fem_lie.balances import COLUMNS
 from fem_lie.element_turns import nearest
+from fem_lie.fixed_arrays import (
+    FixedArrays,
+    integers1,
+    integers2,
+    numbers1,
+    numbers2,
+    numbers3,
+    numbers4,
+)
 from fem_lie.frames import push
 from fem_lie.joint_table import joint_table
 from fem_lie.nodal import report_rates
@@ -24,103 +32,16 @@ if TYPE_CHECKING:
     from fem_lie.system import System
 
 
-class Reported(NamedTuple):
-    """What of a scene is constant in rows of results; ``N`` nodes, ``n`` of which lead.
-
-    Attributes:
-        offset: Of each node in its leader's frame, shape (N, 4, 3), with ``leader``, shape (N,).
-        blocks: Of the inertia, shape (nnz, 4, 4), with ``indptr`` and ``indices``.
-        dead: Conservative loads, shape (n, 4, 3).
-        limits: Of the turn of each element, with ``ends`` (w, 3) and ``whole`` (w,), see
-            :mod:`fem_lie.element_turns`.
-        leader: See ``offset``.
-        indptr: See ``blocks``, likewise ``indices``.
-        indices: See there.
-        ends: See ``limits``, likewise ``whole``.
-        whole: See there.
-        pairs: Pairs of joints whose forces are reported, with their ``sides``.
-        sides: See there.
-        owner: Item of each constraint, shape (m,).
-    """
-
-    offset: Array
-    blocks: Array
-    dead: Array
-    limits: Array
-    leader: Indices
-    indptr: Indices
-    indices: Indices
-    ends: Indices
-    whole: Indices
-    pairs: Indices
-    sides: Indices
-    owner: Indices
-
-
-def pack(parts: Reported) -> tuple[Array, Indices]:
-    """The same in two arrays; :func:`_views` gives it back."""
-    numbers, integers = parts[:4], parts[4:]
-    counts = (parts.leader, parts.dead, parts.blocks, parts.limits, parts.pairs, parts.owner)
-    sizes = np.array([len(part) for part in counts], dtype=np.int64)
-    return (
-        np.concatenate([part.ravel() for part in numbers]),
-        np.concatenate([sizes, *(part.ravel().astype(np.int64) for part in integers)]),
-    )
-
-
-@inlined
-def _views(x: Array, i: Indices) -> Reported:
-    nodes, n, entries, w, pairs, m = i[0], i[1], i[2], i[3], i[4], i[5]
-    blocks = 12 * nodes
-    dead = blocks + 16 * entries
-    limits = dead + 12 * n
-    indptr = 6 + nodes
-    indices = indptr + n + 1
-    ends = indices + entries
-    whole = ends + 3 * w
-    reported = whole + w
-    sides = reported + pairs
-    owner = sides + pairs
-    return Reported(
-        x[:blocks].reshape(nodes, 4, 3),
-        x[blocks:dead].reshape(entries, 4, 4),
-        x[dead:limits].reshape(n, 4, 3),
-        x[limits : limits + w],
-        i[6:indptr],
-        i[indptr:indices],
-        i[indices:ends],
-        i[ends:whole].reshape(w, 3),
-        i[whole:reported],
-        i[reported:sides],
-        i[sides:owner],
-        i[owner : owner + m],
-    )
-
-
 class ResultRow:
     """Fills all of a row but its time, reactions, and what elements and supports have in it."""
 
     def __init__(self, system: System) -> None:
         """Of the equations ``system``."""
         attachment, connections = system.numbering.attachment, system.connections
-        mass, (limits, ends, whole) = system.inertia, system.turns.elements
-        pairs, sides, owner = connections.reported
-        reported = Reported(
-            offset=attachment.offset,
-            blocks=mass.blocks,
-            dead=system.conservative,
-            limits=limits,
-            leader=attachment.leader,
-            indptr=mass.indptr,
-            indices=mass.indices,
-            ends=ends,
-            whole=whole,
-            pairs=pairs,
-            sides=sides,
-            owner=owner,
-        )
+        nodes = attachment.leader, attachment.offset, *system.inertia, system.conservative
+        joints = *connections.packed, *connections.packed_probes, *connections.reported
         self._system = system
-        self._scene = connections.packed, connections.packed_probes, pack(reported)
+        self._scene = FixedArrays([*nodes, *joints, *system.turns.elements])
 
     def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
         """Fill the next row of ``rows``, elastic energy with that of springs alone.
@@ -134,14 +55,16 @@ class ResultRow:
         """
         weights = self._system.felt(H, weights)
         row = rows.row
-        found = fill_by_twists(H, v, weights, booked, self._scene, rows.arrays, row)
+        found = fill_by_twists(H, v, weights, booked, self._scene.table, rows.arrays.table, row)
         self._complete(rows, H, v, weights, found)
 
     def by_rates(self, rows: Window, H: Array, V: Array, weights: Array, booked: Array) -> None:
         """Likewise, from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
         weights = self._system.felt(H, weights)
         v = np.empty((len(V), 6))
-        found = fill_by_rates(H, V, v, weights, booked, self._scene, rows.arrays, rows.row)
+        found = fill_by_rates(
+            H, V, v, weights, booked, self._scene.table, rows.arrays.table, rows.row
+        )
         self._complete(rows, H, v, weights, found)
 
     def _complete(
@@ -167,8 +90,8 @@ def fill_by_twists(
     v: Array,
     weights: Array,
     booked: Array,
-    scene: tuple[Any, ...],
-    rows: tuple[Array, ...],
+    scene: Indices,
+    rows: Indices,
     row: int,
 ) -> tuple[float, float, int, float]:
     """Fill row ``row`` of the arrays.
@@ -178,8 +101,10 @@ def fill_by_twists(
         v: See there.
         weights: See there.
         booked: See there.
-        scene: Both tables of joints, and :class:`Reported`, packed.
-        rows: See :attr:`~fem_lie.solve.window.Window.arrays`.
+        scene: Table of fixed arrays: leader and offset of each node, inertia, conservative loads,
+            both tables of joints, which pairs, sides and owners are reported, and the elements of
+            :mod:`fem_lie.element_turns`.
+        rows: That of :attr:`~fem_lie.solve.window.Window.arrays`.
         row: Number of the row.
 
     Returns:
@@ -198,8 +123,8 @@ def fill_by_rates(
     v: Array,
     weights: Array,
     booked: Array,
-    scene: tuple[Any, ...],
-    rows: tuple[Array, ...],
+    scene: Indices,
+    rows: Indices,
     row: int,
 ) -> tuple[float, float, int, float]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
@@ -207,29 +132,46 @@ def fill_by_rates(
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 
-@compiled
+@linked
 def _fill(  # type: ignore[no-untyped-def]
     H, v, V, weights, booked, scene, rows, row
 ):
-    joints, probes, packed = scene
-    s = _views(packed[0], packed[1])
-    frames, velocities, forces, coordinates, violations, invariants, balance, impulses = rows
-    if s.leader.shape[0] == V.shape[0]:
-        frames[row], velocities[row] = H[: V.shape[0]], v
+    leader, offset = integers1(scene, 0), numbers3(scene, 1)
+    frames, velocities, invariants = (
+        numbers4(rows, 0)[row],
+        numbers3(rows, 1)[row],
+        numbers2(rows, 5),
+    )
+    if leader.shape[0] == V.shape[0]:
+        frames[:], velocities[:] = H[: V.shape[0]], v
     else:
-        expand(H, s.leader, s.offset, frames[row])
-        expand_twists(v, s.leader, s.offset, velocities[row])
-    values, largest, count = np.zeros(weights.shape[0]), violations[row], s.pairs.shape[0]
-    largest[:] = 0.0
-    given = weights, s.pairs, s.sides, s.owner, forces[row, :count], coordinates[row]
-    constraints.report(H, v, joints, probes, *given, values, largest)
-    mass, work = (s.indptr, s.indices, s.blocks), np.empty((1, V.shape[0], 4, 3))
-    potential = report_rates(H, V, mass, s.dead, work, invariants[row])
-    balance[row] = booked[:COLUMNS]
+        expand(H, leader, offset, frames)
+        expand_twists(v, leader, offset, velocities)
+    mass = integers1(scene, 2), integers1(scene, 3), numbers3(scene, 4)
+    work, dead = np.empty((1, V.shape[0], 4, 3)), numbers3(scene, 5)
+    potential = report_rates(H, V, mass, dead, work, invariants[row])
+    springs = _fill_joints(H, v, weights, scene, rows, row)
+    balance, impulses = numbers2(rows, 6)[row], numbers3(rows, 7)[row]
+    balance[:] = booked[:COLUMNS]
     for k in range(6):
-        impulses[row, 0, k] = booked[COLUMNS + k]
-        impulses[row, 1, k] = booked[COLUMNS + 6 + k]
-    table = joint_table(joints)
-    springs = constraints.spring_energy(H, table) if len(table.springs) > 0 else 0.0
-    element, angle = nearest(frames[row], s.ends, s.limits, s.whole)
+        impulses[0, k], impulses[1, k] = booked[COLUMNS + k], booked[COLUMNS + 6 + k]
+    limits, ends, whole = numbers1(scene, 13), integers2(scene, 14), integers1(scene, 15)
+    element, angle = nearest(frames, ends, limits, whole)
     return potential, springs, element, angle
+
+
+@compiled
+def _fill_joints(  # type: ignore[no-untyped-def]
+    H, v, weights, scene, rows, row
+):
+    """Forces, coordinates and violations of joints; returns the energy of springs."""
+    joints = numbers1(scene, 6), integers1(scene, 7)
+    probes = numbers1(scene, 8), integers1(scene, 9)
+    pairs, sides, owner = integers1(scene, 10), integers1(scene, 11), integers1(scene, 12)
+    forces, coordinates = numbers3(rows, 2)[row, : pairs.shape[0]], numbers2(rows, 3)[row]
+    largest, values = numbers2(rows, 4)[row], np.zeros(weights.shape[0])
+    largest[:] = 0.0
+    found = forces, coordinates, values, largest
+    constraints.report(H, v, joints, probes, weights, pairs, sides, owner, *found)
+    table = joint_table(joints)
+    return constraints.spring_energy(H, table) if len(table.springs) > 0 else 0.0

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie import balances
 from fem_lie._jit import Array
+from fem_lie.fixed_arrays import FixedArrays
 from fem_lie.info import SceneInfo
 from fem_lie.interpolation import between
 from fem_lie.solve.checkpoints import Checkpoints
@@ -117,11 +118,9 @@ class Window:
         self._collect_arrays()
 
     def _collect_arrays(self) -> None:
-        self.arrays = (
-            *(self.frames, self.velocities),
-            *(self.joint_forces, self.joint_coordinates, self.joint_violations),
-            *(self.invariants, self.balance, self.impulses),
-        )
+        joints = self.joint_forces, self.joint_coordinates, self.joint_violations
+        others = self.invariants, self.balance, self.impulses
+        self.arrays = FixedArrays([self.frames, self.velocities, *joints, *others])
 
     @property
     def gap(self) -> float:

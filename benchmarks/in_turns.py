@@ -1,0 +1,104 @@
+"""Time per step of the double pendulum in two checkouts, measured in turns.
+
+    python3 benchmarks/in_turns.py OTHER [scheme ...]
+
+OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``; schemes are
+``alpha``, ``conserving`` and ``decaying``, by default all. Each checkout has a process, and they
+run one after the other, again and again. What other work on the machine adds is in no step for
+long: the least mean of 20 steps in a row is that of steps without a new matrix; the mean over whole
+runs has matrices, too. All states are kept.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+STEPS, ROUNDS, IN_A_ROW = 1000, 5, 20
+SCHEMES = {
+    "alpha": "GeneralisedAlpha(radius=0.8)",
+    "conserving": "EnergyMomentum()",
+    "decaying": "EnergyDecaying()",
+}
+
+
+def measure() -> None:
+    """Answer requests, a case and a scheme, with microseconds, iterations and matrices."""
+    sys.path.insert(0, os.getcwd())
+    import fem_lie as fl
+    from demos.double_pendulum import STEP, pendulum
+    from fem_lie.solve import alpha_run, conserving_run
+
+    stamps: list[float] = []
+    for kind in (alpha_run.Run, conserving_run.Run):
+        kind._advance = _stamped(kind._advance, stamps)  # type: ignore[method-assign]
+    for line in sys.stdin:
+        case, scheme = line.split()
+        stamps.clear()
+        run = eval(SCHEMES[scheme], vars(fl)).run
+        h = STEP[int(case)]
+        result = run(pendulum(int(case))[0], step=h, duration=STEPS * h, progress=False)
+        times = 1e6 * np.array(stamps)
+        least = (times[IN_A_ROW:] - times[:-IN_A_ROW]).min() / IN_A_ROW
+        each = result.iterations[-1] / STEPS
+        print("=", least, 1e6 * result.seconds / STEPS, each, result.factorisations, flush=True)
+
+
+def _stamped(advance, stamps):  # type: ignore[no-untyped-def]
+    def stamped(run, history):  # type: ignore[no-untyped-def]
+        stamps.append(perf_counter())
+        return advance(run, history)
+
+    return stamped
+
+
+def answers(process: subprocess.Popen[str], request: str) -> Iterator[float]:
+    """The numbers that a process answers to a request."""
+    assert process.stdin is not None and process.stdout is not None
+    process.stdin.write(f"{request}\n")
+    process.stdin.flush()
+    for line in process.stdout:
+        if line.startswith("= "):
+            return map(float, line.split()[1:])
+    raise SystemExit("a process has ended")
+
+
+def main(other: str, schemes: list[str]) -> None:
+    here = Path(__file__).parents[1]
+    processes = [
+        subprocess.Popen(
+            [sys.executable, __file__],
+            cwd=folder,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(folder)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for folder in (Path(other).resolve(), here)
+    ]
+    print("scheme      case  µs without a new matrix  ratio    µs with all  ratio  iterations")
+    for scheme in schemes:
+        for case in (1, 2, 3):
+            rounds = [[[*answers(p, f"{case} {scheme}")] for p in processes] for _ in range(ROUNDS)]
+            (a, b) = np.min(rounds, axis=0)
+            print(
+                f"{scheme:10} {case:5}  {a[0]:11.1f} {b[0]:11.1f} {b[0] / a[0]:6.2f}"
+                f"  {a[1]:7.1f} {b[1]:7.1f} {b[1] / a[1]:5.2f}  {a[2]:.2f} {b[2]:.2f}"
+                f"  matrices {a[3]:.0f} {b[3]:.0f}",
+                flush=True,
+            )
+    for process in processes:
+        process.terminate()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        main(sys.argv[1], sys.argv[2:] or list(SCHEMES))
+    else:
+        measure()

@@ -1,0 +1,64 @@
+"""Arrays that are passed by their addresses, and what is computed with them in one call."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from demos.double_pendulum import pendulum
+from fem_lie.fixed_arrays import FixedArrays
+from fem_lie.system import System
+
+
+@pytest.mark.parametrize(
+    "array", [np.zeros((4, 4))[:, :2], np.zeros(3, dtype=np.int32)], ids=["strided", "int32"]
+)
+def test_what_is_not_as_compiled_code_reads_it_is_refused(array):
+    with pytest.raises(TypeError, match="contiguous doubles or integers"):
+        FixedArrays([array])
+
+
+def moving_system() -> tuple[System, tuple[np.ndarray, ...]]:
+    """Two hinged bars with gravity, a load in time and a spring, somewhere in motion."""
+    scene, one, two = pendulum(3)
+    scene.gravity = np.array((0.0, 0.0, -9.81))
+    scene.add(fl.PointLoad(two.end, force=(1.0, 2.0, 3.0), history=lambda t: 1.0 + t))
+    scene.add(fl.PointLoad(one.end, moment=(0.3, 0.2, 0.1)))
+    system = System(scene, dynamics=True)
+    rng = np.random.default_rng(1)
+    H = system.frames.copy()
+    H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
+    v, a = rng.normal(size=(2, system.count, 6))
+    return system, (H, v, a, rng.normal(size=system.m), np.ones(system.m))
+
+
+@pytest.mark.parametrize("time", [0.0, 0.7])
+def test_residual_in_one_call_is_the_sum_of_its_parts(time):
+    """Bit for bit, also when loads have changed."""
+    system, state = moving_system()
+    assert system.elastic.tables is not None
+    system.set_time(time)
+    r, parts = np.empty((2, system.size))
+    system.with_reactions(*state, r)
+    system.applied(*state, parts)
+    system.elastic.add_forces(state[0], parts)
+    assert np.array_equal(r, parts)
+
+
+def test_rows_are_what_the_equations_report():
+    """Joints, invariants and energies of a run, from its frames, velocities and multipliers."""
+    scene, one, _ = pendulum(1)
+    scene.gravity = np.array((0.0, -9.81, 0.0))
+    scene.add(fl.PointLoad(one.end, force=(0.0, 0.0, 1.0), history=lambda t: np.sin(50 * t)))
+    result = fl.GeneralisedAlpha().run(scene, duration=5e-3, step=1e-4, progress=False)
+    system = System(scene, dynamics=True)
+    H = np.concatenate([result.frames[-1], system.frames[system.count :]])
+    v, invariants = result.velocities[-1], np.empty(7)
+    potential = system.report(H, v, invariants)
+    np.testing.assert_allclose(result.potential[-1], potential, rtol=1e-12)
+    np.testing.assert_allclose(result.kinetic[-1], invariants[0], rtol=1e-12)
+    np.testing.assert_allclose(result.angular_momentum[-1], invariants[4:], rtol=1e-12)
+    np.testing.assert_allclose(result.elastic[-1], system.stored_energy(H), rtol=1e-12)
+    violations = system.report_joints(H, v, np.zeros(system.m))[2]
+    np.testing.assert_allclose(result.joint_violations[-1], violations, rtol=0, atol=1e-15)
