@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
+from benchmarks.random_scenes import SCALES
+from fem_lie.balances import energy_scale
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
 from tests.scene_data import DriveData, SceneData
@@ -56,7 +58,9 @@ def measures(data: SceneData, scheme: Any, steps: int) -> dict[str, float]:
     follows = result.balance is not None
     return {
         "steps": made,
-        "balance": result.balance_error if follows else np.nan,
+        "balance": result.balance_error * _turned_over(result) / _scale(result)
+        if follows
+        else np.nan,
         "gain": float(np.diff(_closed(result)).max() / _scale(result)) if follows else np.nan,
         "violation": float(result.joint_violations.max()),
         "iterations": float(result.iterations[-1] / max(made, 1)),
@@ -71,11 +75,16 @@ def _closed(result: fl.Result) -> np.ndarray:
     return np.asarray(result.total_energy - result.balance[:, 0] + result.balance[:, 1])
 
 
-def _scale(result: fl.Result) -> float:
+def _turned_over(result: fl.Result) -> float:
     """The largest energy in play."""
     assert result.balance is not None
-    parts = (result.kinetic + result.elastic, result.potential - result.potential[0])
-    return max(float(np.abs(part).max()) for part in (*parts, *result.balance.T[:2])) or 1.0
+    stored = result.kinetic + result.elastic
+    return energy_scale(stored, result.potential, result.balance)
+
+
+def _scale(result: fl.Result) -> float:
+    """Likewise; where nothing happens, that of a scene in which little does."""
+    return max(_turned_over(result), SCALES["energy"])
 
 
 def describe(data: SceneData) -> str:

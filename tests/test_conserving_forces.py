@@ -56,10 +56,15 @@ def order(coarse: np.ndarray, middle: np.ndarray, fine: np.ndarray) -> float:
     "scheme", [fl.EnergyMomentum(), fl.EnergyDecaying(radius=0.8)], ids=["conserving", "decaying"]
 )
 def test_forces_of_joints_are_of_second_order(make, scheme):
-    """At the ends of steps, from the very first on, and the same as by generalised-α."""
+    """At the ends of steps, from the very first on, and the same as by generalised-α.
+
+    What alternates since the start of a decaying run falls from step to step, and is not met
+    exactly by weights for what stays; of a rod's force, which errs by 2e-6 with the coarsest step,
+    that shows.
+    """
     found = [forces(make, scheme, step) for step in (4e-3, 2e-3, 1e-3)]
-    if make is not held_apart or not isinstance(scheme, fl.EnergyDecaying):
-        assert order(*found) > 1.85
+    rod = make is held_apart and isinstance(scheme, fl.EnergyDecaying)
+    assert order(*found) > (1.5 if rod else 1.85)
     other = [forces(make, fl.GeneralisedAlpha(), step) for step in (2e-3, 1e-3)]
     limits = [(4 * fine - coarse) / 3 for coarse, fine in (found[1:], other)]
     np.testing.assert_allclose(*limits, atol=1e-3 * np.abs(limits[1]).max())

@@ -175,15 +175,12 @@ def test_global_error_follows_the_tolerance():
 
 @each_scheme
 def test_jump_at_a_named_event(scheme):
-    """Steps end there, and both sides are exact: rest, and a parabola.
-
-    The memory of the decaying scheme may be short by 1e-4, of which a fortieth comes to the motion.
-    """
+    """Steps end there, and both sides are exact: rest, and a parabola."""
     result = scheme.run(pushed(jump), duration=1.0, step=fl.AdaptiveStep(1e-6, events=(0.3,)))
     assert (result.times == 0.3).sum() == 2
     assert len(result.steps.rejected) == 0
     exact = 1.5 * np.clip(result.times - 0.3, 0.0, None) ** 2
-    atol = 1e-8 if scheme is SCHEMES["conserving"] else 1e-6
+    atol = 1e-8
     np.testing.assert_allclose(result.position("ball.centre")[:, 0], exact, atol=atol)
     assert result.balance_error < 1e-12
     # dense output over the event

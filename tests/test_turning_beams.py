@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from demos.rotating_beam import angle
 from fem_lie import lie
 from fem_lie.solve import discrete_gradient
 from fem_lie.solve.between import span
+from tests.random_scenes import CONSERVING, STEP, random_scene
+from tests.scene_builder import build
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 SLENDER = fl.Section.from_stiffness(
@@ -98,6 +102,20 @@ def driven() -> tuple[fl.Scene, float]:
 
 
 @pytest.mark.parametrize("make", [free, hinged, steel_bar, driven])
+def test_a_beam_that_simply_turns_is_hardly_damped(make):
+    """The decaying scheme: energy never rises, and matrices are kept."""
+    scene, h = make()
+    result = fl.EnergyDecaying(radius=0.8).run(scene, duration=400 * h, step=h)
+    turned_over = max(result.kinetic.max(), np.abs(result.balance[:, 0]).max())
+    closed = result.total_energy - result.balance[:, 0] + result.balance[:, 1]
+    assert np.diff(closed).max() <= 1e-12 * turned_over
+    assert 0.0 < result.balance[-1, 2] <= 1e-4 * turned_over
+    assert result.balance_error < 2e-12
+    assert result.iterations[-1] < 13 * 400
+    assert result.factorisations < 80
+
+
+@pytest.mark.parametrize("make", [free, hinged, steel_bar, driven])
 def test_a_beam_that_simply_turns(make):
     """To round-off, with matrices that are kept."""
     scene, h = make()
@@ -106,6 +124,15 @@ def test_a_beam_that_simply_turns(make):
     assert result.factorisations < 200
     if make is not driven:
         assert result.angular_momentum_error < 2e-12
+
+
+def test_a_scene_at_rest_stays_there():
+    """Nothing but round-off is there to converge to."""
+    data = random_scene(45, replace(CONSERVING, steps=10_000))
+    scene = build(replace(data, loads=())).scene
+    result = fl.EnergyMomentum().run(scene, duration=300 * STEP, step=STEP)
+    assert result.kinetic.max() < 1e-17
+    assert result.iterations[-1] < 10 * 300
 
 
 def test_round_off_is_that_of_the_scene():

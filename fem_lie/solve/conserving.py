@@ -5,7 +5,6 @@ Formulas in :mod:`fem_lie.solve.energy_momentum`.
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,9 +24,9 @@ from fem_lie._lie_tuples import (
 )
 from fem_lie.balances import BY_LOADS, BY_REACTIONS
 from fem_lie.solve.between import span
-from fem_lie.solve.conserving_cells import add_from_nodes
+from fem_lie.solve.conserving_cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.copies import put
-from fem_lie.solve.filtered import ACTIVE, LIMIT, end_velocities, lag_behind, velocity_loss
+from fem_lie.solve.filtered import REMEMBERS, choose_memory, end_velocities, velocity_loss
 from fem_lie.solve.joints_between import add_joints
 from fem_lie.wrench import add_dead, add_wrench
 
@@ -85,7 +84,7 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Memory of changes of velocity, (n, 4, 3).
         w_F: Of changes of forces, (places, 6).
-        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (10,).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.filtered`, (11,).
         carry: Forces and moments left over by the last step, global components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, and
             impulses of loads and of reactions, (15,).
@@ -132,6 +131,8 @@ class Step(NamedTuple):
         F_viscous: Viscous forces of the cells, (places, 6).
         r: Residual, solution and work of the solver, (3, 6 n + m).
         weights: Multipliers at the start of the step, (m,).
+        filtered: Forces of the changes of elastic forces and of their memory, on all nodes,
+            (2, N, 6).
     """
 
     step: Array
@@ -148,6 +149,7 @@ class Step(NamedTuple):
     F_viscous: Array
     r: Array
     weights: Array
+    filtered: Array
 
 
 @linked
@@ -156,13 +158,18 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
     joints, held, scale, scheme = model[1], model[5], model[7], model[11]
     H, weights, gap, lag = state[0], state[3], state[4], state[10]
     step, rows, change, losses, forces, r = this[0], this[1], this[5], this[6], this[9], this[12]
-    n, χ = step.shape[0], scheme[1] * lag[ACTIVE]
+    n, χ = step.shape[0], scheme[1] * lag[REMEMBERS]
     end, mean, middle, delta = rows[0], rows[1], rows[2], rows[3]
     span(H, step, delta, mean, end, middle)
     losses[:] = 0.0
+    # what round-off has left over is made up: momenta are compensated sums
+    put(state[11], forces)
+    add_from_nodes(model, state, this)
+    if χ > 0.0:
+        _choose_memory(model[2], scheme, state, this)
+        add_filtered_forces(model[0][4].shape[0], model[4], scheme, state, this)
     _add_momenta(model[2], model[3], model[8][0], scheme, state, this)
     _add_loads(model[8], middle, forces)
-    add_from_nodes(model, state, this)
     given = joints, weights, model[13], scheme[0]
     work, loss = add_joints(mean, delta, *given, change, forces, losses[BY_REACTIONS:])
     losses[0] += work
@@ -178,14 +185,6 @@ def residual(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ..
                 r[0, 6 * i + k] = 0.0
     for c in range(weights.shape[0]):
         r[0, 6 * n + c] = scale[c] * (gap[c] + change[c])
-    if scheme[1] > 0.0:
-        moved = 0.0
-        for i in range(n):
-            for j in range(3):
-                moved += step[i, j] ** 2
-        # forces of this size are left over at both ends of the step, and the loss has a factor χ/2
-        noise = 4.0 / scheme[1] * lag[LIMIT] * sqrt(moved)
-        lag_behind(model[2], state[2], this[2], state[8], this[10], lag, noise)
 
 
 @inlined
@@ -206,18 +205,26 @@ def _add_reactions(  # type: ignore[no-untyped-def]
 
 
 @compiled
+def _choose_memory(  # type: ignore[no-untyped-def]
+    mass, scheme, state, this
+):
+    """β of this iteration, from velocities with that of the last one."""
+    V, w, lag, V1, q = state[2], state[8], state[10], this[2], this[10]
+    end_velocities(mass, V, V1, this[1][3], w, lag, scheme[1], scheme[0], q)
+    choose_memory(mass, V, V1, w, q, lag)
+
+
+@compiled
 def _add_momenta(  # type: ignore[no-untyped-def]
     mass, damping, dead, scheme, state, this
 ):
-    """Set forces: rates of momenta, with damping that goes with mass."""
+    """Add rates of momenta, and damping that goes with mass."""
     h, χ = scheme[0], scheme[1]
     V, w, lag = state[2], state[8], state[10]
     rows, V1, losses, forces, q = this[1], this[2], this[6], this[9], this[10]
     mean, delta = rows[1], rows[3]
     n = V.shape[0]
     end_velocities(mass, V, V1, delta, w, lag, χ, h, q)
-    # what round-off has left over is made up: momenta are compensated sums
-    put(state[11], forces)
     if damping[0].shape[0] > 0:
         for i in range(n):
             for k in range(4):

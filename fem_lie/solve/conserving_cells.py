@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
+import numpy as np
+
 from fem_lie._jit import Array, Indices, compiled, inlined, linked
 from fem_lie._lie_tuples import (
     cross,
@@ -22,8 +24,18 @@ from fem_lie.balances import BY_LOADS
 from fem_lie.solve import cells as elements
 from fem_lie.solve.between import follow
 from fem_lie.solve.copies import put
-from fem_lie.solve.discrete_gradient import add_elastic, add_filtered
-from fem_lie.solve.filtered import ACTIVE, LEAK, LIMIT, MEMORY, REPAID, SQUARES, WORKS
+from fem_lie.solve.discrete_gradient import add_elastic, filtered_forces
+from fem_lie.solve.filtered import (
+    ELASTIC,
+    ENERGY,
+    LEAK,
+    LIMIT,
+    MEMORY,
+    REMEMBERS,
+    REPAID,
+    SQUARES,
+    WORKS,
+)
 from fem_lie.wrench import add_wrench
 
 
@@ -61,6 +73,9 @@ def add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[A
         collect(leader, nodes[2], rows[1], on_all, forces)
 
 
+ULP = float(np.finfo(np.float64).eps)
+
+
 @compiled
 def _add_cells(  # type: ignore[no-untyped-def]
     model, state, this, parts, out
@@ -73,17 +88,15 @@ def _add_cells(  # type: ignore[no-untyped-def]
     elements.evaluate(cells, H, more, F1, energies[0])
     ends = (H, end, F, F1, W, energies[0])
     repay = _repayment(lag)
-    typical = lag[SQUARES] / W.shape[0]
+    typical, unknown = lag[SQUARES] / W.shape[0], ULP * lag[ENERGY] / W.shape[0]
     squares = add_elastic(
-        cells, ends, (mean, delta, step), account, energies[1], repay, typical, out
+        cells, ends, (mean, delta, step), account, energies[1], repay, typical, unknown, out
     )
     lag[SQUARES], lag[REPAID] = squares, repay * squares
     if χ > 0.0:
-        a = 0.5 * χ * lag[ACTIVE]
-        factors = (a, a * lag[MEMORY])
-        works = add_filtered(cells, (H, end, F, F1), (mean, delta, step), w_F, factors, out)
-        losses[2] += factors[0] * works[0] - factors[1] * works[1]
-        lag[WORKS], lag[WORKS + 1] = works
+        lag[WORKS], lag[WORKS + 1] = filtered_forces(
+            cells, (H, end, F, F1), (mean, delta, step), w_F, this[14]
+        )
     if viscous:
         for i in range(step.shape[0]):
             m = middle[i]
@@ -94,13 +107,40 @@ def _add_cells(  # type: ignore[no-untyped-def]
         losses[1] += h * _add_viscous(cells, middle, steps[1], this[11], out)
 
 
+@compiled
+def add_filtered_forces(  # type: ignore[no-untyped-def]
+    kinds, attachment, scheme, state, this
+):
+    """Add forces of the changes of elastic forces less their memory, to the leaders.
+
+    ``kinds``: how many of cells there are.
+    """
+    leader, _, trivial = attachment
+    lag, nodes, on_all, given, losses = state[10], this[7], this[8][2], this[14], this[6]
+    if kinds == 0:
+        return
+    a = 0.5 * scheme[1] * lag[REMEMBERS] * lag[ELASTIC]
+    b = a * lag[MEMORY]
+    losses[2] += a * lag[WORKS] - b * lag[WORKS + 1]
+    if trivial:
+        on_all = this[9]
+    else:
+        on_all[:] = 0.0
+    for i in range(on_all.shape[0]):
+        for k in range(6):
+            on_all[i, k] += a * given[0, i, k] - b * given[1, i, k]
+    if not trivial:
+        collect(leader, nodes[2], this[1][1], on_all, this[9])
+
+
 @inlined
 def _repayment(lag: Array) -> float:
     """Factor of forces that take back what round-off has brought in, as small as round-off is."""
     leak, squares = lag[LEAK], lag[SQUARES]
     if squares == 0.0:
         return 0.0
-    most = lag[LIMIT] / sqrt(squares)
+    # a force of the whole size turns its sign with a deformation that is noise, and keeps it up
+    most = 0.1 * lag[LIMIT] / sqrt(squares)
     return max(-most, min(most, leak / squares))
 
 

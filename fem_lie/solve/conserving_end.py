@@ -7,25 +7,25 @@ noise; and what does not fall and is larger may be, which the loop then asks for
 
 from __future__ import annotations
 
+from math import log
+
 import numpy as np
 
 from fem_lie._jit import Array, Indices, inlined
-from fem_lie.solve.filtered import ACTIVE, FREE, MEMORY, WORKS
 
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
-iterations of the present step that did not halve the increment, and iterations of the last step."""
-PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR = 0, 1, 2, 3, 4, 5, 6
+iterations since the increment fell to its least, and iterations of the last step."""
+PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
 """Numbers: last increment, ratio, largest motion, iterations beyond the fewest, increment, the
-least of the present step, and the least that round-off lets one expect."""
+least of the present step, the least that round-off lets one expect, that of ``patience``
+iterations before, and what round-off was seen to make of it in this step."""
+UNKNOWN, NEW = 0, -1
+"""Instead of the fewest iterations: none was counted with this matrix, none of a whole step."""
 ULPS = 1e3 * float(np.finfo(np.float64).eps)
 """Increments, in lengths of the model, that may be round-off."""
 FINE = 1e-2 * ULPS
 """Increments that are."""
-_SETTLE_MEMORY, _LATEST_MEMORY = 1e-6, 20
-"""Increment over the largest motion, and iteration, from which the factor of the memory stays."""
-_AGAIN = 6
-"""How often that factor is found once more, in a step that has gained."""
 _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
@@ -33,46 +33,41 @@ STALLED = 0.8
 
 
 @inlined
-def settle_memory(lag: Array, numbers: Array, iteration: int) -> None:
-    """Let its factor be where it hardly changes any more: the iteration must come to an end."""
-    if lag[FREE] > 1.0:
-        lag[FREE] = 1.0 - lag[FREE]
-    elif lag[FREE] == 1.0 and (
-        iteration >= _LATEST_MEMORY or numbers[INCREMENT] < _SETTLE_MEMORY * numbers[MOTION]
-    ):
-        lag[FREE] = 0.0
+def lags(numbers: Array, tolerance: float, patience: int, spare: float) -> bool:
+    """Whether at its present rate the iteration would go on for more than ``spare`` iterations."""
+    increment, before = numbers[INCREMENT], numbers[MARK]
+    numbers[MARK] = increment
+    target = max(tolerance * numbers[MOTION], numbers[FLOOR], FINE)
+    if increment <= ULPS or increment <= target:
+        return False
+    rate = log(increment / before) / patience
+    return rate >= 0.0 or log(target / increment) < spare * rate
 
 
 @inlined
-def loses(lag: Array, losses: Array) -> bool:
-    """Whether the step has no numerical gain.
+def count(counters: Indices, numbers: Array) -> None:
+    """Note what the step that ends took beyond the fewest iterations with the present matrix.
 
-    If it has, it goes on with the memory that fits what was found, then with less, then with none.
+    One that was made within this step is not known yet.
     """
-    if lag[ACTIVE] == 0.0 or losses[2] >= -1e-12 * abs(lag[WORKS]):
-        return True
-    if lag[FREE] > -_AGAIN:
-        lag[FREE] = 2.0 - min(lag[FREE], 0.0)
-        return False
-    if lag[MEMORY] > 0.0:
-        lag[MEMORY] = 0.0
-    else:
-        lag[ACTIVE] = 0.0
-    return False
+    counted = max(counters[ITERATION], 2)
+    counters[LAST] = counters[ITERATION]
+    if counters[BEST] == NEW:
+        counters[BEST] = UNKNOWN
+        return
+    if counters[BEST] == UNKNOWN or counted < counters[BEST]:
+        counters[BEST] = counted
+    numbers[EXCESS] += counted - counters[BEST]
 
 
 @inlined
-def settled(counters: Indices, numbers: Array, finding: bool) -> bool:
-    """Whether only round-off is left: it falls no more, or is as small as where it fell no more.
-
-    Not while the factor of the memory is still being found (``finding``).
-    """
-    if finding:
-        counters[STALLS], numbers[LEAST] = 0, np.inf
-        return False
+def settled(counters: Indices, numbers: Array) -> bool:
+    """Whether only round-off is left: it falls no more, or is as small as where it fell no more."""
     increment, least = numbers[INCREMENT], numbers[LEAST]
     if increment > STALLED * least:
         counters[STALLS] += 1
+    else:
+        counters[STALLS] = 0
     numbers[LEAST] = min(increment, least)
     if increment <= 2.0 * numbers[FLOOR]:
         # a lucky zero must not make the next steps wait for another
@@ -87,8 +82,8 @@ def settled(counters: Indices, numbers: Array, finding: bool) -> bool:
 @inlined
 def stagnates(counters: Indices, numbers: Array) -> bool:
     """Whether increments have ceased to fall where it is not known to be round-off."""
-    increment, least = numbers[INCREMENT], numbers[LEAST]
-    return counters[STALLS] >= _STAGNANT and ULPS < increment <= 4.0 * least
+    increment = numbers[INCREMENT]
+    return counters[STALLS] >= _STAGNANT and increment > ULPS
 
 
 @inlined

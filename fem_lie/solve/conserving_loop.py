@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fem_lie import inertia
 from fem_lie._jit import Array, Indices, compiled, inlined, linked
 from fem_lie._lie_tuples import (
     Vector,
@@ -34,26 +35,26 @@ from fem_lie.solve.between import advance
 from fem_lie.solve.conserving import residual
 from fem_lie.solve.conserving_end import (
     ASKED,
-    BEST,
     EXCESS,
+    FELT,
     INCREMENT,
     ITERATION,
-    LAST,
     LEAST,
+    MARK,
     MOTION,
     PREVIOUS,
     STALLS,
     STEPS,
     TOTAL,
     converged,
-    loses,
-    settle_memory,
+    count,
+    lags,
     settled,
     stagnates,
 )
 from fem_lie.solve.copies import put
 from fem_lie.solve.factors import solve
-from fem_lie.solve.filtered import ACTIVE, FREE, LEAK, LIMIT, MEMORY, REMEMBERS, REPAID
+from fem_lie.solve.filtered import ENERGY, LEAK, LIMIT, REMEMBERS, REPAID, remember
 from fem_lie.wrench import add_dead, add_wrench
 
 DONE, MATRIX, FAILED = 0, 1, 2
@@ -69,12 +70,10 @@ def begin(  # type: ignore[no-untyped-def]
 ):
     """Predict the step; returns the size of its largest motion."""
     h = scheme[0]
-    H, V, lag, trend, step, V1 = state[0], state[2], state[10], state[13], this[0], this[2]
+    H, V, trend, step, V1 = state[0], state[2], state[13], this[0], this[2]
     put(V, V1)
     put(state[3], this[13])
-    lag[MEMORY], lag[ACTIVE], lag[FREE] = 1.0, lag[REMEMBERS], 1.0
-    # β of dissipation is settled in the first iterations, and depends on where they begin
-    ahead, largest = 0.0 if scheme[1] > 0.0 else h * h, 0.0
+    ahead, largest = h * h, 0.0
     for i in range(step.shape[0]):
         u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
         ψ = combined(h, _spin(H[i], V[i]), ahead, load(trend[i], 3))
@@ -127,7 +126,7 @@ def correct(  # type: ignore[no-untyped-def]
     held, scale, scheme, state, this
 ):
     """Apply the correction."""
-    χ = scheme[1] * state[10][ACTIVE]
+    χ = scheme[1] * state[10][REMEMBERS]
     H, weights = state[0], state[3]
     step, middle, x = this[0], this[1][2], this[12][1]
     n = step.shape[0]
@@ -144,16 +143,18 @@ def correct(  # type: ignore[no-untyped-def]
 
 @compiled
 def accept(  # type: ignore[no-untyped-def]
-    joints, probes, loads, scheme, state, this
+    mass, joints, probes, loads, scheme, state, this
 ):
     """Make the end of the step the start of the next."""
     H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend, earlier, sizes = state
     step, rows, V1, F1, energies, change, losses = this[:7]
     n, (h, χ, μ) = step.shape[0], scheme
+    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + χ * lag[REMEMBERS]), lag, carry)
     if χ > 0.0:
         # the first step knows of no change before
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
-        lag[REMEMBERS] = lag[ACTIVE] = 1.0
+        lag[REMEMBERS] = 1.0
+        remember(lag, μ)
         w += μ * (V1 - V - w)
         w_F += μ * (F1 - F - w_F)
     books[0] += losses[0] + _work_of_loads(loads, rows, step, losses)
@@ -167,6 +168,9 @@ def accept(  # type: ignore[no-untyped-def]
     unwrap(H, joint_table(joints))
     unwrap(H, joint_table(probes))
     put(V1, V)
+    indptr, indices, blocks = mass
+    inertia.multiply(indptr, indices, blocks, V, this[10][1])
+    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * this[10][1]) + np.sum(energies[0]))
     for i in range(n):
         for at in (0, 3):
             end = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
@@ -179,7 +183,6 @@ def accept(  # type: ignore[no-untyped-def]
     for c in range(gap.shape[0]):
         gap[c] += change[c]
         earlier[1, c], earlier[0, c] = earlier[0, c], this[13][c]
-    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + χ), lag, carry)
 
 
 @compiled
@@ -225,7 +228,7 @@ def run(
     state: tuple[Any, ...],
     this: tuple[Any, ...],
     factors: tuple[Any, ...],
-    options: tuple[float, int, int, float],
+    options: tuple[float, int, int, float, float],
     counters: Indices,
     numbers: Array,
     last: int,
@@ -238,49 +241,48 @@ def run(
         this: See :class:`~fem_lie.solve.conserving.Step`.
         factors: Of the matrix.
         options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
-            :class:`~fem_lie.solve.policies.Automatic`.
+            :class:`~fem_lie.solve.policies.Automatic`, and iterations that a step may go on for
+            where that was not enough.
         counters: Shape (7,), updated.
-        numbers: Shape (7,), updated.
+        numbers: Shape (9,), updated.
         last: Step to reach.
     """
-    tolerance, limit, patience, cost = options
+    tolerance, limit, patience, cost, spare = options
     # what takes all of the model is much code at each call
     held, measure, scale, scheme = model[5], model[6], model[7], model[11]
-    weighs = 0.0 < cost < np.inf
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
             numbers[MOTION] = max(begin(held, measure, scheme, state, this), numbers[MOTION])
-            numbers[PREVIOUS] = numbers[LEAST] = np.inf
+            numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS] = 1, 0
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
-            # what a new matrix has not made better another one will not
-            wait = max(patience, 2 * counters[BEST]) if weighs else patience
-            due = numbers[EXCESS] >= cost if iteration == 1 else (iteration - 1) % wait == 0
             counters[ASKED] = iteration
+            if iteration == 1:
+                due = numbers[EXCESS] >= cost
+            else:
+                due = (iteration - 1) % patience == 0
+                if due and spare > 0.0:
+                    due = lags(numbers, tolerance, patience, spare)
             if due:
                 return MATRIX
         residual(model, state, this)
         numbers[INCREMENT] = correction(measure, this[12], factors)
         counters[TOTAL] += 1
-        settle_memory(state[10], numbers, iteration)
-        finding = scheme[1] > 0.0 and state[10][FREE] == 1.0
-        noise = settled(counters, numbers, finding)
-        if not noise and not finding and stagnates(counters, numbers):
-            noise = numbers[INCREMENT] <= _FELT * _round_off(model, state, this, factors)
-        if noise and not loses(state[10], this[6]):
-            numbers[LEAST], counters[STALLS], noise = np.inf, 0, False
+        if iteration == 1:
+            numbers[MARK] = numbers[INCREMENT]
+        noise = settled(counters, numbers)
+        if not noise and stagnates(counters, numbers):
+            # one sample of round-off may be small by chance
+            numbers[FELT] = max(_round_off(model, state, this, factors), numbers[FELT])
+            noise = numbers[INCREMENT] <= _FELT * numbers[FELT]
         if noise or converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
                 correct(held, scale, scheme, state, this)
                 residual(model, state, this)
-            accept(model[1], model[12], model[8], scheme, state, this)
-            counters[LAST] = iteration
-            counted = max(iteration, 2)
-            if counters[BEST] == 0 or counted < counters[BEST]:
-                counters[BEST] = counted
-            numbers[EXCESS] += counted - counters[BEST]
+            accept(model[2], model[1], model[12], model[8], scheme, state, this)
+            count(counters, numbers)
             counters[STEPS] += 1
             counters[ITERATION] = counters[ASKED] = 0
         elif iteration == limit or not numbers[INCREMENT] < 1e3:

@@ -32,7 +32,7 @@ def start_state(system: System, cells: Cells) -> State:
         account=z(cells.count),
         w=z((n, 4, 3)),
         w_F=z((cells.places, 6)),
-        lag=z(10),
+        lag=z(11),
         carry=z((n, 6)),
         books=z(TOTAL),
         trend=z((n, 6)),
@@ -60,6 +60,7 @@ def room_for_step(system: System, cells: Cells) -> Step:
         F_viscous=z((cells.places, 6)),
         r=z((3, 6 * n + m)),
         weights=z(m),
+        filtered=z((2, total, 6)),
     )
 
 

@@ -24,7 +24,7 @@ from fem_lie.solve.conserving_memory import across, model_of, room_for_step, sta
 from fem_lie.solve.end_forces import at_end
 from fem_lie.solve.end_rates import EndRates, local_rates, spatial
 from fem_lie.solve.factors import Factors, factorise
-from fem_lie.solve.filtered import ACTIVE
+from fem_lie.solve.filtered import REMEMBERS
 from fem_lie.solve.integration import Integration
 from fem_lie.solve.linear import DirectSolver, SingularMatrixError
 from fem_lie.solve.policies import Policy
@@ -39,8 +39,8 @@ _log = logging.getLogger(__name__)
 
 PREFIX = "fem_lie_dynamics_"
 
-_USUAL = 4
-"""Iterations of a step with a matrix that suits it."""
+_SHARE = 0.4
+"""Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,10 @@ class Run(Integration[History]):
     Attributes:
         s: Between steps.
         this: The present step.
+        endures: Whether a matrix is kept that makes a step slow, as long as another one costs more.
     """
+
+    endures = True
 
     def __init__(self, options: Options, system: System, step: float) -> None:
         """Allocate everything; nothing is computed yet.
@@ -92,7 +95,7 @@ class Run(Integration[History]):
         scheme = (self.h, options.loss, options.learning)
         self.model = model_of(system, self.cells, self._pressures, scheme)
         self._plain = tuple(self.model), tuple(self.s), tuple(self.this)
-        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(7)
+        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
         self.counts = np.zeros(2, dtype=np.int64)
         self._factors: Factors | None = None
         self._filled = ResultRow(system)
@@ -175,7 +178,8 @@ class Run(Integration[History]):
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         options, counters = self.options, self.counters
-        given = (options.tolerance, options.max_iterations, *rule)
+        spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
+        given = (options.tolerance, options.max_iterations, *rule, spare)
         while True:
             factors = () if self._factors is None else tuple(self._factors)
             if self._factors is None:
@@ -186,6 +190,7 @@ class Run(Integration[History]):
                     motion = loop.begin(model[5], model[6], model[11], *rest)
                     self.numbers[ending.MOTION] = max(motion, self.numbers[ending.MOTION])
                     self.numbers[ending.PREVIOUS] = self.numbers[ending.LEAST] = np.inf
+                    self.numbers[ending.FELT] = 0.0
                     counters[ending.STALLS] = 0
             else:
                 code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
@@ -245,8 +250,9 @@ class Run(Integration[History]):
         self._fill_here()
         self._factors = factorise(self.system.kkt)
         self.counts[:] = self.counts[0] + 1, self.index
-        # what a step took before says nothing of a matrix that is made within it
-        self.counters[ending.BEST], self.numbers[ending.EXCESS] = _USUAL, 0.0
+        within = self.counters[ending.ITERATION] > 1
+        self.counters[ending.BEST] = ending.NEW if within else ending.UNKNOWN
+        self.numbers[ending.EXCESS] = 0.0
 
     def _fill_here(self) -> None:
         """The matrix, not yet factorised: at the present end of the step, or at its start.
@@ -295,7 +301,7 @@ class Run(Integration[History]):
         else:
             system.elastic.clear_stress()
         # the first step conserves, see filtered
-        h, still = (1.0 + self.options.loss * self.s.lag[ACTIVE]) * self.h, np.zeros((n, 6))
+        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
         state = H, twists, a, self.s.weights, scale, still
         system.fill_matrix(*state, 4.0 / h**2, 2.0 / h, joints_at, forces_at=forces_at)
 

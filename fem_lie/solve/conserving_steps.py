@@ -26,7 +26,7 @@ from fem_lie.solve.conserving_run import PREFIX, Options, Run, local
 from fem_lie.solve.end_rates import EndRates, spatial
 from fem_lie.solve.events import events
 from fem_lie.solve.factors import Factors, solve
-from fem_lie.solve.filtered import REMEMBERS
+from fem_lie.solve.filtered import LENGTH, REMEMBERS
 from fem_lie.solve.growing_recorder import GrowingHistory
 from fem_lie.solve.kept_factors import Levels
 from fem_lie.solve.linear import DirectSolver
@@ -39,6 +39,8 @@ from fem_lie.solve.variable_steps import VariableSteps, side
 from fem_lie.system import System
 
 ORDER = 2
+_USUAL = 4
+"""Iterations of a step with a matrix that is young enough for an estimate of the error, too."""
 
 
 def run(
@@ -80,6 +82,10 @@ class _Saved(NamedTuple):
 class ConservingSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
+    endures = (
+        False  # the estimate is solved for with the same matrix, and needs present constraints
+    )
+
     def __init__(self, options: Options, system: System, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""
         super().__init__(options, system, control.size)
@@ -120,6 +126,7 @@ class ConservingSteps(Run):
         s, r = self.s, h / self.h
         if abs(r - 1.0) > 1e-12:
             s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
+            s.lag[LENGTH] *= r * r
             self.numbers[ending.MOTION] *= r
             # round-off of a larger step is none of a smaller one
             self.numbers[ending.FLOOR] = 0.0
@@ -139,13 +146,14 @@ class ConservingSteps(Run):
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
+        self.counters[ending.BEST] = _USUAL
         assert self._factors is not None
         self.levels.keep(self._factors, self.model.scale)
 
     def pass_event(self, time: float) -> None:
         """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
         system, s = self.system, self.s
-        s.lag[REMEMBERS], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0
+        s.lag[REMEMBERS], s.lag[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0, 0.0
         if system.connections.driven or len(s.H) > system.count + 1:
             self._kick(time)
         if len(system.supported):

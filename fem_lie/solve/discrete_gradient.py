@@ -23,13 +23,13 @@ So linear and angular momentum and energy are exact for every element. For strai
 nodes' coordinates, the mean is that of Simo, Tarnow & Doblaré (IJNME 38 (1995) 1431), stress from
 both ends, lever from the mean configuration, to third order.
 
-``W`` itself has round-off: the ulp of positions times the force. Below that the factor would be
-noise, and the iteration would not settle. So it acts on what is beyond, and each element has an
-account of the work that was done on it: when energy and account differ by more than round-off at
-the start of a step, the step makes that up. Nothing adds up. Where an element deforms much less in
-a step than others do, or by less than positions can show, its part of round-off waits for a step in
-which it deforms more: divided by a small ``s``, whose sign is open, it would be no function of the
-motion any more.
+``W`` itself has round-off: the ulp of positions times the force; and of the scene's energy no less
+can be told than the element's part of an ulp. Below that the factor would be noise, and the
+iteration would not settle. So it acts on what is beyond, and each element has an account of the
+work that was done on it: when energy and account differ by more than round-off at the start of a
+step, the step makes that up. Nothing adds up. Where an element deforms much less in a step than
+others do, or by less than positions can show, its part of round-off waits for a step in which it
+deforms more: divided by a small ``s``, whose sign is open, it would be no function of the motion.
 """
 
 from __future__ import annotations
@@ -246,6 +246,7 @@ def add_elastic(
     work: Array,
     repay: float,
     typical: float,
+    unknown: float,
     out: Array,
 ) -> float:
     """Add the elastic forces of a step to ``out``.
@@ -259,6 +260,7 @@ def add_elastic(
         work: That of this step, overwritten.
         repay: Factor of ``M s`` in forces beside, whose work is on no account.
         typical: ``|s|²`` of an element on the average, before.
+        unknown: What of its energy cannot be seen in that of the scene.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
 
     Returns:
@@ -277,7 +279,7 @@ def add_elastic(
         mean_forces(mine, director, H0, H1, F0[here], F1[here], mean, fit, A, f[:count])
         square = deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
-        noise, debt = round_off(F0[here], sqrt(fit[1])), W[e] - account[e]
+        noise, debt = round_off(F0[here], sqrt(fit[1])) + unknown, W[e] - account[e]
         missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
         missing += debt if abs(debt) > noise else 0.0
         # below the second a factor of noise would be as large as a stiffness by present forces
@@ -292,23 +294,21 @@ def add_elastic(
 
 
 @compiled
-def add_filtered(
+def filtered_forces(
     cells: tuple[Any, ...],
     ends: tuple[Any, ...],
     span: tuple[Any, ...],
     memory: Array,
-    factors: tuple[float, float],
     out: Array,
 ) -> tuple[float, float]:
-    """Add forces ``a (F₁ − F₀) − b memory`` of all elements, balanced as elastic forces are.
+    """Forces ``F₁ − F₀`` of all elements and those of the memory, balanced as elastic forces are.
 
     Args:
         cells: See :func:`add_elastic`.
         ends: Frames of all nodes and forces at start and end.
         span: See :func:`add_elastic`.
         memory: Forces in the frames of the nodes, (places, 6).
-        factors: ``a`` and ``b``.
-        out: Forces and moments on all nodes, global components, (N, 6), updated.
+        out: Both, forces and moments on all nodes, global components, (2, N, 6), overwritten.
 
     Returns:
         The works of ``F₁ − F₀`` and of the memory.
@@ -319,6 +319,7 @@ def add_filtered(
     A, f, s, Ms = _memory(first)
     change, kept = np.empty_like(f), np.empty_like(f)
     by_change = by_memory = 0.0
+    out[:] = 0.0
     for e in range(unknowns.shape[0]):
         here = slice(first[e], first[e + 1])
         mine, director = nodes[here], unknowns[e] == 5
@@ -335,7 +336,8 @@ def add_filtered(
         by_memory += _work(kept[:count], s[:count])
         for a in range(count):
             for k in range(6):
-                out[mine[a], k] += factors[0] * change[a, k] - factors[1] * kept[a, k]
+                out[0, mine[a], k] += change[a, k]
+                out[1, mine[a], k] += kept[a, k]
     return by_change, by_memory
 
 

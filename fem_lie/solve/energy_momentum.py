@@ -63,7 +63,7 @@ class EnergyMomentum(Integrator):
 
     tolerance: float = 0.0
     policy: Policy = field(default_factory=Automatic)
-    max_iterations: int = 50
+    max_iterations: int = 100
 
     def __post_init__(self) -> None:
         """Check the options."""

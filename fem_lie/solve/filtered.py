@@ -12,8 +12,19 @@ trapezoidal rule for ρ = 1, BDF2 for ρ = 0.
 
 The kinetic energy loses ``ΔV·G g``. ``Π`` takes the best rotation ``Ω × V̄`` out of its argument, in
 the metric of inertia: then ``Σ V̄ × G g = 0``, which is what angular momentum needs, and a body that
-turns steadily is not damped. ``β ≤ 1`` is the largest factor with which velocities and elastic
-forces together lose no less than nothing, in every single step.
+turns steadily is not damped.
+
+With changes ``Δ`` of velocities and of elastic forces as one vector, in the norm of inertia and
+compliance, what is lost is ``½ χ Δ·(Δ − β w)``. ``β w`` is the memory as far as it is not longer
+than the change, or, where it points the other way, than up to twice the change::
+
+    β = min(1, (|Δ| + max(−Δ·w, 0)/|w|)/|w|)
+
+By Cauchy and Schwarz nothing is gained, in any single step; and ``β w`` is a Lipschitz continuous
+function of the change that is nil where the change is, so it is defined where nothing deforms.
+``|Δ − β w| ≤ 2 |Δ − w|``: it costs no order. ``|w|²`` of elastic forces follows from the rule of
+``w``. Elements whose forces fall where they are deformed would lose less than nothing; as much as
+velocities lose is allowed to them.
 
 (Relaxed variables for second order: Armero & Romero, CMAME 190 (2001) 6783. The energy of two-step
 methods: Dahlquist, BIT 18 (1978) 384.)
@@ -21,6 +32,7 @@ methods: Dahlquist, BIT 18 (1978) 384.)
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -31,14 +43,13 @@ from fem_lie._lie_tuples import Vector, cross, dot, load_row, minus, plus, scale
 from fem_lie.solve.copies import put
 from fem_lie.solve.discrete_gradient import solve_symmetric
 
-MEMORY, ACTIVE, REMEMBERS, WORKS, FREE = 0, 1, 2, 3, 9
-"""Places in the array of lagged numbers: β, whether there is dissipation at all and whether
-anything is remembered (0 or 1), works of the changes of elastic forces and of the memory, and
-whether β may still change in this step: 1; or stays: 0, and −k after it was found k more times;
-k + 1 for the time before."""
-LEAK, SQUARES, LIMIT, REPAID = 5, 6, 7, 8
+MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
+"""Places in the array of lagged numbers: β, the share of elastic forces that is filtered, whether
+anything is remembered (0 or 1; without it there is no dissipation), works of the changes of elastic
+forces and of the memory, and ``|w|²`` of the latter."""
+LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
-that are below round-off, energy taken back; shape (10,)."""
+that are below round-off, energy taken back, and the largest energy so far; shape (11,)."""
 _TURNS = 30
 
 
@@ -46,21 +57,21 @@ _TURNS = 30
 def end_velocities(  # type: ignore[no-untyped-def]
     mass, V, V1, delta, w, lag, χ, h, q
 ):
-    """Velocities ``V₁`` at the end from the increments, with the lagged β; (n, 4, 3).
+    """Velocities ``V₁`` at the end from the increments, with the present β; (n, 4, 3).
 
     With ``V̄`` given, ``ΔV = a + χ/(1 + χ) Ω × V̄`` with ``a`` from the increments, and Ω, the
     rotation that is nearest to ``ΔV − β w``, is 1 + χ times that nearest to ``a − β w``. ``V̄``
-    follows in a few turns. ``q`` (2, n, 4, 3) is work.
+    follows in a few turns from a first guess in ``V₁``. ``q`` (2, n, 4, 3) is work.
     """
-    χ, β, n = χ * lag[ACTIVE], lag[MEMORY], V.shape[0]
+    χ, β, n = χ * lag[REMEMBERS], lag[MEMORY], V.shape[0]
     a = np.empty_like(V)
     for i in range(n):
         for k in range(4):
             for j in range(3):
                 change = delta[i, k, j] / h - V[i, k, j] + 0.5 * χ * β * w[i, k, j]
                 a[i, k, j] = 2.0 / (1.0 + χ) * change
-                V1[i, k, j] = V[i, k, j] + a[i, k, j]
     if χ == 0.0:
+        put(V + a, V1)
         return
     A, before = np.zeros((3, 3)), (0.0, 0.0, 0.0)
     for _ in range(_TURNS):
@@ -78,27 +89,38 @@ def end_velocities(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def lag_behind(
-    mass: tuple[Any, ...],
-    V: Array,
-    V1: Array,
-    w: Array,
-    q: Array,
-    lag: Array,
-    noise: float,
+def choose_memory(
+    mass: tuple[Any, ...], V: Array, V1: Array, w: Array, q: Array, lag: Array
 ) -> None:
-    """β for the next iteration; ``q`` (2, n, 4, 3) is work, ``noise`` that of round-off."""
+    """β for velocities ``V₁`` that were found with the one before; ``q`` (2, n, 4, 3) is work."""
     A = np.zeros((3, 3))
     turn_change = _projection(mass, V, V1, V1, V, 1.0, q, A)
     turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
-    by_change = lag[WORKS] + _loss(mass, V, V1, V1, V, 1.0, turn_change, q)
-    by_memory = lag[WORKS + 1] + _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
-    if lag[FREE] <= 0.0:
-        return
-    # held back for what β lags behind, and for round-off; it makes an error of first order
-    most = by_change - min(max(1e-4 * by_change, noise), 1e-2 * by_change)
-    lag[MEMORY] = max(most / by_memory, 0.0) if by_memory > most else 1.0
-    lag[ACTIVE] = lag[REMEMBERS] if by_change > 0.0 else 0.0
+    by_change = max(_loss(mass, V, V1, V1, V, 1.0, turn_change, q), 0.0)
+    by_memory = _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
+    square, elastic = np.sum(q[0] * q[1]), lag[WORKS]
+    share = by_change / -elastic if -elastic > by_change else 1.0
+    by_change, by_memory = by_change + share * elastic, by_memory + share * lag[WORKS + 1]
+    lag[ELASTIC] = share
+    lag[MEMORY] = _remembered(max(by_change, 0.0), by_memory, square + share * lag[LENGTH])
+
+
+@inlined
+def _remembered(change: float, common: float, memory: float) -> float:
+    """β from ``|Δ|²``, ``Δ·w`` and ``|w|²``."""
+    most = sqrt(change * memory)
+    if common <= 0.0:
+        return min(1.0, (most - common) / memory) if memory > 0.0 else 1.0
+    # metrics change between steps: what Cauchy and Schwarz say is made sure of
+    return min(1.0, change / max(most, common))
+
+
+@inlined
+def remember(lag: Array, μ: float) -> None:
+    """``|w|²`` of elastic forces after the step."""
+    keep = 1.0 - μ
+    square = keep * keep * lag[LENGTH] + μ * (2.0 * keep * lag[WORKS + 1] + μ * lag[WORKS])
+    lag[LENGTH] = max(square, 0.0)
 
 
 @compiled
