@@ -100,7 +100,7 @@ class CellForm:
         row = [int(kernel.address), *cells.shape, 0, *_place(self.values)]
         row += [self._constants.ctypes.data, *_place(self._x)]
         self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
-        self._plain = tuple(self.table)
+        self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
     def _packed(self) -> Array:
         (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()

@@ -14,7 +14,7 @@ from fem_lie._wanted import at_time
 from fem_lie.histories import declared, until_next
 from fem_lie.info import JointInfo
 from fem_lie.joint_functions import DISTANCE
-from fem_lie.joint_table import views
+from fem_lie.joint_table import PackedJoints, views
 from fem_lie.joints import Connection, Fixed, Joint
 from fem_lie.numbering import Numbering
 from fem_lie.outer_forces import joint_reactions
@@ -102,7 +102,7 @@ class Connections:
         slides = np.repeat(np.isin(np.arange(len(names)), self._slides), names)
         self._place_probes, self._place_slides = np.flatnonzero(~slides), np.flatnonzero(slides)
         probes = [tables.pair(tie, row) for row, tie in enumerate(coordinates)]
-        self.packed_probes = tables.joints(probes, len(probes), [])
+        self.packed_probes: PackedJoints = tables.joints(probes, len(probes), [])
         self.probes = views(self.packed_probes)
         self._turns = bool(self.table.functions.any() or self.probes.functions.any())
 
@@ -157,6 +157,16 @@ class Connections:
         # an edge binds a velocity of a place, a disc both
         angular[positions:] = False
         return angular
+
+    @property
+    def joined(self) -> Flags:
+        """Which constraints go on from the one before, shape (m,).
+
+        Those of one item along lengths are one vector, and those of its angles another, whose size
+        does not depend on the joint's axes.
+        """
+        same = np.diff(self.owner, prepend=-1) == 0
+        return same & (np.diff(self.angular.astype(np.int8), prepend=-1) == 0)
 
     # --- equations ---
 

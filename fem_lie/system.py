@@ -127,8 +127,10 @@ class System:
         if self.connections.of_velocities and not dynamics:
             raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
-        box = np.ptp(self.frames[: self.count, 0], axis=0)
-        self.length = max(float(np.linalg.norm(box)), *(body.size for body in scene.bodies))
+        places = self.frames[: self.count, 0]
+        # twice the distance from the middle: that of a box would depend on how the scene lies
+        across = 2.0 * np.linalg.norm(places - places.mean(axis=0), axis=1).max()
+        self.length = max(float(across), *(body.size for body in scene.bodies))
         required = dynamics or bool(scene.gravity.any())
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         self._damping = damping if dynamics else None

@@ -222,14 +222,14 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
     def residual_at(dx: np.ndarray) -> np.ndarray:
         state = tuple(part.copy() for part in s)
         weights = run.weights.copy()
-        correct(tuple(run.p), state, dx.copy(), run.scale, run.measure, weights)
+        correct(tuple(run.p), state, dx.copy(), *run._sizes, weights)
         r = np.empty(system.size)
         H1, motion = state[1], state[2]
         system.residual(H1, motion[6], motion[7], weights, run.scale, r)
         return r
 
     zero, weights = np.zeros(system.size), run.weights.copy()
-    correct(tuple(run.p), tuple(s), zero.copy(), run.scale, run.measure, weights)
+    correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
     system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, zero)
     run._fill(s.H1, s.H1, turned=False)
     matrix = system.kkt.matrix.convert("dense").getDenseArray()

@@ -191,9 +191,7 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
 
     def rate() -> float:
         x = rng.normal(size=system.size)
-        return staleness(
-            system, run.solver, run._plain[0], s, run.weights, run.scale, run.measure, x
-        )
+        return staleness(system, run.solver, run._plain[0], s, run.weights, *run._sizes, x)
 
     # differences of residuals have errors of round-off over their size, and of its square
     assert rate() < 1e-5

@@ -84,6 +84,7 @@ class Run(Integration[Recorder]):
         self._accepted = self.s.H, self.s.twist1, self.s.rate1, self.weights
         turns = system.connections.angular
         self.measure = np.where(turns, ROTATION, 1.0 / system.length)
+        self._sizes = self.scale, self.measure, system.connections.joined
         methods = methods_in_time(system)
         self.solver = DirectSolver(system.kkt, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
@@ -122,7 +123,7 @@ class Run(Integration[Recorder]):
         scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
         predict(scheme, state)
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
-        correct(scheme, state, zero, self.scale, self.measure, weights)
+        correct(scheme, state, zero, *self._sizes, weights)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
         # the first iteration makes the matrix that counts
@@ -240,7 +241,8 @@ class Run(Integration[Recorder]):
                 h = np.empty_like(s.d)
                 twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
                 system.elastic.carry(s.H1, h.ravel())
-            self._increment = correct(*self._plain, self.dx, self.scale, self.measure, self.weights)
+            scale, measure, joined = self._sizes
+            self._increment = correct(*self._plain, self.dx, scale, measure, joined, self.weights)
             ratio, remaining = estimate(self._increment, previous, ratio)
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
@@ -275,9 +277,8 @@ class Run(Integration[Recorder]):
         """See :mod:`fem_lie.solve.staleness`; in the direction of the last correction."""
         x = self.dx.copy()
         back_to_local(self.s.H1, self.s.kinds, x)
-        weights, scale, measure = self.weights, self.scale, self.measure
         return staleness(
-            self.system, self.solver, self._plain[0], self.s, weights, scale, measure, x
+            self.system, self.solver, self._plain[0], self.s, self.weights, *self._sizes, x
         )
 
     def _tolerance(self) -> float:

@@ -161,5 +161,9 @@ class Books:
             value[:] = kept[f"books.{name}"]
 
     def _arrays(self) -> dict[str, Array]:
-        own = {"total": self.total, "stored": self._stored, "time": self._time}
+        own: dict[str, Array] = {
+            "total": self.total,
+            "stored": self._stored,
+            "time": self._time,
+        }
         return own | self._seen._asdict()

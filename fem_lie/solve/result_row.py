@@ -76,8 +76,8 @@ class ResultRow:
         found: tuple[float, float, int, float],
     ) -> None:
         row, connections = rows.row, self._system.connections
-        rows.potential[row], rows.elastic[row], *turned = found
-        rows.turn = turned[0], turned[1]
+        rows.potential[row], rows.elastic[row], element, share = found
+        rows.turn = element, share
         if not connections.of_joints_only:
             forces, coordinates, violations = connections.report(H, v, weights)
             rows.joint_forces[row], rows.joint_coordinates[row] = forces, coordinates

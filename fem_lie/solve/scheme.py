@@ -90,6 +90,14 @@ def failure(
 
 
 @inlined
+def size_of(d: Array, length: float) -> float:
+    """Of a translation or of a rotation, whichever is larger, however the axes lie; nan stays."""
+    moved = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / length
+    turned = ROTATION * np.sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5])
+    return turned if turned > moved or turned != turned else moved
+
+
+@inlined
 def predict(
     scheme: tuple[float, ...],
     kind: int,
@@ -104,16 +112,13 @@ def predict(
 ) -> float:
     """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
     h, am, _, gamma, beta, _, _, length = scheme
-    largest = 0.0
     for k in range(6):
         vdot1[k] = vdot[k]
         a1 = (vdot[k] - am * a[k]) / (1.0 - am)
         d[k] = h * v[k] + h * h * ((0.5 - beta) * a[k] + beta * a1)
         v1[k] = v[k] + h * ((1.0 - gamma) * a[k] + gamma * a1)
-        size = abs(d[k])
-        largest = max(largest, size / length if k < 3 else ROTATION * size)
     move(kind, H, d, H1)
-    return largest
+    return size_of(d, length)
 
 
 @inlined
@@ -129,16 +134,12 @@ def correct(
 ) -> float:
     """Subtract a Newton correction ``x`` of ``d``; returns its size, see :data:`ROTATION`."""
     _, _, _, _, _, mass, damping, length = scheme
-    largest = 0.0
     for k in range(6):
         d[k] -= x[k]
         v1[k] -= damping * x[k]
         vdot1[k] -= mass * x[k]
-        size = abs(x[k]) / length if k < 3 else ROTATION * abs(x[k])
-        if size > largest or size != size:  # nan stays
-            largest = size
     move(kind, H, d, H1)
-    return largest
+    return size_of(x, length)
 
 
 @inlined

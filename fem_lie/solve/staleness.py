@@ -9,6 +9,7 @@ multipliers, so that constraints have no part in it, and what is not linear in `
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._jit import Array, Indices
@@ -16,6 +17,8 @@ from fem_lie.solve.linear import DirectSolver
 from fem_lie.solve.scheme import ROTATION
 from fem_lie.solve.steps import State, correct
 from fem_lie.system import System
+
+Flags = npt.NDArray[np.bool_]
 
 PROBE = 1e-6
 """Size of the differences, see :data:`~.scheme.ROTATION`: far above round-off, and small."""
@@ -31,6 +34,7 @@ def staleness(
     weights: Array,
     scale: Array,
     measure: Array,
+    joined: Flags,
     direction: Array,
 ) -> float:
     """Rate at which the iteration would converge if only mass and stiffness were old.
@@ -45,17 +49,18 @@ def staleness(
         weights: Multipliers.
         scale: Of the constraints.
         measure: Of the multipliers.
+        joined: Which of them are one vector with the one before.
         direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
     """
     nodes, x = 6 * system.count, direction
-    size = _size(system, x, measure)
+    size = _size(system, x, measure, joined)
     x[nodes:] = 0.0
-    probe = PROBE / max(_size(system, x, measure), TINY)
+    probe = PROBE / max(_size(system, x, measure, joined), TINY)
 
     def moved(factor: float) -> Array:
         there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
         held, r = weights.copy(), np.empty_like(x)
-        correct(scheme, tuple(there), -factor * x, scale, measure, held)
+        correct(scheme, tuple(there), -factor * x, scale, measure, joined, held)
         system.elastic.settle(there.H1)
         system.residual(there.H1, there.twist1, there.rate1, held, scale, r)
         return r
@@ -67,7 +72,7 @@ def staleness(
     solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()
-    return _size(system, solver.solution, measure) / max(size, TINY)
+    return _size(system, solver.solution, measure, joined) / max(size, TINY)
 
 
 def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
@@ -77,9 +82,11 @@ def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
     moves[flat, :3] = np.einsum("nij,nj->ni", H[flat, 1:], moves[flat, :3])
 
 
-def _size(system: System, x: Array, measure: Array) -> float:
+def _size(system: System, x: Array, measure: Array, joined: Flags) -> float:
     """The size of a correction as :func:`~.steps.correct` has it."""
     nodes = 6 * system.count
-    parts = np.abs(x[:nodes].reshape(-1, 6))
-    largest = max(parts[:, :3].max() / system.length, ROTATION * parts[:, 3:].max())
-    return float(max(largest, (np.abs(x[nodes:]) * measure).max(initial=0.0)))
+    parts = x[:nodes].reshape(-1, 6)
+    moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
+    group = np.cumsum(~joined) - 1
+    held = np.sqrt(np.bincount(group, (x[nodes:] * measure) ** 2)).max(initial=0.0)
+    return float(max(moved / system.length, ROTATION * turned, held))

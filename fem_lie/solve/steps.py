@@ -9,11 +9,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._jit import Array, Indices, compiled
 from fem_lie._lie_tuples import load, store
 from fem_lie.groups import from_local, global_components, move, to_local
 from fem_lie.solve import scheme as node
+
+Flags = npt.NDArray[np.bool_]
 
 WRITTEN_LOCALLY = np.isin(np.arange(8), (6, 7))
 """Which of :attr:`State.motion` are twists on any group, shape (8,)."""
@@ -120,6 +123,7 @@ def correct(
     dx: Array,
     scale: Array,
     measure: Array,
+    joined: Flags,
     weights: Array,
 ) -> float:
     """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
@@ -134,11 +138,13 @@ def correct(
         if size > largest or size != size:  # nan stays
             largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
-    at = 6 * d.shape[0]
+    at, squares = 6 * d.shape[0], 0.0
     for c in range(weights.shape[0]):
         weights[c] -= scale[c] * dx[at + c]
         # scaled multipliers are displacements that the matrix turns into the joint's force
-        size = abs(dx[at + c]) * measure[c]
+        part = dx[at + c] * measure[c]
+        squares = part * part + (squares if joined[c] else 0.0)
+        size = np.sqrt(squares)
         if size > largest or size != size:
             largest = size
     return largest
