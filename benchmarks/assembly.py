@@ -26,7 +26,7 @@ from dolfinx.fem import petsc
 
 import fem_lie as fl
 from demos.own_energy import line
-from fem_lie.beam import BeamAssembly
+from fem_lie.bodies.beam_assembly import BeamAssembly
 
 CELLS = (20, 20_000)
 FORMULATIONS = {

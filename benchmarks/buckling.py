@@ -25,7 +25,7 @@ from demos import (
     pulled_cylinder,
     spherical_cap,
 )
-from fem_lie.solve.stability import StableEquilibrium
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
 
 
 def bent_column() -> fl.Scene:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.choices import Choices
+from fem_lie.scene.choices import Choices
 
 ALUMINIUM = fl.Material(E=70e9, nu=0.3, density=2700.0)
 Built = tuple[fl.Scene, fl.Point]

@@ -13,7 +13,7 @@ import numpy as np
 
 import fem_lie as fl
 from demos.double_pendulum import POLICIES, STEP, pendulum
-from fem_lie.solve.policies import Policy
+from fem_lie.solve.motion.policies import Policy
 
 RUNS = 3
 DURATION = {1: 0.2, 2: 0.02, 3: 0.2}

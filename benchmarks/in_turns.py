@@ -33,7 +33,8 @@ def measure() -> None:
     sys.path.insert(0, os.getcwd())
     import fem_lie as fl
     from demos.double_pendulum import STEP, pendulum
-    from fem_lie.solve import alpha_run, conserving_run
+    from fem_lie.solve.alpha import run as alpha_run
+    from fem_lie.solve.conserving import run as conserving_run
 
     stamps: list[float] = []
     for kind in (alpha_run.Run, conserving_run.Run):

@@ -20,8 +20,8 @@ import numpy as np
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.info import SceneInfo
-from fem_lie.solve.integrator import Integrator
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.solve.motion.integrator import Integrator
 from tests.random_scenes import CONSERVING, HELD, MOTION, PROPORTIONAL, Wanted, random_scene
 from tests.scene_builder import build
 from tests.scene_data import SceneData, ShellData, converted, placed, reordered

@@ -21,7 +21,7 @@ import fem_lie as fl
 from demos.cantilever_moment import LENGTH as ROLLED
 from demos.cantilever_moment import STIFFNESS as ROLLED_STIFFNESS
 from demos.hemisphere import CASES, RADIUS, pinched, quarter
-from fem_lie.elements.shell_strains import shear
+from fem_lie.elements.shells.strains import shear
 
 SMALL = 1e-6
 HR, HW, MITC4 = fl.HellingerReissner(), fl.HuWashizu(), fl.Displacement()

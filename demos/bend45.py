@@ -38,7 +38,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS, Units
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 MATERIAL = fl.Material(3e9, 0.35, 1000.0)

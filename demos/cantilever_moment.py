@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"

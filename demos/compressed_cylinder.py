@@ -32,7 +32,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS, Units
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 MATERIAL = fl.Material(1.0, 0.3, 1.0)

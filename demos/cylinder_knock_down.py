@@ -29,7 +29,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 try:
     from demos.compressed_cylinder import KOITER, RESULTS, cell, knock_down_diagram, koiter, outward

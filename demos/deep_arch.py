@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 RADIUS, ANGLE, BENDING, FORCE = 100.0, np.radians(215.0), 1e6, 1000.0

@@ -29,7 +29,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS, Units
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING, FORCE = 10.0, 100.0, 4.0

@@ -28,7 +28,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING, RATIO = 1.0, 1.0, 1e6

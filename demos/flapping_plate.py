@@ -41,7 +41,7 @@ from scipy.optimize import brentq
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 Array = npt.NDArray[np.float64]

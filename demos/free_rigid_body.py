@@ -43,7 +43,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 J, SPIN = np.array([1.0, 1.0, 2.0]), np.array([1.0, 0.0, 3.0])

@@ -45,7 +45,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 RADIUS, HALF_LENGTH, HALF_ANGLE, FORCE = 2540.0, 254.0, 0.1, 3000.0

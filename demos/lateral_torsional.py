@@ -29,7 +29,7 @@ from scipy.optimize import brentq
 from scipy.special import jv
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 STEEL = fl.Material(210e9, 0.3, 7850.0)

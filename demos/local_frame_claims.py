@@ -43,8 +43,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS
-from fem_lie.system import System
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.system.system import System
 
 RESULTS = Path(__file__).parents[1] / "results"
 LOCAL, INERTIAL = fl.Components.LOCAL, fl.Components.INERTIAL

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, RADIUS, THICKNESS, FORCE = 10.35, 4.953, 0.094, 40000.0

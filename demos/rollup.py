@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING = 10.0, 100.0

@@ -22,8 +22,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.elements.shell_strains import shear
-from fem_lie.plot import COLOURS
+from fem_lie.elements.shells.strains import shear
+from fem_lie.pictures.diagrams import COLOURS
 
 try:  # as a script, or as a part of the package of demos
     from hemisphere import CASES, RADIUS, pinched, place

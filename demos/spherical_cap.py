@@ -43,7 +43,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 import fem_lie as fl
-from fem_lie.plot import Units
+from fem_lie.pictures.units import Units
 
 RESULTS = Path(__file__).parents[1] / "results"
 RISE, RIM = 0.05, 1.0

@@ -70,7 +70,7 @@ def draw(histories: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Leave a diagram of the energies."""
     from matplotlib.figure import Figure
 
-    from fem_lie.plot import COLOURS
+    from fem_lie.pictures.diagrams import COLOURS
 
     RESULTS.mkdir(exist_ok=True)
     figure = Figure(figsize=(7, 4), layout="constrained")

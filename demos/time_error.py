@@ -9,8 +9,8 @@ and that minus the increment of the scheme is its local error, if nothing holds 
 bracket ad(v) dv/dt is what a Lie group adds: without it the error of the translation is wrong by
 half. Joints and stiffness are accounted for by one solution with the matrix of Newton's method,
 which is factorised anyway: what is across a joint is no error of the position. (The docstring of
-fem_lie/solve/time_error.py derives it.) Here the estimate is held against the true local error:
-each step is done once more, from the same state, in ten parts.
+fem_lie/solve/alpha/time_error.py derives it.) Here the estimate is held against the true local
+error: each step is done once more, from the same state, in ten parts.
 
 --case body. The free rigid body of the paper: J = (3783.42, 3776.16, 2630.94) with products of
 inertia 352.9 (12), 484.74 (13), 469.74 (23) kg m2, v = (10, 10, 10) m/s, omega = (10, 10, 10)
@@ -32,7 +32,7 @@ millisecond.
 of the tip follows them.
 
 --scheme energy_momentum or energy_decaying takes a scheme that conserves (its estimate is derived
-in fem_lie/solve/mean_error.py). Energy then stays, or falls, whatever the steps.
+in fem_lie/solve/conserving/mean_error.py). Energy then stays, or falls, whatever the steps.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS
-from fem_lie.solve.integrator import Integrator
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.solve.motion.integrator import Integrator
 
 RESULTS = Path(__file__).parents[1] / "results"
 TIP = np.array([-0.58577183066, 0.0, -0.01018573161])  # Pinocchio, at 1 s

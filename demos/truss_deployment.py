@@ -61,7 +61,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie._jit import Array
+from fem_lie._arrays import Array
 
 RESULTS = Path(__file__).parents[1] / "results"
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)

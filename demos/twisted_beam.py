@@ -26,7 +26,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 REFERENCE = np.array([-1.141526, -1.718053346, -3.59321324])

@@ -11,10 +11,11 @@ torsion are damped (Kelvin and Voigt, 1e-4 s), or the bars ring on. Neither leav
 times at which C is compared with the reference.
 
 Constant steps must be small enough for that one moment all the time. Variable steps are chosen by
-the estimated error of each step over its size, in m/s and rad/s (fem_lie/solve/step_control.py).
-Errors are the largest distances of C from a run with a much smaller tolerance, at 20 000 times;
-between steps the motion is a cubic on SE(3). Reported is how many constant steps are as accurate as
-the variable ones of --tolerance: by a power law between runs with 2 ms, 1 ms and so on.
+the estimated error of each step over its size, in m/s and rad/s
+(fem_lie/solve/motion/step_control.py). Errors are the largest distances of C from a run with a
+much smaller tolerance, at 20 000 times; between steps the motion is a cubic on SE(3). Reported is
+how many constant steps are as accurate as the variable ones of --tolerance: by a power law between
+runs with 2 ms, 1 ms and so on.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.plot import COLOURS
+from fem_lie.pictures.diagrams import COLOURS
 
 RESULTS = Path(__file__).parents[1] / "results"
 A, B, C, D = (0.0, 0.0, 0.0), (0.0, 0.0, 0.12), (0.24, 0.0, 0.12), (0.24, 0.0, 0.0)

@@ -1,21 +1,21 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
-from fem_lie.beam import Beam, Damping
-from fem_lie.bodies import Body, Point, ground
-from fem_lie.buckling_modes import BucklingModes
-from fem_lie.choices import Choices, Redundant
-from fem_lie.drilling import Parameters
-from fem_lie.element_turns import CoarseElementsWarning
-from fem_lie.elements.directors import Director, director_strains
-from fem_lie.elements.formulation import Formulation
-from fem_lie.elements.geodesic import Geodesic
-from fem_lie.elements.shell_formulation import (
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beam_assembly import Damping
+from fem_lie.bodies.body import Body, Point, ground
+from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
+from fem_lie.bodies.shell import Shell
+from fem_lie.elements.beams.directors import Director, director_strains
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.elements.shells.drilling import Parameters
+from fem_lie.elements.shells.element import (
     Displacement,
     HellingerReissner,
     HuWashizu,
     ShellFormulation,
 )
-from fem_lie.elements.shell_measures import (
+from fem_lie.elements.shells.measures import (
     DECOUPLED,
     MITC3_PLUS,
     MITC4,
@@ -24,18 +24,10 @@ from fem_lie.elements.shell_measures import (
     MITC9,
     StrainMeasures,
 )
-from fem_lie.frames import NodalFrames, local_frame_forms
-from fem_lie.groups import Group, Parametrisation
-from fem_lie.histories import Jumps, Table
-from fem_lie.imperfections import (
-    FieldImperfection,
-    Imperfection,
-    ModeImperfection,
-    RandomImperfection,
-    imperfect,
-)
-from fem_lie.inertia import gram_from_rigid
-from fem_lie.io import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frame_map import FrameMap
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.joints import (
     Collar,
     Coordinate,
@@ -59,46 +51,40 @@ from fem_lie.joints import (
     Spring,
     Universal,
 )
-from fem_lie.kernel import FrameMap, LocalFrameForms, StrainEnergy
-from fem_lie.loads import (
-    Clamp,
-    Eigenstrain,
-    LineLoad,
-    PointLoad,
-    PrescribedMotion,
-    PressureLoad,
-    PreStress,
-    Temperature,
-)
-from fem_lie.mesh import LineMesh
-from fem_lie.modes import Modes
-from fem_lie.plot import Units
-from fem_lie.resultants import Resultants, resultant_series, resultants
-from fem_lie.results import Result
-from fem_lie.rigid import RigidBody
-from fem_lie.scene import Scene
-from fem_lie.section import Material, Section
-from fem_lie.section_forces import SectionForces, section_forces
-from fem_lie.section_mesh import SectionMesh
-from fem_lie.section_properties import SectionProperties
-from fem_lie.section_shape import SectionShape
-from fem_lie.shell import Shell
-from fem_lie.shell_loads import AreaLoad, EdgeLoad, MassLoad, SurfacePressure, VolumeLoad
-from fem_lie.shell_section import Orthotropic, Ply, ShellSection
-from fem_lie.solve.arc_length import ArcLength
-from fem_lie.solve.branches import branch
-from fem_lie.solve.buckling import buckling
-from fem_lie.solve.controls import DisplacementControl, LoadControl
-from fem_lie.solve.energy_decaying import EnergyDecaying
-from fem_lie.solve.energy_momentum import EnergyMomentum
-from fem_lie.solve.equilibrium import statics
-from fem_lie.solve.follow import PathResult, follow_loads
-from fem_lie.solve.generalised_alpha import GeneralisedAlpha
-from fem_lie.solve.linear import ConvergenceError
-from fem_lie.solve.options import Components, Index
-from fem_lie.solve.path import follow_path
-from fem_lie.solve.path_result import Critical, CriticalPoint, EquilibriumPath, PathState
-from fem_lie.solve.policies import (
+from fem_lie.joints.histories import Jumps, Table
+from fem_lie.lie.motions import Group, Parametrisation
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
+from fem_lie.mesh.surfaces import SurfaceMesh, surface
+from fem_lie.pictures.units import Units
+from fem_lie.pictures.vtk import write_resultants
+from fem_lie.results.buckling import BucklingModes
+from fem_lie.results.equilibrium import PathResult, StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, PathState
+from fem_lie.results.steps import StepHistory
+from fem_lie.results.stresses.section_forces import SectionForces, section_forces
+from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series, resultants
+from fem_lie.results.vibrations import Modes
+from fem_lie.scene.choices import Choices, Redundant
+from fem_lie.scene.nodal_loads import LineLoad, PointLoad
+from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
+from fem_lie.scene.scene import Scene
+from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
+from fem_lie.scene.supports import Clamp, PrescribedMotion
+from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad
+from fem_lie.sections.material import Material
+from fem_lie.sections.mesh import SectionMesh
+from fem_lie.sections.properties import SectionProperties
+from fem_lie.sections.section import Section
+from fem_lie.sections.shape import SectionShape
+from fem_lie.sections.shell_section import Orthotropic, Ply, ShellSection
+from fem_lie.sections.warping import Warping
+from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.motion.policies import (
     Automatic,
     ConstraintsOnly,
     Decisions,
@@ -108,14 +94,24 @@ from fem_lie.solve.policies import (
     Policy,
     Update,
 )
-from fem_lie.solve.statics import StaticResult
-from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
-from fem_lie.solve.unstable import UnstableEquilibriumWarning
-from fem_lie.solve.vibrations import vibrations
-from fem_lie.step_history import StepHistory
-from fem_lie.surface import SurfaceMesh, surface
-from fem_lie.vtk import write_resultants
-from fem_lie.warping import Warping
+from fem_lie.solve.motion.step_control import AdaptiveStep, ConstantStep
+from fem_lie.solve.stability.branches import branch
+from fem_lie.solve.stability.buckling import buckling
+from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
+from fem_lie.solve.stability.imperfections import (
+    FieldImperfection,
+    Imperfection,
+    ModeImperfection,
+    RandomImperfection,
+    imperfect,
+)
+from fem_lie.solve.stability.path import follow_path
+from fem_lie.solve.stability.vibrations import vibrations
+from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.follow import follow_loads
+from fem_lie.solve.statics.statics import statics
+from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+from fem_lie.system.nodes.element_turns import CoarseElementsWarning
 
 __all__ = [
     "DECOUPLED",

@@ -24,21 +24,13 @@ from contextlib import contextmanager, suppress
 from functools import cache, update_wrapper
 from pathlib import Path
 from time import perf_counter
-from typing import Any, TypeAlias, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
-import numpy as np
-import numpy.typing as npt
 from numba.core import config, event
 from numba.core.caching import CacheImpl, _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
-
-Array: TypeAlias = npt.NDArray[np.float64]
-"""Numbers in compiled code."""
-
-Indices: TypeAlias = npt.NDArray[np.int64]
-"""Indices in compiled code."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -248,13 +240,20 @@ def _folder_of(file: Path) -> Path:
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
     for source in sorted(_with_all_it_imports(file)):
         digest.update(f"{source.name} {_code(source.read_bytes())}".encode())
-    folder = _BASE / f"{file.stem}-{digest.hexdigest()[:16]}"
+    name = _name_of(file)
+    folder = _BASE / f"{name}-{digest.hexdigest()[:16]}"
     if folder.is_dir():
         os.utime(folder)
     else:
         folder.mkdir(parents=True, exist_ok=True)
-        _keep_last(_BASE.glob(f"{file.stem}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
+        _keep_last(_BASE.glob(f"{name}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
     return folder
+
+
+def _name_of(file: Path) -> str:
+    """Of a file of this package with the names of its rooms: several files have the same stem."""
+    inside = file.relative_to(_PACKAGE) if file.is_relative_to(_PACKAGE) else Path(file.name)
+    return ".".join(inside.with_suffix("").parts)
 
 
 def _with_all_it_imports(file: Path) -> set[Path]:
@@ -307,11 +306,17 @@ def _imports(file: Path) -> list[Path]:
     files: list[Path] = []
     for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
         place = _PACKAGE.joinpath(*(package or module).split(".")[1:])
-        modules = [place / f"{name}.py" for name in re.findall(r"\w+", names)]
+        inside = [place / name for name in re.findall(r"\w+", names)]
+        modules = [path for name in inside for path in _of_module(name) if path.is_file()]
         files += modules
-        if place != _PACKAGE and not any(path.is_file() for path in modules):
-            files += [place / "__init__.py", place.with_suffix(".py")]
+        if place != _PACKAGE and not modules:
+            files += _of_module(place)
     return [path for path in files if path.is_file()]
+
+
+def _of_module(place: Path) -> tuple[Path, Path]:
+    """Where a module may be, as a file or as a folder."""
+    return place.with_suffix(".py"), place / "__init__.py"
 
 
 def _keep_last(paths: Iterable[Path], number: int) -> None:

@@ -17,11 +17,12 @@ from dolfinx import fem
 from hypothesis import Phase, settings
 
 from fem_lie import _compat, lie
-from fem_lie.elements.directors import director_strains, midpoint_strains
-from fem_lie.elements.formulation import with_bending_flexibility
-from fem_lie.elements.geodesic import GEODESIC, geodesic_energy
-from fem_lie.frames import NodalFrames, local_frame_forms
-from fem_lie.kernel import LocalFrameForms, StrainEnergy
+from fem_lie.elements.beams.directors import director_strains, midpoint_strains
+from fem_lie.elements.beams.element import with_bending_flexibility
+from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.local_forms import LocalFrameForms
 
 few = settings(
     max_examples=8,

@@ -15,10 +15,9 @@ import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 
-from fem_lie.elements import shell
-from fem_lie.elements.shell_cells import ShellCells
-from fem_lie.elements.shell_maps import retract
-from fem_lie.elements.shell_measures import (
+from fem_lie.elements.shells import element as shell
+from fem_lie.elements.shells.cells import ShellCells
+from fem_lie.elements.shells.measures import (
     DECOUPLED,
     MITC3_PLUS,
     MITC4,
@@ -27,9 +26,10 @@ from fem_lie.elements.shell_measures import (
     MITC9,
     StrainMeasures,
 )
-from fem_lie.frames import NodalFrames
-from fem_lie.kernel import LocalFrameForms
-from fem_lie.solve.linear import NEGATIVE
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.lie.motions import retract
+from fem_lie.linear.direct import NEGATIVE
 
 
 def section(E: float, nu: float, t: float) -> np.ndarray:
@@ -130,7 +130,7 @@ QUADRILATERAL_9 = Element("MITC9", MITC9, "displacement", distortion=0.0)
 
 @dataclass
 class Statics:
-    """:class:`fem_lie.solve.arc_length.Equilibrium` of one shell with dead point loads.
+    """:class:`fem_lie.solve.statics.arc_length.Equilibrium` of one shell with dead point loads.
 
     ``held`` names unknowns (node, component) that are zero; ``springs`` are (node, axis, stiffness)
     that hold rigid motions without a force.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system import System
+from fem_lie.system.system import System
 
 SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
 NAN = float("nan")
@@ -193,6 +193,6 @@ def test_scene_refuses_what_is_not_a_part_of_one():
 
 def test_scenes_refuse_more_than_one_rank(monkeypatch):
     world = SimpleNamespace(COMM_WORLD=SimpleNamespace(size=3))
-    monkeypatch.setattr("fem_lie.system.MPI", world)
+    monkeypatch.setattr("fem_lie.system.system.MPI", world)
     with pytest.raises(ValueError, match=r"one rank, got 3.*local_frame_forms"):
         System(scene_with(bar()), dynamics=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.choices import SPIN_PER_STEP
+from fem_lie.scene.choices import SPIN_PER_STEP
 
 SECTION = fl.Section.rectangle(0.01, 0.01, fl.Material(E=1e9, nu=0.3, density=1000.0))
 

@@ -10,8 +10,8 @@ import pytest
 
 import fem_lie as fl
 from demos.time_error import TIP, rigid_pendulum, tip
-from fem_lie.solve.step_control import Control, StepChoice
-from fem_lie.solve.variable_steps import VariableSteps
+from fem_lie.solve.motion.step_control import Control, StepChoice
+from fem_lie.solve.motion.variable_steps import VariableSteps
 from tests.test_energy_momentum import bars
 from tests.test_time_error import Alternating, arm_that_stops, jump, pushed
 

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve import alpha_run
-from fem_lie.solve.alpha_run import Run
-from fem_lie.solve.steps import correct
-from fem_lie.system import System
+from fem_lie.solve.alpha import run as alpha_run
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.alpha.step.nodes import correct
+from fem_lie.system.system import System
 
 G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from models import BEAMS, ELEMENTS, D, built, few, hellinger_reissner_linear, straight, superpose
 
 from fem_lie import lie
-from fem_lie.elements.directors import director_strains, midpoint_strains
-from fem_lie.elements.formulation import with_bending_flexibility
-from fem_lie.elements.geodesic import GEODESIC, geodesic_energy
-from fem_lie.frames import NodalFrames, local_frame_forms
-from fem_lie.kernel import LocalFrameForms
+from fem_lie.elements.beams.directors import director_strains, midpoint_strains
+from fem_lie.elements.beams.element import with_bending_flexibility
+from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.local_forms import LocalFrameForms
 
 seeds = st.integers(0, 2**32 - 1)
 every_element = pytest.mark.parametrize("make", ELEMENTS, ids=lambda make: make.__name__)

@@ -7,12 +7,13 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.groups import move
-from fem_lie.solve import free_bodies, free_body, scheme
-from fem_lie.solve.alpha_run import Run
-from fem_lie.solve.recorder import Recorder
-from fem_lie.solve.saving import Saving
-from fem_lie.system import System
+from fem_lie.lie.motions import move
+from fem_lie.solve.alpha import free_bodies
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.alpha.step import free_body, node
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
@@ -385,7 +386,7 @@ def test_translation_is_exact_on_r3xso3_whatever_the_spin():
 def test_matrix_is_the_derivative_of_the_residual(group):
     """By central differences along every increment, through the laws of the scheme."""
     rng = np.random.default_rng(2)
-    p = scheme.parameters(0.8, 0.05, 1.0)
+    p = node.parameters(0.8, 0.05, 1.0)
     H = lie.se3_exp(rng.normal(size=6))
     f = 10.0 * rng.normal(size=12)
     d, v1, vdot1 = 0.3 * rng.normal(size=(3, 6))

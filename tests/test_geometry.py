@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.mesh import KINK_ANGLE
+from fem_lie.mesh.lines import KINK_ANGLE, straight
 
 FRAME = Path(__file__).parents[1] / "meshes" / "frame.geo"
 SECTION = fl.Section.from_stiffness([1e4, 5e3, 4e3, 50.0, 100.0, 70.0])
@@ -285,7 +285,7 @@ def test_without_rotary_inertia_mass_and_its_centre_stay():
     inertia[1:, 1:] += mass * np.outer(centre, centre)
     inertia[0, 1:] = inertia[1:, 0] = mass * centre
     section = fl.Section.from_stiffness(SECTION.stiffness, inertia)
-    mesh = fl.mesh.straight((0, 0, 0), (1, 0, 0), 1)
+    mesh = straight((0, 0, 0), (1, 0, 0), 1)
     (reduced,) = fl.Beam(mesh, section, rotary_inertia=False).density
     np.testing.assert_allclose(reduced[0], inertia[0], atol=1e-15)
     about_centre = reduced[1:, 1:] - mass * np.outer(centre, centre)

@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fem_lie as fl
-from fem_lie import constraints, lie
-from fem_lie.connections import Connections
-from fem_lie.numbering import Numbering
-from fem_lie.solve.alpha_run import Run
-from fem_lie.system import System
+from fem_lie import lie
+from fem_lie.joints.equations import terms
+from fem_lie.solve.alpha.run import Run
+from fem_lie.system.constraints import Connections
+from fem_lie.system.nodes.numbering import Numbering
+from fem_lie.system.system import System
 
 seeds = st.integers(0, 2**32 - 1)
 PLACE, AXIS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8)
@@ -97,7 +98,7 @@ class Case:
         one = random_frames(rng, 1)[0]
         other = lie.se3_compose(lie.se3_compose(lie.se3_compose(one, A), apart), spin)
         self.H = np.array([one, lie.se3_compose(other, lie.se3_inverse(B))])
-        constraints.unwrap(self.H, self.table)
+        terms.unwrap(self.H, self.table)
         self.m = len(table.targets)
         self.weights, self.v = rng.normal(size=self.m), rng.normal(size=(2, 6))
 
@@ -105,13 +106,13 @@ class Case:
         """Forces on both nodes (12,), then Φ."""
         r, still = np.zeros(12 + self.m), np.zeros((2, 6))
         v = still if v is None else v
-        constraints.evaluate(H, v, self.table, self.weights, np.ones(self.m), 2, r)
+        terms.evaluate(H, v, self.table, self.weights, np.ones(self.m), 2, r)
         return r
 
     def jacobian(self) -> np.ndarray:
         border = self.connections.border
         legs, rows = np.zeros((len(border.nodes), 6)), np.zeros((self.m, 2, 6))
-        constraints.jacobian(self.H, self.table, legs)
+        terms.jacobian(self.H, self.table, legs)
         rows[border.rows, border.nodes] = legs
         return rows.reshape(self.m, 12)
 
@@ -163,8 +164,8 @@ def test_forces_are_transposed_jacobian_and_geometric_their_derivative(name, see
         # an identity: only round-off of sums of a dozen numbers of order 10
         assert np.abs(f - rows.T @ case.weights).max() < 1e-12 * (1 + np.abs(rows).max())
     K = case.blocks(
-        lambda place, K: constraints.geometric(H, table, case.weights, place, K)
-    ) + case.blocks(lambda place, K: constraints.add_springs(H, table, place, 1.0, 0.0, K))
+        lambda place, K: terms.geometric(H, table, case.weights, place, K)
+    ) + case.blocks(lambda place, K: terms.add_springs(H, table, place, 1.0, 0.0, K))
     numeric = differences(lambda F: case.evaluate(F)[:12], H)
     assert np.abs(K - numeric).max() < 10 * DIFFERENCE * (1 + np.abs(K).max())
 
@@ -174,11 +175,11 @@ def test_forces_are_transposed_jacobian_and_geometric_their_derivative(name, see
 def test_springs_have_an_energy_and_dampers_take_it(seed):
     case = Case("Spring", seed)
     f = case.evaluate(case.H)[:12]
-    energy = differences(lambda F: np.array([constraints.spring_energy(F, case.table)]), case.H)
+    energy = differences(lambda F: np.array([terms.spring_energy(F, case.table)]), case.H)
     assert np.abs(energy[0] - f).max() < 10 * DIFFERENCE * (1 + np.abs(f).max())
     viscous = case.evaluate(case.H, case.v)[:12] - f
     assert viscous @ case.v.ravel() > 0.0
-    D = case.blocks(lambda place, K: constraints.add_springs(case.H, case.table, place, 0, 1.0, K))
+    D = case.blocks(lambda place, K: terms.add_springs(case.H, case.table, place, 0, 1.0, K))
     # linear in the velocities: an identity but for round-off
     assert np.abs(D @ case.v.ravel() - viscous).max() < 1e-12 * (1 + np.abs(D).max())
 
@@ -190,7 +191,7 @@ def test_rates_are_time_derivatives(name, seed):
     case = Case(name, seed)
     H, v, m = case.H, case.v, case.m
     first, second = np.zeros(m), np.zeros(m)
-    constraints.rates(H, v, case.table, first, second)
+    terms.rates(H, v, case.table, first, second)
 
     def at(time: float) -> np.ndarray:
         return case.evaluate(lie.se3_retract(H, time * v))[12:]

@@ -21,9 +21,10 @@ from models import CARRIED, STRAIN_0, D, Model, built, few
 from ranks import on_ranks
 
 from fem_lie import lie
-from fem_lie.elements.geodesic import GEODESIC
-from fem_lie.frames import DIRECTORS, NodalFrames, local_frame_forms
-from fem_lie.kernel import LocalFrameForms, StrainEnergy
+from fem_lie.elements.beams.geodesic import GEODESIC
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frames import DIRECTORS, NodalFrames, local_frame_forms
+from fem_lie.forms.local_forms import LocalFrameForms
 
 seeds = st.integers(0, 2**32 - 1)
 

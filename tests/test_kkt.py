@@ -6,8 +6,9 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.solve.follow import SceneEquilibrium
-from fem_lie.solve.linear import INDEFINITE, SYMMETRIC, DirectSolver, SingularMatrixError
+from fem_lie.linear.direct import INDEFINITE, SYMMETRIC, DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.statics.follow import SceneEquilibrium
 
 
 def stored(model: SceneEquilibrium) -> sp.csr_matrix:

@@ -6,10 +6,10 @@ import pytest
 import fem_lie as fl
 from benchmarks.levels import PROBLEMS, levels, study
 from demos.deep_arch import arch
-from fem_lie.solve.arc_length import Passed
-from fem_lie.solve.equilibrium import _first_that_arrives
-from fem_lie.solve.linear import ConvergenceError
-from fem_lie.solve.statics import SingularStartError
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.solve.statics.arc_length import Passed
+from fem_lie.solve.statics.load_steps import SingularStartError
+from fem_lie.solve.statics.statics import _first_that_arrives
 
 TIP = (4.77019927e-03, 7.15021067e-05, -7.65123024e-02)  # of the helix, by ten load steps
 

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.runtime import _nrt_python, rtsys
 
-from fem_lie import _lie_tuples, lie
+from fem_lie import lie
 from fem_lie._jit import compiled
+from fem_lie.lie import tuples
 
 PI = np.pi
 SMALL = [0.0, 1e-12, 1e-8, 1e-4, 0.7, 0.71, 1.0]  # the series change length at θ² = ½
@@ -161,7 +162,7 @@ def test_derivatives_of_rotation_tangents(angle):
 
 @compiled
 def _coefficients(x):
-    return _lie_tuples.stumpff(x)[2:], _lie_tuples.inverse_series(x)
+    return tuples.stumpff(x)[2:], tuples.inverse_series(x)
 
 
 @pytest.mark.parametrize("angle", [*TO_PI, 3.15, 5.0])

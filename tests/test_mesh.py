@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fem_lie import _compat, lie
-from fem_lie.io import from_dolfinx, read_gmsh
-from fem_lie.mesh import KINK_ANGLE, LineMesh, curve, straight
+from fem_lie.mesh.lines import KINK_ANGLE, LineMesh, curve, straight
+from fem_lie.mesh.reading import from_dolfinx, read_gmsh
 
 BEND = Path(__file__).parents[1] / "meshes" / "bend45.geo"
 SPACE_FRAME = BEND.with_name("frame.geo")

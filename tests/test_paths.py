@@ -78,7 +78,7 @@ def test_located_limit_loads_do_not_depend_on_the_steps(deep):
 
 
 def test_every_state_is_in_equilibrium(deep):
-    from fem_lie.solve.stability import StableEquilibrium
+    from fem_lie.solve.stability.equilibrium import StableEquilibrium
 
     scene, _, path = deep
     model = StableEquilibrium(scene, "test_")

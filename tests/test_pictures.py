@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import fem_lie as fl
-from fem_lie.picture import draw
+from fem_lie.pictures.bodies import draw
 
 
 def cantilever(direction=(1.0, 0, 0)):
@@ -27,7 +27,9 @@ def bent():
 def drawn(monkeypatch):
     """What is given to be drawn instead of a picture."""
     given = []
-    monkeypatch.setattr("fem_lie.picture.draw", lambda info, frames, *a, **k: given.append(frames))
+    monkeypatch.setattr(
+        "fem_lie.pictures.bodies.draw", lambda info, frames, *a, **k: given.append(frames)
+    )
     return given
 
 
@@ -77,16 +79,16 @@ def test_nothing_is_cut_off_at_the_borders(tmp_path, bent, direction, small):
 
 def test_numbers_beside_a_path_are_as_large_as_those_of_the_curve(tmp_path, monkeypatch):
     """Nine points where a tenth of an inch is 7.2: at least 8, and not 5."""
-    from fem_lie import picture
+    from fem_lie.pictures import bodies
 
     given = []
-    real = picture.draw
+    real = bodies.draw
 
     def watched(info, frames, path, **options):
         given.append(options)
         real(info, frames, path, **options)
 
-    monkeypatch.setattr(picture, "draw", watched)
+    monkeypatch.setattr(bodies, "draw", watched)
     path = fl.follow_path(cantilever()[0], steps=3)
     figure = path.plot_path(path.displacement("bar.end")[:, 2], tmp_path / "path.png")
     shape = figure.axes[1].get_window_extent()

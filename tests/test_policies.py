@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.alpha_run import Run
-from fem_lie.solve.linear import CHAINS, MOTION, methods_in_time
-from fem_lie.solve.policies import AutomaticDecisions, Update
-from fem_lie.solve.recorder import Recorder
-from fem_lie.solve.staleness import staleness
-from fem_lie.system import System
+from fem_lie.linear.direct import CHAINS, MOTION
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.alpha.staleness import staleness
+from fem_lie.solve.methods import methods_in_time
+from fem_lie.solve.motion.policies import AutomaticDecisions, Update
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.system.system import System
 
 NONE, CONSTRAINTS, ALL = Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)

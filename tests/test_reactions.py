@@ -101,7 +101,7 @@ def test_a_moving_clamp_has_the_force_of_a_joint(scheme, steps):
         step = 5e-4 if steps is None else steps
         results.append(SCHEMES[scheme]().run(scene, duration=0.02, step=step))
     assert np.ptp(results[0].reaction("bar.start")[:, 2]) > 50.0
-    # accelerations at the start are means over the first step, see fem_lie.solve.start
+    # accelerations at the start are means over the first step, see fem_lie.solve.motion.start
     times = np.linspace(0.002, 0.02, 9)
     clamp, weld = (result.resampled(times) for result in results)
     forces = on_bar(weld)

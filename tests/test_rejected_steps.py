@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.alpha_steps import AlphaSteps
-from fem_lie.solve.conserving_steps import ConservingSteps
+from fem_lie.solve.alpha.variable import AlphaSteps
+from fem_lie.solve.conserving.variable import ConservingSteps
 from tests.test_conserving_steps import AnySize
 from tests.test_energy_momentum import bars, plate
 

@@ -12,11 +12,9 @@ from shell_models import quartic
 
 import fem_lie as fl
 from fem_lie import _compat, lie
-from fem_lie.info import BodyInfo, SceneInfo
-from fem_lie.plane_tensors import mises, principal, turned
-from fem_lie.quantities import COMPONENTS
-from fem_lie.recovery import planes
-from fem_lie.shared_values import shared_values
+from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
+from fem_lie.results.stresses.nodal_values import planes, shared_values
+from fem_lie.results.stresses.shell_quantities import COMPONENTS, mises, principal, turned
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)

@@ -14,13 +14,14 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies import ground
-from fem_lie.info import BodyInfo, JointInfo, SceneInfo
-from fem_lie.picture import _round_step, _surfaces, draw
-from fem_lie.plot import COLOURS, Units
-from fem_lie.results import Result
-from fem_lie.rigid import RigidBody
-from fem_lie.shapes import joint_places, shapes
+from fem_lie.bodies.body import ground
+from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
+from fem_lie.bodies.rigid import RigidBody
+from fem_lie.pictures.bodies import _round_step, _surfaces, draw
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.shapes import joint_places, shapes
+from fem_lie.pictures.units import Units
+from fem_lie.results.history import Result
 
 SPIN = np.array([0.3, -0.8, 1.5])
 NODES = 5

@@ -10,9 +10,9 @@ import pytest
 import ufl
 
 import fem_lie as fl
-from fem_lie.elements.formulation import Formulation
-from fem_lie.solve.integrator import Integrator
-from fem_lie.solve.recorder import History
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.recording.recorder import History
 
 STEPS, STEP = 6, 2e-3
 Function = Callable[[float], float]

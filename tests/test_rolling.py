@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fem_lie as fl
-from fem_lie import lie, rolling
-from fem_lie.connections import Connections
-from fem_lie.numbering import Numbering
+from fem_lie import lie
+from fem_lie.joints.equations import rolling
+from fem_lie.system.constraints import Connections
+from fem_lie.system.nodes.numbering import Numbering
 
 seeds = st.integers(0, 2**32 - 1)
 JOINTS = {

@@ -91,7 +91,7 @@ def test_bad_times_are_named(save_at):
 @pytest.mark.parametrize("save_at", [None, 0.0047])
 def test_a_file_has_the_same_and_a_resumed_run_too(tmp_path, monkeypatch, scheme, save_at, rows):
     """However many rows pass at a time."""
-    from fem_lie.solve import window
+    from fem_lie.solve.recording import window
 
     plan = {"duration": 0.1, "step": 2e-3, "save_at": save_at}
     whole = SCHEMES[scheme].run(top(), **plan)

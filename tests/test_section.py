@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.inertia import gram_from_rigid, mass_matrix_6x6
-from fem_lie.section import Material, Section, rectangle_torsion_constant
+from fem_lie.bodies.rigid import gram_from_rigid
+from fem_lie.sections.material import Material
+from fem_lie.sections.section import Section, rectangle_torsion_constant
+from fem_lie.system.nodes.inertia import mass_matrix_6x6
 
 STEEL = Material(E=210e9, nu=0.3, density=7850.0)
 SIZE = st.floats(1e-3, 10.0)

@@ -26,13 +26,13 @@ from shell_models import (
     strip,
 )
 
-from fem_lie.elements import shell
-from fem_lie.elements.shell_cells import ShellCells
-from fem_lie.elements.shell_maps import retract
-from fem_lie.elements.shell_measures import MITC3_PLUS, MITC6
-from fem_lie.frames import NodalFrames
-from fem_lie.solve.arc_length import ArcLength
-from fem_lie.solve.linear import ConvergenceError
+from fem_lie.elements.shells import element as shell
+from fem_lie.elements.shells.cells import ShellCells
+from fem_lie.elements.shells.measures import MITC3_PLUS, MITC6
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.lie.motions import retract
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.solve.statics.arc_length import ArcLength
 
 slow = pytest.mark.slow  # FFCx and the C compiler take long for them
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import solve_bvp
 
 import fem_lie as fl
-from fem_lie.elements.shell_maps import retract
-from fem_lie.face_rule import FaceRule
-from fem_lie.system import System
+from fem_lie.lie.motions import retract
+from fem_lie.mesh.shapes import FaceRule
+from fem_lie.system.system import System
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)

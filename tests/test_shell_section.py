@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fem_lie.section import Material
-from fem_lie.shell_section import Orthotropic, Ply, ShellSection
+from fem_lie.sections.material import Material
+from fem_lie.sections.shell_section import Orthotropic, Ply, ShellSection
 
 STEEL = Material(E=210.0, nu=0.3, density=7.8)
 CARBON = Orthotropic(E1=140.0, E2=10.0, nu12=0.3, G12=5.0, G13=4.0, G23=3.0, density=1.6)

@@ -8,7 +8,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.follow import SceneEquilibrium
+from fem_lie.solve.statics.follow import SceneEquilibrium
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)

@@ -6,7 +6,8 @@ from scipy.special import ellipk
 from test_paths import arch, column
 
 import fem_lie as fl
-from fem_lie.solve.stability import StableEquilibrium, inertia
+from fem_lie.linear.pivots import inertia
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
 
 
 def dense(model: StableEquilibrium, factor: float) -> np.ndarray:

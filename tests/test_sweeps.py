@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.loads import Load
+from fem_lie.scene.load import Load
 
 SOFT = fl.Material(2e7, 0.3, 1200.0)
 

@@ -12,7 +12,7 @@ import fem_lie as fl
 from demos.time_error import TIP, rigid_pendulum, tip
 from demos.variable_step import four_bar
 from fem_lie import lie
-from fem_lie.solve.step_control import Control, StepChoice
+from fem_lie.solve.motion.step_control import Control, StepChoice
 
 PARTS = 10
 # of second order, an error measured by a step in PARTS parts lacks that of the parts

@@ -10,8 +10,8 @@ import pytest
 import fem_lie as fl
 from demos.rotating_beam import angle
 from fem_lie import lie
-from fem_lie.solve import discrete_gradient
-from fem_lie.solve.between import span
+from fem_lie.solve.conserving.step import discrete_gradient
+from fem_lie.solve.conserving.step.cayley import span
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
 

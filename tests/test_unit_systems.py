@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.linear import MOTION, DirectSolver, InaccurateSolutionError
-from fem_lie.solve.start import accelerations
-from fem_lie.system import System
+from fem_lie.linear.direct import MOTION, DirectSolver
+from fem_lie.linear.equilibrated import InaccurateSolutionError
+from fem_lie.solve.motion.start import accelerations
+from fem_lie.system.system import System
 from tests.closed_loop import closed_loop
 from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 

@@ -9,10 +9,10 @@ from test_paths import arch, column
 
 import fem_lie as fl
 from benchmarks.levels import cantilever, frame
-from fem_lie.solve.branches import _beside
-from fem_lie.solve.pivots import negative_determinant
-from fem_lie.solve.stability import StableEquilibrium
-from fem_lie.solve.unstable import maxima
+from fem_lie.linear.pivots import negative_determinant
+from fem_lie.solve.stability.branches import _beside
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.statics.unstable import maxima
 
 
 def test_an_unstable_equilibrium_beyond_a_limit_load_says_so():

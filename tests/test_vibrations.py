@@ -10,10 +10,11 @@ from scipy.optimize import brentq
 
 import fem_lie as fl
 from demos.rotating_beam import flapping
-from fem_lie import inertia, lie
-from fem_lie.solve.spectrum import Pencil
-from fem_lie.solve.steady import linearised
-from fem_lie.system import System
+from fem_lie import lie
+from fem_lie.linear.spectrum import Pencil
+from fem_lie.solve.statics.steady import linearised
+from fem_lie.system.nodes import inertia
+from fem_lie.system.system import System
 
 E, RHO = 2e11, 7800.0
 STEEL = fl.Material(E, 0.3, RHO)

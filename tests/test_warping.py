@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 import fem_lie as fl
-from fem_lie.section import rectangle_torsion_constant
-from fem_lie.warping import _Fields
+from fem_lie.sections.section import rectangle_torsion_constant
+from fem_lie.sections.warping import _Fields
 
 NU = 0.3
 STEEL = fl.Material(E=210e9, nu=NU, density=7850.0)

@@ -1,8 +1,6 @@
 """Joints between two frames of beams, shells, rigid bodies and ground, and what acts along them."""
 
-from fem_lie.joints.acting import Drive, Gear, Spring
-from fem_lie.joints.connection import Connection, Coordinate, Tie, VelocityTie
-from fem_lie.joints.contact import KnifeEdge, RollingDisc
+from fem_lie.joints.connection import Connection, Coordinate, SlidingTie, Tie, VelocityTie
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.kinds import (
     Cylindrical,
@@ -16,8 +14,10 @@ from fem_lie.joints.kinds import (
     Spherical,
     Universal,
 )
-from fem_lie.joints.link import RigidLink
-from fem_lie.joints.sliding import Collar, Sleeve, Sliding, SlidingTie
+from fem_lie.joints.rigid_link import RigidLink
+from fem_lie.joints.rolling import KnifeEdge, RollingDisc
+from fem_lie.joints.sliding import Collar, Sleeve, Sliding
+from fem_lie.joints.springs import Drive, Gear, Spring
 
 __all__ = [
     "Collar",

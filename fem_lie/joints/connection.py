@@ -1,24 +1,22 @@
 """What joints, springs, drives and gears have in common: terms in the relative motion of frames.
 
-See :mod:`fem_lie.constraints` for the relative motion ``z = (Δ, Q)``, selections and functions.
+See :mod:`fem_lie.joints.equations.terms` for the relative motion ``z = (Δ, Q)``, selections and
+functions.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import joint_functions
-from fem_lie._jit import Array
-from fem_lie._wanted import instance
-from fem_lie.bodies import Body, Point
-from fem_lie.relative_motion import relative_motion
-
-if TYPE_CHECKING:
-    from fem_lie.joints.sliding import SlidingTie
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Body, Point
+from fem_lie.joints.equations import functions as joint_functions
+from fem_lie.joints.equations.relative_motion import relative_motion
 
 History = Callable[[float], float]
 
@@ -79,7 +77,7 @@ class Tie(NamedTuple):
 
 
 class VelocityTie(NamedTuple):
-    """A pair of frames whose relative velocity is bound, see :mod:`fem_lie.rolling`.
+    """A pair of frames whose relative velocity is bound, see :mod:`~.equations.rolling`.
 
     Attributes:
         a: Point that carries frame A; likewise ``b``.
@@ -252,3 +250,25 @@ class Coordinate(NamedTuple):
         return tie._replace(
             selection=factor * tie.selection, functions=factor * tie.functions, rows=(row,)
         )
+
+
+class SlidingTie(NamedTuple):
+    """A frame that slides along the elements of a beam.
+
+    Attributes:
+        beam: Its elements follow each other; likewise ``starts`` of arclength at each.
+        starts: Arclength at the start of each element, shape (e,).
+        b: Point that carries the frame.
+        frame: In the initial configuration, that of the section it is at, shape (4, 3).
+        selection: Of the relative motion against that section, shape (k, 12).
+        advance: Factors of the arclength, shape (k,).
+        arclength: In the initial configuration.
+    """
+
+    beam: Beam
+    starts: Array
+    b: Point
+    frame: Array
+    selection: Array
+    advance: Array
+    arclength: float

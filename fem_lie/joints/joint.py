@@ -9,11 +9,10 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import joint_functions
-from fem_lie._jit import Array
-from fem_lie._wanted import text
-from fem_lie.bodies import Body, Point, direction, require_point, vector
+from fem_lie._arrays import Array, text
+from fem_lie.bodies.body import Body, Point, direction, require_point, vector
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
+from fem_lie.joints.equations import functions as joint_functions
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 """Sine and cosine, times 1 + Q₃₃, of the rotation about the axis: Q₂₁ − Q₁₂, Q₁₁ + Q₂₂."""
@@ -28,7 +27,7 @@ class Joint(Connection):
     what touches ``Δ`` alone is constant in local frames; otherwise it is not ``reversible``.
 
     Attributes:
-        a: A point of a body, or :func:`~fem_lie.bodies.ground`.
+        a: A point of a body, or :func:`~fem_lie.bodies.body.ground`.
         b: A point of another body, or ground.
         at: Where the joint is in the initial configuration (global, length); default: where the
             two points coincide. Given, the points are joined to it by rigid links.

@@ -1,6 +1,7 @@
 """Kinds of joints: each is the selection of the relative motion ``(Δ, Q)`` that it forbids.
 
-A new joint of this kind is a new class with that selection; see :mod:`fem_lie.constraints`.
+A new joint of this kind is a new class with that selection; see
+:mod:`fem_lie.joints.equations.terms`.
 """
 
 from __future__ import annotations
@@ -10,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import joint_functions
-from fem_lie._jit import Array
-from fem_lie._wanted import number
+from fem_lie._arrays import Array, number
 from fem_lie.joints.connection import Coordinate, rows
+from fem_lie.joints.equations import functions as joint_functions
 from fem_lie.joints.joint import TURN, Joint
 
 _COINCIDE = ({0: 1.0}, {1: 1.0}, {2: 1.0})

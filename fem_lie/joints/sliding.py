@@ -1,44 +1,21 @@
-"""What slides along flexible beams: see :mod:`fem_lie.sliding`."""
+"""What slides along flexible beams: see :mod:`fem_lie.joints.equations.sliding`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._jit import Array, Indices
-from fem_lie._wanted import at_time, history, instance, text
-from fem_lie.beam import Beam
-from fem_lie.bodies import Body, Point, require_point, vector
-from fem_lie.elements.geodesic import Geodesic
-from fem_lie.joints.connection import Connection, History, Tie, rows
+from fem_lie._arrays import Array, Indices, at_time, history, instance, text
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Body, Point, require_point, vector
+from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.joints.connection import Connection, History, SlidingTie, Tie, rows
 
 _ON_LINE = ({1: 1.0}, {2: 1.0})
-
-
-class SlidingTie(NamedTuple):
-    """A frame that slides along the elements of a beam.
-
-    Attributes:
-        beam: Its elements follow each other; likewise ``starts`` of arclength at each.
-        starts: Arclength at the start of each element, shape (e,).
-        b: Point that carries the frame.
-        frame: In the initial configuration, that of the section it is at, shape (4, 3).
-        selection: Of the relative motion against that section, shape (k, 12).
-        advance: Factors of the arclength, shape (k,).
-        arclength: In the initial configuration.
-    """
-
-    beam: Beam
-    starts: Array
-    b: Point
-    frame: Array
-    selection: Array
-    advance: Array
-    arclength: float
 
 
 @dataclass(frozen=True, eq=False)

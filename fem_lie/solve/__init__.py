@@ -1,1 +1,1 @@
-"""Statics and time integration: one scheme per file."""
+"""Statics, stability and motion: what solves the equations of a scene."""

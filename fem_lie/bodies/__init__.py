@@ -1,0 +1,1 @@
+"""Nodes with frames, and the catalogue of who is who."""

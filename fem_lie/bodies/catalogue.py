@@ -1,0 +1,188 @@
+"""What a solution must know of its scene: for looking things up, drawing and files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+
+if TYPE_CHECKING:
+    from fem_lie.bodies.body import Body, Point
+    from fem_lie.joints import Connection
+
+
+@dataclass(frozen=True, eq=False)
+class BodyInfo:
+    """One body; all node numbers are those of the whole system.
+
+    Attributes:
+        name: Its name in the scene.
+        kind: Its class.
+        nodes: Its nodes, shape (n,).
+        cells: Pairs of nodes, shape (m, 2); none for a rigid body.
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
+            (m, k, 2); nan where there is none. ``None``: there is none at all.
+        box: Edges of a box about the body's frame, shape (3,): how a rigid body is drawn.
+        points: Node of each named point.
+        faces: Corners of cells that are surfaces, shape (m, 3 or 4); none if there are none.
+        thickness: Of those, shape (m,).
+    """
+
+    name: str
+    kind: str
+    nodes: Indices
+    cells: Indices = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    outline: Array | None = None
+    box: Array | None = None
+    points: Mapping[str, int] = field(default_factory=dict)
+    faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
+    thickness: Array = field(default_factory=lambda: np.empty(0))
+
+    @classmethod
+    def of(cls, body: Body, nodes: Indices) -> BodyInfo:
+        """What there is to know of a body whose nodes have these numbers."""
+        return cls(
+            name=body.name,
+            kind=type(body).__name__,
+            nodes=nodes,
+            cells=nodes[body.cells],
+            outline=body.outline,
+            box=body.box,
+            points={key: int(nodes[node]) for key, node in body.point_names.items()},
+            faces=nodes[body.faces],
+            thickness=body.thickness,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class JointInfo:
+    """One joint.
+
+    Attributes:
+        name: Its name, or what it joins.
+        kind: Its class.
+        node: A node that it is fixed to, for drawing; −1 if there is none.
+        offset: Its place in that node's frame, shape (3,).
+        coordinates: Names of its relative coordinates.
+        first: Where these begin among those of all joints.
+    """
+
+    name: str
+    kind: str
+    node: int = -1
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    coordinates: tuple[str, ...] = ()
+    first: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class SupportInfo:
+    """Which nodes are held by clamps and by supports of bodies.
+
+    Attributes:
+        at: The node of each reaction, shape (s,).
+        nodes: Those and the nodes that follow them rigidly, shape (q,).
+        rows: Which reaction is that of each of ``nodes``, shape (q,).
+    """
+
+    at: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    nodes: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    rows: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def row(self, node: int) -> int | None:
+        """Which reaction is that of a node, if it is held."""
+        found = self.rows[self.nodes == node]
+        return int(found[0]) if len(found) else None
+
+
+@dataclass(frozen=True, eq=False)
+class SceneInfo:
+    """Bodies and joints in the order of the scene, and supports.
+
+    Attributes:
+        bodies: All of them.
+        joints: All of them.
+        mass: Of all bodies; 0 where inertia is not known.
+        supports: What is held.
+    """
+
+    bodies: tuple[BodyInfo, ...]
+    joints: tuple[JointInfo, ...] = ()
+    mass: float = 0.0
+    supports: SupportInfo = field(default_factory=SupportInfo)
+
+    def body(self, name: str) -> BodyInfo:
+        """The body with this name.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        return _named(self.bodies, name, "body")
+
+    def joint(self, joint: Connection | str) -> int:
+        """Number of the joint with this name, or of this joint of the scene.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        name = joint if isinstance(joint, str) else joint.label
+        return self.joints.index(_named(self.joints, name, "joint"))
+
+    def coordinate(self, joint: Connection | str, name: str | None) -> int:
+        """Number of a joint's relative coordinate; its only or first one if there is no name.
+
+        Raises:
+            ValueError: There is none; the message lists those that exist.
+        """
+        info = self.joints[self.joint(joint)]
+        wanted = name if name is not None else info.coordinates[0] if info.coordinates else ""
+        if wanted not in info.coordinates:
+            known = ", ".join(info.coordinates) or "none"
+            raise ValueError(f"{info.name} has no coordinate {wanted!r}; it has: {known}")
+        return info.first + info.coordinates.index(wanted)
+
+    def node(self, point: Point | str | int) -> int:
+        """Node of a point: the point itself, "body.name", "body.node 3", or a node's number.
+
+        Raises:
+            ValueError: There is no such point; the message lists those that exist.
+        """
+        if isinstance(point, str):
+            return self._node_of_name(point)
+        if isinstance(point, (int, np.integer)):
+            count = 1 + max(int(body.nodes.max()) for body in self.bodies)
+            if not 0 <= point < count:
+                raise ValueError(f"nodes are 0 … {count - 1}, got {point}")
+            return int(point)
+        if point.body is None:
+            raise ValueError("ground does not move; give a point of a body")
+        return int(self.body(point.body.name).nodes[point.node])
+
+    def _node_of_name(self, label: str) -> int:
+        known = {}
+        for body in self.bodies:
+            known.update({f"{body.name}.{key}": node for key, node in body.points.items()})
+            nodes = {f"{body.name}.node {i}": int(node) for i, node in enumerate(body.nodes)}
+            if label in nodes:
+                return nodes[label]
+        if label not in known:
+            raise ValueError(
+                f"there is no point {label!r}; there are: {', '.join(sorted(known)) or 'none'}, "
+                "and 'body.node 0', 'body.node 1', …"
+            )
+        return int(known[label])
+
+
+Item = TypeVar("Item", BodyInfo, JointInfo)
+
+
+def _named(items: tuple[Item, ...], name: str, what: str) -> Item:
+    for item in items:
+        if item.name == name:
+            return item
+    known = ", ".join(repr(item.name) for item in items) or "none"
+    raise ValueError(f"there is no {what} {name!r}; there are: {known}")

@@ -1,0 +1,124 @@
+"""Rigid bodies: one node with its frame, and an inertia tensor."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._arrays import Array, numbers, positive
+from fem_lie.bodies.body import Body, Point, vector
+from fem_lie.lie.motions import Group
+
+_ORTHOGONAL = 1e-8
+
+
+def _proper(rotation: npt.ArrayLike) -> Array:
+    """``rotation`` as a matrix; errors as in :class:`RigidBody`."""
+    R = numbers(rotation, "rotation")
+    orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
+    if not orthogonal or np.linalg.det(R) < 0:
+        raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
+    return R
+
+
+class RigidBody(Body):
+    """A rigid body whose frame is at its centre of mass.
+
+    Attributes:
+        gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
+    """
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: npt.ArrayLike,
+        position: npt.ArrayLike = (0.0, 0.0, 0.0),
+        rotation: npt.ArrayLike | None = None,
+        *,
+        group: Group = Group.R3xSO3,
+        name: str = "",
+    ) -> None:
+        """Place the body.
+
+        Args:
+            mass: Mass.
+            inertia: Inertia tensor about the centre of mass in the body's axes, shape (3, 3), or
+                its three principal values.
+            position: Centre of mass, global components.
+            rotation: Body axes as columns, shape (3, 3); default: global axes.
+            group: On which it moves in time integration; the default flies and spins more
+                accurately, SE3 turns more accurately about a fixed axis (docs/groups.md).
+            name: For messages and results.
+
+        Raises:
+            ValueError: The mass is not positive, the inertia not that of a body, or the rotation
+                not a rotation.
+        """
+        tensor = numbers(inertia, "inertia")
+        tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
+        self.gram = gram_from_rigid(mass, tensor)
+        R = np.eye(3) if rotation is None else _proper(rotation)
+        super().__init__(
+            lie.frame(vector(position, 3, "position"), R)[np.newaxis],
+            cells=np.empty((0, 2), dtype=np.int64),
+            outline=None,
+            # radius of gyration: the only length that a rigid body has
+            size=float(np.sqrt(np.trace(tensor) / mass)),
+            points={"centre": 0},
+            # the box of uniform density with the same second moments, m b²/12 each
+            box=np.sqrt(12.0 * np.diag(self.gram)[1:].clip(0.0) / mass),
+            group=group,
+            name=name,
+        )
+
+    @property
+    def centre(self) -> Point:
+        """The centre of mass; joints elsewhere on the body take it with ``at=...``."""
+        return self["centre"]
+
+
+def gram_from_rigid(
+    mass: float, inertia: npt.ArrayLike, centre: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
+    """Gram matrix of (x, d₁, d₂, d₃) of a rigid body, or of a section (then all per length).
+
+    ``G_xx = m``, ``G_xk = m c_k``, ``G_kl = ½ tr(J) δ_kl − J_kl + m c_k c_l``, the second moments
+    of the mass distribution about the frame's origin.
+
+    Args:
+        mass: Mass.
+        inertia: Inertia tensor J about the centre of mass, in the body's axes, shape (3, 3), or its
+            diagonal, shape (3,).
+        centre: Centre of mass c relative to the frame's origin, in the body's axes.
+
+    Returns:
+        Symmetric positive semidefinite matrix, shape (4, 4).
+
+    Raises:
+        ValueError: The mass is not positive, or J is not symmetric positive definite, or one
+            principal value exceeds the sum of the others: no body has such a tensor.
+    """
+    J = numbers(inertia, "inertia")
+    J = np.diag(J) if J.shape == (3,) else J
+    c = numbers(centre, "centre")
+    positive(mass, "mass")
+    if c.shape != (3,) or not np.isfinite(c).all():
+        raise ValueError(f"centre must be 3 finite numbers, got {centre!r}")
+    if J.shape != (3, 3) or not np.isfinite(J).all() or np.abs(J - J.T).max() > 1e-8 * J.max():
+        raise ValueError(f"inertia must be a symmetric 3×3 tensor, got\n{inertia!r}")
+    principal = np.linalg.eigvalsh(J)
+    if principal[0] <= 0.0 or principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9):
+        raise ValueError(
+            "inertia must have positive principal values, none greater than the sum of the others, "
+            f"got {principal}"
+        )
+    G = np.empty((4, 4))
+    G[0, 0] = mass
+    G[0, 1:] = G[1:, 0] = mass * c
+    E = 0.5 * np.trace(J) * np.eye(3) - 0.5 * (J + J.T)
+    own, axes = np.linalg.eigh(E)
+    if own[0] < 0.0:  # that of a flat section is zero along its normal, or round-off
+        E = axes @ np.diag(own.clip(0.0)) @ axes.T
+    G[1:, 1:] = E + mass * np.outer(c, c)
+    return G

@@ -1,0 +1,148 @@
+"""All shells of one kind, assembled together by DOLFINx."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie._arrays import Array
+from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie.elements.shells.cells import ShellCells
+from fem_lie.elements.shells.drilling import DrillingAssembly
+from fem_lie.forms.assembly import Assembly, NodalInertia
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.lie.motions import add_turnings
+
+if TYPE_CHECKING:
+    from fem_lie.bodies.shell import Shell
+
+_FIVE = 5
+_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
+
+
+class ShellAssembly(Assembly):
+    """All shells of one formulation and kind of cell, on one surface mesh.
+
+    Attributes:
+        mesh: All of them, as DOLFINx orders nodes and cells.
+        stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
+    """
+
+    def __init__(self, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> None:
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+        first = bodies[0]
+        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+        frames = np.concatenate([body.frames for body in bodies])
+        cells = np.concatenate(
+            [body.connectivity + start for body, start in zip(bodies, starts[:-1], strict=True)]
+        )
+        cell, degree = first.mesh.cell, first.mesh.degree
+        mesh = _compat.create_surface_mesh(frames[:, 0].copy(), cells, cell, degree)
+        permutation = mesh.topology.original_cell_index
+        nodal = NodalFrames(mesh, degree)
+        order = np.empty(len(frames), dtype=np.int64)
+        given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
+        order[given] = nodal.function.function_space.dofmap.list
+        nodal.frames[order] = frames
+        stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
+        axes = np.concatenate([body.axes for body in bodies])[permutation]
+        measures = first.formulation.measures_for(cell, degree)
+        shell_cells = ShellCells(nodal, measures, directions=axes)
+        forms = first.formulation.forms(shell_cells, stiffness)
+        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
+        cell_order = np.argsort(permutation)
+        super().__init__(nodal, forms, order, cell_order, None)
+        plain = first.formulation.quadratic and measures.intermediate is None
+        self.summed_alone = False
+        self.settles = forms.local is not None and not plain
+        self._drilling: DrillingAssembly | None = None
+        if first.drills(holds.get(first, ())):
+            each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
+            gamma = np.concatenate(each)[permutation]
+            self._drilling = DrillingAssembly(
+                nodal.frames.copy(),
+                nodal.function.function_space.dofmap.list,
+                measures.cell,
+                degree,
+                measures.quadrature_degree,
+                axes,
+                gamma,
+                (self.indptr, self.indices),
+            )
+        rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
+        self._diagonal = np.flatnonzero(self.indices == rows)
+        self._last, self._all = np.zeros((self.count, 6)), np.ones(self.count, dtype=bool)
+        if all(body.has_mass for body in bodies):
+            elements = np.concatenate([body.element_inertia() for body in bodies])
+            # as the cells of the bodies, and their nodes, are ordered there
+            self.inertia = NodalInertia(self.summed(elements[permutation]))
+
+    def add_forces(self, H: Array, out: Array) -> None:
+        """See the base class; what the cells carry is a coefficient and is packed anew."""
+        self._frames.frames[:] = H
+        forces = fem.assemble_vector(self._forms.residual).array
+        self._last[:, :_FIVE], self._last[:, _FIVE:] = forces.reshape(-1, _FIVE), 0.0
+        if self._drilling is not None:
+            self._drilling.add_forces(H, self._last)
+        out.reshape(-1, 6)[:] += self._last
+
+    def energy(self, H: Array) -> float:
+        """See the base class; mixed fields become those of these frames before."""
+        if self._forms.local is not None:
+            self.reset_stress(H)
+        self._frames.frames[:] = H
+        energy = float(fem.assemble_scalar(self._forms.energy))
+        return energy if self._drilling is None else energy + self._drilling.energy(H)
+
+    def _blocks(self, H: Array, form: fem.Form) -> Array:
+        """Derivatives in twists, as of any other body; the forces are those of the last call."""
+        blocks = np.zeros((len(self.indices), 6, 6))
+        blocks[:, :_FIVE, :_FIVE] = self._assembled(H, form).reshape(-1, _FIVE, _FIVE)
+        if self._drilling is not None:
+            self._drilling.add_tangent(H, blocks)
+        add_turnings(self._last, -1.0, self._diagonal, self._all, blocks)
+        return blocks
+
+    def settle(self, H: Array) -> None:
+        """See the base class."""
+        if self.settles:
+            self.reset_stress(H)
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class; Newton's method in each cell where one solution is not enough."""
+        for _ in range(_LOCAL_ITERATIONS if self.settles else 1):
+            before = self.carried.copy()
+            super().reset_stress(H)
+            change = np.abs(self.carried - before).max(initial=0.0)
+            if change <= _SETTLED * np.abs(before).max(initial=0.0):
+                return
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        super().carry(H, h.reshape(-1, 6)[:, :_FIVE].ravel())
+        if self._drilling is not None:
+            self._drilling.carry(H, h)
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        super().clear_stress()
+        if self._drilling is not None:
+            self._drilling.carried[:] = 0.0
+
+    @property
+    def carried(self) -> Array:
+        """See the base class; a copy of both if there is drilling."""
+        if self._drilling is None:
+            return super().carried
+        return np.concatenate([super().carried, self._drilling.carried])
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        size = len(super().carried)
+        super().carried[:] = carried[:size]
+        if self._drilling is not None:
+            self._drilling.carried[:] = carried[size:]

@@ -1,0 +1,84 @@
+"""What bodies, joints and loads are, in bytes that are the same in any process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from fem_lie.bodies.body import Body, Point
+
+_OF_A_BODY = (
+    "frames",
+    "velocities",
+    "leaders",
+    "elements",
+    "connectivity",
+    "lengths",
+    "stiffness",
+    "density",
+    "gram",
+    "damping",
+    "axes",
+    "formulation",
+    "group",
+    "held",
+    "supports",
+)
+"""Attributes, of those that a body has, on which equations depend."""
+
+
+class Told:
+    """Says in bytes what a thing is, the same in any process.
+
+    Of functions nothing is told: what they return is compared elsewhere.
+    """
+
+    def __init__(self, bodies: Iterable[Body]) -> None:
+        """Bodies are told by their numbers."""
+        self._number = {body: number for number, body in enumerate(bodies, start=1)}
+
+    def of(self, value: Any) -> bytes:
+        """Numbers to their last bit."""
+        if isinstance(value, np.ndarray):
+            if value.size <= 6:
+                return repr(value.tolist()).encode()
+            return b"%r %r " % (value.shape, value.dtype.str) + value.tobytes()
+        if isinstance(value, Body):
+            return b"body %d" % self._number[value]
+        if isinstance(value, Point):
+            return b"ground" if value.body is None else self.of((value.body, value.node))
+        if isinstance(value, Enum):
+            return str(value).encode()
+        if value is None or isinstance(value, bool | int | float | str | np.generic):
+            return repr(value).encode()
+        if isinstance(value, list | tuple | range):
+            return b"(" + b", ".join(map(self.of, value)) + b")"
+        if isinstance(value, dict):
+            return self.of(list(value.items()))
+        return self._of_object(value)
+
+    def _of_object(self, value: Any) -> bytes:
+        if isinstance(value, type):
+            return value.__qualname__.encode()
+        if callable(value):
+            return b"function"
+        return type(value).__qualname__.encode() + self.of(attributes(value))
+
+
+def attributes(value: Any) -> list[tuple[str, Any]]:
+    """Of a record the fields, of another object all that it has, with names."""
+    names = (
+        [f.name for f in fields(value)]
+        if is_dataclass(value)
+        else sorted(getattr(value, "__dict__", ()))
+    )
+    return [(name, getattr(value, name)) for name in names]
+
+
+def told_of_body(body: Body) -> list[tuple[str, Any]]:
+    """All on which equations depend, by name."""
+    return [(name, getattr(body, name)) for name in _OF_A_BODY if hasattr(body, name)]

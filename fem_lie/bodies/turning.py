@@ -1,0 +1,24 @@
+"""Along which nodes the elements of a body turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem_lie._arrays import Indices
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """Along which nodes the elements of a body turn, and how far they may.
+
+    Attributes:
+        nodes: Nodes from end to end, shape (w, 2 or 3).
+        elements: Number of the element of each of these rows, shape (w,).
+        limit: Largest sum of the turns from node to node, rad.
+        whole: Whether whole frames turn, or third directors.
+    """
+
+    nodes: Indices
+    elements: Indices
+    limit: float
+    whole: bool

@@ -1,0 +1,1 @@
+"""Beams: one file for each element, with its strain measures and its energy."""

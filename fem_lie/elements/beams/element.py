@@ -1,0 +1,159 @@
+"""What a beam element family must provide: nodes per cell, and the forms of its energy."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from math import pi
+from typing import ClassVar
+
+import basix.ufl
+import dolfinx
+import numpy as np
+from dolfinx import fem
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+
+
+@dataclass(frozen=True, eq=False)
+class CellData:
+    """What the cells of one line mesh are made of, in the mesh's order.
+
+    Attributes:
+        lengths: Arc length of each unloaded cell, shape (m,).
+        stiffness: Section stiffness on (Γ, κ), shape (m, 6, 6).
+        density: Gram matrix of inertia per length, shape (m, 4, 4), zero without mass.
+        eigenstrain: Strain without stress, a DG0 function of shape (6,) that changes with time.
+        viscosity: Stress per strain rate (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
+    """
+
+    lengths: Array
+    stiffness: Array
+    density: Array
+    eigenstrain: fem.Function
+    viscosity: Array | None
+
+
+class Formulation(ABC):
+    """A beam element: subclass it in one file, as a frozen dataclass of its options.
+
+    Attributes:
+        degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
+        bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
+            inertia and line loads; otherwise it is the interpolated one.
+    """
+
+    degree: int
+    bows: ClassVar[bool] = False
+
+    @property
+    def largest_turn(self) -> float:
+        """Of an element from end to end, rad, see :mod:`fem_lie.system.nodes.element_turns`.
+
+        It is π, where a rotation has two logarithms, unless the element folds before.
+        """
+        return pi
+
+    def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
+        """What the element takes for the section stiffness of its cells, shape (m, 6, 6).
+
+        Args:
+            stiffness: Of the section, shape (m, 6, 6).
+            relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+        """
+        return stiffness
+
+    @abstractmethod
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """Energy, forces and tangent.
+
+        Args:
+            nodal: Frames of ``degree`` on a line mesh, in the unloaded configuration.
+            cells: What the cells are made of.
+        """
+
+    def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4).
+
+        The default is consistent with the interpolation of all four by the Lagrange polynomials of
+        the formulation's degree, 1 or 2.
+
+        Args:
+            nodal: As for :meth:`forms`.
+            cells: What the cells are made of.
+        """
+        weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
+        return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
+
+
+_LAGRANGE = {
+    1: np.array([[2.0, 1], [1, 2]]) / 6,
+    2: np.array([[4.0, -1, 2], [-1, 4, 2], [2, 2, 16]]) / 30,
+}
+"""Integrals of products of the shape functions on a cell of unit length, ends first."""
+
+
+def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
+    """Values of any shape, one for each cell, as a DG0 function."""
+    element = basix.ufl.element("DG", mesh.basix_cell(), 0, shape=values.shape[1:])
+    f = fem.Function(fem.functionspace(mesh, element))
+    f.x.array[:] = values.ravel()
+    return f
+
+
+def with_bending_flexibility(stiffness: Array, relative: Array) -> Array:
+    """Section stiffness with which elements are exact for small deflections, whatever their shape.
+
+    In equilibrium without loads a force and moment σ̄ in the middle is ``Ad(exp(s d₀))ᵀ σ̄`` at
+    ``−½ ≤ s ≤ ½``, so that the complementary energy of the mean stress has the compliance::
+
+        S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ,    A(s) = Ad(exp(s d₀)),    S = ∫ A(s) ds.
+
+    For a straight element of a diagonal section this is ``1/GA* = 1/GA + ℓ²/(12 EI)``, the residual
+    bending flexibility of MacNeal, Comput. Struct. 8 (1978) 175; for others it is that of arcs and
+    helices.
+
+    Args:
+        stiffness: Section stiffness per cell, shape (m, 6, 6).
+        relative: Relative motion ``d₀`` of its ends, unloaded, shape (m, 6).
+    """
+    effective = _inverse(_of_the_mean(_inverse(stiffness), relative))
+    return np.asarray(0.5 * (effective + _transposed(effective)))
+
+
+def flexible_cells(cells: CellData, relative: Array) -> CellData:
+    """The cells as :func:`with_bending_flexibility` has them, the viscosity likewise.
+
+    Parts in series add their compliances ``C`` and, for slow motion, the products ``C η C`` with
+    their viscosities; a viscosity ``τ D`` of the section becomes τ times the new stiffness.
+
+    Args:
+        cells: With the stiffness and viscosity of the section.
+        relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
+    """
+    stiffness, viscosity = with_bending_flexibility(cells.stiffness, relative), cells.viscosity
+    if viscosity is not None:
+        C = _inverse(cells.stiffness)
+        viscosity = stiffness @ _of_the_mean(C @ viscosity @ C, relative) @ stiffness
+    return replace(cells, stiffness=stiffness, viscosity=viscosity)
+
+
+def _of_the_mean(compliance: Array, relative: Array) -> Array:
+    """``S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ``, see :func:`with_bending_flexibility`."""
+    along, twice = np.polynomial.legendre.leggauss(6)
+    weights = 0.5 * twice
+    A = lie.se3_adjoint(lie.se3_exp(0.5 * along[:, np.newaxis, np.newaxis] * relative))
+    mean = np.linalg.inv(np.einsum("p,pmij->mij", weights, A))
+    total = np.einsum("p,pmij->mij", weights, A @ compliance @ _transposed(A))
+    return np.asarray(mean @ total @ _transposed(mean))
+
+
+def _inverse(matrices: Array) -> Array:
+    return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
+
+
+def _transposed(matrices: Array) -> Array:
+    return matrices.swapaxes(-1, -2)

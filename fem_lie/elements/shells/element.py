@@ -1,0 +1,231 @@
+"""Which shell element a body has: strain measures and the energy made of them, as options."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import basix.ufl
+import numpy as np
+import ufl
+from ufl.core.expr import Expr
+
+from fem_lie._arrays import Array
+from fem_lie.elements.shells.cells import ShellCells
+from fem_lie.elements.shells.measures import MITC3_PLUS, MITC4, MITC6, MITC9, StrainMeasures
+from fem_lie.elements.shells.stress_modes import STRAINS, strain
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.local_forms import LocalFrameForms
+
+_MIXED = {("quadrilateral", 1): MITC4, ("triangle", 1): MITC3_PLUS}
+_PLAIN = {("quadrilateral", 1): MITC4, ("triangle", 2): MITC6, ("quadrilateral", 2): MITC9}
+
+
+@dataclass(frozen=True)
+class ShellFormulation(ABC):
+    """A shell element; use one of the subclasses.
+
+    Attributes:
+        measures: Strain measures; default: those that are usual for the cells of the mesh.
+    """
+
+    measures: StrainMeasures | None = None
+
+    @property
+    def quadratic(self) -> bool:
+        """Whether the energy is a quadratic function of the strains."""
+        return True
+
+    @abstractmethod
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """Strain measures for each kind of cell and degree."""
+
+    @abstractmethod
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """Energy, forces and tangent.
+
+        Args:
+            cells: Geometry and strains.
+            stiffness: Section stiffness of each cell, shape (m, 8, 8).
+        """
+
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """Stress resultants ``(N, M, Q)`` at the points of integration, shape (8,).
+
+        They are those that the forms carry: reset them to the frames before.
+
+        Args:
+            cells: Those that :meth:`forms` was given.
+            forms: What it made of them.
+        """
+        carried = forms.stress
+        assert carried is not None
+        return ufl.as_vector([carried[i] for i in range(8)])
+
+    def measures_for(self, cell: str, degree: int) -> StrainMeasures:
+        """The strain measures for these cells.
+
+        Raises:
+            ValueError: There are none, or those that were given are for other cells or have no
+                stress fields where some are needed.
+        """
+        if self.measures is None:
+            found = self.defaults().get((cell, degree))
+            if found is None:
+                known = ", ".join(f"{c}s of degree {d}" for c, d in self.defaults())
+                raise ValueError(
+                    f"{type(self).__name__} is for {known}; the mesh has {cell}s of degree {degree}"
+                )
+            return found
+        if (self.measures.cell, self.measures.degree) != (basix.CellType[cell], degree):
+            raise ValueError(
+                f"these strain measures are for {self.measures.cell.name}s of degree "
+                f"{self.measures.degree}, the mesh has {cell}s of degree {degree}"
+            )
+        if self.defaults() is _MIXED and self.measures.stresses is None:
+            raise ValueError(
+                f"there is no mixed element with the strain measures for {cell}s of degree "
+                f"{degree}: use Displacement"
+            )
+        return self.measures
+
+
+@dataclass(frozen=True)
+class HellingerReissner(ShellFormulation):
+    """Stress resultants with 14 parameters per quadrilateral, 15 per triangle: the default."""
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _MIXED
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return hellinger_reissner(
+            cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
+        )
+
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """See the base class."""
+        return cells.stress(_group(forms, 0))
+
+
+@dataclass(frozen=True)
+class _OfAnyLaw(ShellFormulation):
+    """With an energy that the user may give.
+
+    Attributes:
+        law: Energy per area as a UFL function of the eight strains; default: that of the section.
+    """
+
+    law: Law | None = None
+
+    @property
+    def quadratic(self) -> bool:
+        """See the base class; nothing is known of a user's law."""
+        return self.law is None
+
+    def law_for(self, cells: ShellCells, stiffness: Array) -> Law:
+        """The user's, or that of the section."""
+        return self.law or linear_law(cells.cellwise(stiffness))
+
+
+@dataclass(frozen=True)
+class HuWashizu(_OfAnyLaw):
+    """Strains and stress resultants with parameters of their own, for any law."""
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _MIXED
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return hu_washizu(cells, self.law_for(cells, stiffness))
+
+    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+        """See the base class."""
+        return cells.stress(_group(forms, 1))
+
+
+@dataclass(frozen=True)
+class Displacement(_OfAnyLaw):
+    """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9."""
+
+    def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
+        """See the base class."""
+        return _PLAIN
+
+    def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
+        """See the base class."""
+        return displacement(cells, self.law_for(cells, stiffness))
+
+
+def _group(forms: LocalFrameForms, number: int) -> Expr:
+    """A group of the cells' own unknowns."""
+    assert forms.local is not None
+    element = forms.local.function_space.ufl_element()
+    several = isinstance(element, basix.ufl._MixedElement)
+    return ufl.split(forms.local)[number] if several else forms.local
+
+
+Law = Callable[[Expr], Expr]
+"""Energy per area as a UFL function of the eight strains."""
+
+
+def linear_law(stiffness: Expr) -> Law:
+    """``½ ε·Dε`` with the section stiffness ``D``, shape (8, 8)."""
+    return lambda e: 0.5 * ufl.inner(e, stiffness * e)
+
+
+def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
+    """``∫ W(ε)`` with the stress carried at the points of integration.
+
+    With the default measures this is MITC4.
+
+    Args:
+        cells: Any cells without a bubble.
+        law: Energy per area, any UFL function of the eight strains.
+
+    Raises:
+        ValueError: The cells have a bubble.
+    """
+    if cells.has_bubble:
+        raise ValueError("cells with a bubble need a mixed element: use hellinger_reissner")
+    if cells.drilling is None:
+        return cells.forms(StrainEnergy(cells.strain, law, cells.dx))
+    strains = ufl.as_vector([*cells.strain, cells.drilling])
+
+    def with_drilling(e: Expr) -> Expr:
+        shell = law(ufl.as_vector([e[i] for i in range(8)]))
+        return shell + 0.5 * cells.drilling_stiffness * e[8] ** 2
+
+    return cells.forms(StrainEnergy(strains, with_drilling, cells.dx))
+
+
+def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
+    """``∫ S·ε − ½ S·D⁻¹S`` with 14 stress parameters per cell, 15 on triangles.
+
+    Args:
+        cells: Four-node quadrilaterals or three-node triangles.
+        compliance: ``D⁻¹``, shape (8, 8).
+    """
+    mixed = cells.mixed(cells.stresses.size)
+    S = cells.stress(mixed.groups[0])
+    density = ufl.inner(S, mixed.strain) - 0.5 * ufl.inner(S, compliance * S)
+    return cells.forms((density + mixed.density) * cells.dx, mixed.local)
+
+
+def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
+    """``∫ W(e) + S·(ε − e)`` with 24 strain parameters and those of the stress per cell.
+
+    With a quadratic law it is :func:`hellinger_reissner`.
+
+    Args:
+        cells: Four-node quadrilaterals or three-node triangles.
+        law: Energy per area, any UFL function of the eight strains.
+    """
+    mixed = cells.mixed(STRAINS, cells.stresses.size)
+    a, s = mixed.groups
+    S, e = cells.stress(s), strain(list(a), cells.point, cells.centroid)
+    density = law(e) + ufl.inner(S, mixed.strain - e)
+    return cells.forms((density + mixed.density) * cells.dx, mixed.local)

@@ -1,0 +1,1 @@
+"""A UFL energy becomes forms in local frames."""

@@ -1,0 +1,201 @@
+"""All bodies of one kind, assembled together by DOLFINx, seen as vectors and blocks on nodes.
+
+Whatever the number of bodies there is one mesh and one call per residual. Coefficients are packed
+once; only the nodal frames are written anew before each call, by one compiled loop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie.forms import kernels
+from fem_lie.forms.cell_forms import CellForm, FormTable
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+
+
+@compiled
+def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Array) -> None:
+    """Write the twists of each cell's nodes into its packed coefficients, from column ``at`` on."""
+    for e in range(cells.shape[0]):
+        k = at
+        for i in range(cells.shape[1]):
+            for j in range(6):
+                packed[e, k] = v[cells[e, i], j]
+                k += 1
+
+
+@dataclass(frozen=True, eq=False)
+class NodalInertia:
+    """Constant blocks of (x, d₁, d₂, d₃) in the pattern of an assembly.
+
+    Attributes:
+        mass: Shape (nnz, 4, 4).
+        damping: The same of mass-proportional damping, or ``None`` without.
+    """
+
+    mass: Array
+    damping: Array | None = None
+
+
+class Assembly:
+    """Elastic forces, tangent, energy and inertia of all bodies of one kind.
+
+    Attributes:
+        count: Number of nodes.
+        order: Node of this assembly for each node of the bodies, one body after the other.
+        cell_order: Likewise its cells.
+        indptr: Rows of the pattern of node pairs, with ``indices``.
+        inertia: In that pattern, or ``None`` without mass.
+        viscous: Whether there are viscous forces.
+        settles: Whether forces depend on more than one step of Newton for the cells' own unknowns.
+        summed_alone: Whether forces and energy are sums of :attr:`tables` and nothing else.
+    """
+
+    settles, summed_alone = False, True
+
+    def __init__(
+        self,
+        frames: NodalFrames,
+        forms: LocalFrameForms,
+        order: Indices,
+        cell_order: Indices,
+        eigenstrain: fem.Function | None,
+    ) -> None:
+        """Pack the forms and make the matrices.
+
+        Args:
+            frames: Frames in the unloaded configuration, in the nodes' order of DOLFINx.
+            forms: The element in local frames.
+            order: See the class.
+            cell_order: See the class.
+            eigenstrain: Strain without stress, a DG0 function that the forms contain, or ``None``
+                without one.
+        """
+        self.order, self.cell_order, self.count = order, cell_order, len(order)
+        self.inertia: NodalInertia | None = None
+        self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
+        cells = frames.function.function_space.dofmap.list
+        self._residual = CellForm(forms.residual, kernels.residual_kernel, cells)
+        self._energy = CellForm(forms.energy, kernels.energy_kernel, cells)
+        self._matrix = fem.create_matrix(forms.tangent)
+        self.indptr, self.indices = self._matrix.indptr, self._matrix.indices
+        self.viscous = forms.viscous is not None
+        if forms.viscous is not None:
+            self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
+            self._velocity_at = forms.velocity_at
+
+    @property
+    def forms(self) -> LocalFrameForms:
+        """Energy, forces and tangent, for those who call their kernels cell by cell."""
+        return self._forms
+
+    @property
+    def contents(self) -> tuple[str, list[Array], list[Array]]:
+        """What its energy is, see :attr:`~fem_lie.forms.local_forms.LocalFrameForms.contents`."""
+        return self._forms.contents
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
+        return self._residual.table, self._energy.table
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """Nodes of each cell, shape (m, k)."""
+        return self._residual.cells
+
+    def summed(self, elements: Array) -> Array:
+        """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
+        cells = self._residual.cells.astype(np.int64)
+        key = np.repeat(np.arange(self.count), np.diff(self.indptr)) * self.count + self.indices
+        pairs = self.count * cells[:, :, np.newaxis] + cells[:, np.newaxis]
+        blocks = np.zeros((len(key), elements.shape[2], elements.shape[2]))
+        np.add.at(blocks, np.searchsorted(key, pairs), elements.transpose(0, 1, 3, 2, 4))
+        return blocks
+
+    def add_forces(self, H: Array, out: Array) -> None:
+        """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, shape (6 count,)."""
+        self._residual.add_vector(H, out)
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """Likewise the viscous forces at twists ``v``, shape (count, 6)."""
+        _gather_twists(v, self._viscous.cells, self._velocity_at, self._viscous.values)
+        self._viscous.add_vector(H, out)
+
+    def energy(self, H: Array) -> float:
+        """Stored energy at frames ``H``."""
+        return self._energy.scalar(H)
+
+    def tangent(self, H: Array) -> Array:
+        """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
+        return self._blocks(H, self._forms.tangent)
+
+    def viscous_tangent(self, H: Array) -> Array:
+        """Blocks (nnz, 6, 6) of the derivative of the viscous forces in the twists."""
+        assert self._forms.viscous_tangent is not None
+        return self._blocks(H, self._forms.viscous_tangent)
+
+    def _blocks(self, H: Array, form: fem.Form) -> Array:
+        return self._assembled(H, form).reshape(-1, 6, 6)
+
+    def _assembled(self, H: Array, form: fem.Form) -> Array:
+        self._frames.frames[:] = H
+        self._matrix.set_value(np.float64(0.0))
+        fem.assemble_matrix(self._matrix, form)
+        return np.asarray(self._matrix.data, dtype=np.float64)
+
+    def set_eigenstrain(self, values: Array) -> None:
+        """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""
+        assert self._eigenstrain is not None
+        self._eigenstrain.x.array.reshape(-1, 6)[self.cell_order] = values
+        self._residual.pack()
+        self._energy.pack()
+
+    def carry(self, H: Array, h: Array) -> None:
+        """Carry the stress on to the end of the increment ``h`` (6 count,) from frames ``H``."""
+        self._frames.frames[:] = H
+        self._forms.increment.x.array[:] = h
+        self._forms.carry()
+
+    def clear_stress(self) -> None:
+        """Make the carried stress zero."""
+        if self._forms.stress is not None:
+            self._forms.stress.x.array[:] = 0.0
+
+    @property
+    def carried(self) -> Array:
+        """What is carried from iterate to iterate: stress, or the cells' own unknowns."""
+        forms = self._forms
+        function = forms.stress if forms.local is None else forms.local
+        return np.empty(0) if function is None else function.x.array
+
+    def restore(self, carried: Array) -> None:
+        """Carry again what was carried when it was copied."""
+        self.carried[:] = carried
+
+    def reset(self, carried: Array) -> None:
+        """Be as when it was made; ``carried``: what was carried then."""
+        self.restore(carried)
+        self._forms.increment.x.array[:] = 0.0
+        if self._eigenstrain is not None:
+            self._eigenstrain.x.array[:] = 0.0
+            self._residual.pack()
+            self._energy.pack()
+
+    def settle(self, H: Array) -> None:
+        """Make the cells' own unknowns those of frames ``H``, if forces there depend on them.
+
+        The elimination of unknowns in which the energy is quadratic is exact from anywhere, so that
+        nothing is to be done for most elements.
+        """
+
+    def reset_stress(self, H: Array) -> None:
+        """Make the carried stress the true one at frames ``H``."""
+        self.carry(H, np.zeros(6 * self.count))

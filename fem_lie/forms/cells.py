@@ -1,0 +1,280 @@
+"""All cells of a scene, for compiled loops: kernels by address, forces and energy of each cell.
+
+DOLFINx assembles forms; a scheme that treats every element by itself needs what is before the sum.
+Here the cells of all assemblies are one table of addresses: of the kernels of
+:mod:`fem_lie.forms.kernels`, of their packed coefficients and constants and of the coordinates of
+the cells. One compiled loop goes through it, whatever the elements.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import dolfinx
+import numba
+import numpy as np
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie.forms import kernels
+from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.kernels import call_kernel, pointer, stack
+
+ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
+
+
+class CellTable(NamedTuple):
+    """Where everything of the cells stands; ``M`` cells, four kernels each.
+
+    Attributes:
+        kernel: Address of energy, forces, change of local fields, viscous forces; 0: there is none.
+            Shape (M, 4), as the next two.
+        w: Address of the packed coefficients, the frames of the nodes first.
+        c: Address of the constants.
+        at: Offset in ``w`` of the local fields (first three) or the twists (last), shape (M, 4).
+        x: Address of the coordinates of the cell, shape (M,).
+        n_s: Number of local fields, shape (M,).
+        unknowns: Per node, five or six, shape (M,).
+        first: First place of each cell in ``nodes``, shape (M + 1,).
+        nodes: Nodes of the cells, in the numbering of all nodes.
+    """
+
+    kernel: Indices
+    w: Indices
+    c: Indices
+    at: Indices
+    x: Indices
+    n_s: Indices
+    unknowns: Indices
+    first: Indices
+    nodes: Indices
+
+
+class _Form:
+    """A form with its coefficients packed, in memory that stays where it is."""
+
+    def __init__(self, form: fem.Form, kernel: Any, given: fem.Function | None) -> None:
+        self.form, self.kernel = form._cpp_object, int(kernel.address)
+        self.constants = dolfinx.cpp.fem.pack_constants(self.form)
+        self.w = np.ascontiguousarray(self._packed())
+        self.at = 0
+        for f in self.form.coefficients:
+            if given is not None and f is given._cpp_object:
+                break
+            space = f.function_space
+            self.at += space.dofmap.map().shape[1] * space.dofmap.bs
+
+    def _packed(self) -> Array:
+        (values,) = dolfinx.cpp.fem.pack_coefficients(self.form).values()
+        return np.asarray(values, dtype=np.float64)
+
+    def pack(self) -> None:
+        """Read all coefficients anew."""
+        self.w[:] = self._packed()
+
+
+class Cells:
+    """The cells of all assemblies of a scene.
+
+    Attributes:
+        table: For compiled code, as a plain tuple.
+        count: Number of cells.
+        places: Number of pairs of a cell and one of its nodes.
+    """
+
+    def __init__(self, assemblies: list[tuple[slice, Assembly]]) -> None:
+        """Pack everything once.
+
+        Args:
+            assemblies: Each with its part of all nodes.
+        """
+        self._forms: list[tuple[_Form, ...]] = []
+        self._locals: list[tuple[Assembly, _Form]] = []
+        self._coordinates: list[Array] = []
+        parts = [self._rows(where.start, assembly) for where, assembly in assemblies]
+        nodes = [part.pop("nodes") for part in parts]
+        sizes = np.concatenate([np.zeros(1), *(np.full(len(n), n.shape[1]) for n in nodes)])
+        columns = {
+            name: np.concatenate([_EMPTY[name], *(part[name] for part in parts)]) for name in _EMPTY
+        }
+        self._table = CellTable(
+            **columns,
+            first=np.cumsum(sizes).astype(np.int64),
+            nodes=np.concatenate([np.empty(0), *(n.ravel() for n in nodes)]).astype(np.int64),
+        )
+        self.table = tuple(self._table)
+        self.count, self.places = len(self._table.x), len(self._table.nodes)
+
+    def _rows(self, start: int, assembly: Assembly) -> dict[str, Indices]:
+        """Columns of the table for one assembly."""
+        forms, count = assembly.forms, len(assembly.cells)
+        forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
+        packed: list[_Form | None] = [
+            _Form(forms.energy, kernels.energy_kernel, forms.local),
+            _Form(forms.residual, kernels.residual_kernel, forms.local),
+            None,
+            None,
+        ]
+        if forms.local is not None:
+            packed[LOCAL] = _Form(forms.local_change, kernels.local_kernel, forms.local)
+        if forms.viscous is not None:
+            packed[VISCOUS] = _Form(forms.viscous, kernels.viscous_kernel, forms.velocity)
+        self._forms.append(tuple(form for form in packed if form is not None))
+        mesh = forms.increment.function_space.mesh
+        x = np.ascontiguousarray(mesh.geometry.x[_compat.geometry_dofmap(mesh)])
+        self._coordinates.append(x)
+        steps = 8 * np.arange(count)
+        filled = [_NONE if form is None else form for form in packed]
+        if forms.local is not None:
+            self._locals.append((assembly, filled[RESIDUAL]))
+        return {
+            "kernel": np.tile([form.kernel for form in filled], (count, 1)),
+            "w": np.stack([form.w.ctypes.data + steps * form.w.shape[1] for form in filled], 1),
+            "c": np.tile([form.constants.ctypes.data for form in filled], (count, 1)),
+            "at": np.tile([form.at for form in filled], (count, 1)),
+            "x": x.ctypes.data + steps * x[0].size,
+            "n_s": np.full(count, 0 if forms.local is None else forms.local_size),
+            "unknowns": np.full(count, forms.increment.function_space.dofmap.bs),
+            "nodes": start + assembly.cells.astype(np.int64),
+        }
+
+    def pack(self) -> None:
+        """Read all coefficients anew, when strains without stress have changed."""
+        for forms in self._forms:
+            for form in forms:
+                form.pack()
+
+    @property
+    def local_fields(self) -> list[Array]:
+        """Copies of what the cells carry of their own."""
+        return [
+            form.w[:, form.at : form.at + assembly.forms.local_size].copy()
+            for assembly, form in self._locals
+        ]
+
+    def restore(self, fields: list[Array]) -> None:
+        """Carry again what :attr:`local_fields` gave."""
+        at = 0
+        for forms in self._forms:
+            if len(forms) > LOCAL and forms[LOCAL].kernel == int(kernels.local_kernel.address):
+                for form in forms[: LOCAL + 1]:
+                    form.w[:, form.at : form.at + fields[at].shape[1]] = fields[at]
+                at += 1
+
+
+class _No:
+    """Stands for a form that there is not."""
+
+    kernel, at = 0, 0
+    w, constants = np.zeros((1, 0)), np.zeros(0)
+
+
+_NONE: Any = _No()
+_EMPTY: dict[str, Indices] = {
+    name: np.empty(shape, dtype=np.int64)
+    for name, shape in (
+        ("kernel", (0, 4)),
+        ("w", (0, 4)),
+        ("c", (0, 4)),
+        ("at", (0, 4)),
+        ("x", (0,)),
+        ("n_s", (0,)),
+        ("unknowns", (0,)),
+    )
+}
+
+
+@compiled
+def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
+    """Frames ``H + more`` of a cell, seen from its first node: energies do not feel where it is."""
+    at, origin = 0, nodes[0]
+    for i in range(nodes.shape[0]):
+        node = nodes[i]
+        for j in range(3):
+            # differences of the large parts are exact, those of the small ones have all digits
+            w[at] = (H[node, 0, j] - H[origin, 0, j]) + (more[node, 0, j] - more[origin, 0, j])
+            at += 1
+        for k in range(1, 4):
+            for j in range(3):
+                w[at] = H[node, k, j] + more[node, k, j]
+                at += 1
+
+
+@compiled
+def evaluate(cells: tuple[Any, ...], H: Array, more: Array, F: Array, W: Array) -> None:
+    """Forces ``F`` in the nodes' frames, (places, 6), and energies ``W`` (M,) at ``H + more``.
+
+    Local fields are brought to those of the frames by one step of Newton, exact where the energy is
+    quadratic in them.
+    """
+    kernel, w, c, at, x, n_s, unknowns, first, nodes = cells
+    size = 1
+    for e in range(x.shape[0]):
+        size = max(size, 6 * (first[e + 1] - first[e]), n_s[e])
+    place = stack(size)
+    out = numba.carray(place, (size,))
+    for e in range(x.shape[0]):
+        mine = nodes[first[e] : first[e + 1]]
+        count, b = mine.shape[0], unknowns[e]
+        for k in range(LOCAL + 1):
+            if kernel[e, k] != 0:
+                _frames_into(H, more, mine, numba.carray(pointer(w[e, k]), (12 * count,)))
+        if n_s[e] > 0:
+            out[: n_s[e]] = 0.0
+            call_kernel(
+                kernel[e, LOCAL], place, pointer(w[e, LOCAL]), pointer(c[e, LOCAL]), pointer(x[e])
+            )
+            for k in range(LOCAL + 1):
+                s = numba.carray(pointer(w[e, k] + 8 * at[e, k]), (n_s[e],))
+                for i in range(n_s[e]):
+                    s[i] += out[i]
+        out[: b * count] = 0.0
+        call_kernel(
+            kernel[e, RESIDUAL],
+            place,
+            pointer(w[e, RESIDUAL]),
+            pointer(c[e, RESIDUAL]),
+            pointer(x[e]),
+        )
+        for i in range(count):
+            row = F[first[e] + i]
+            row[5] = 0.0
+            for k in range(b):
+                row[k] = out[b * i + k]
+        out[0] = 0.0
+        call_kernel(
+            kernel[e, ENERGY], place, pointer(w[e, ENERGY]), pointer(c[e, ENERGY]), pointer(x[e])
+        )
+        W[e] = out[0]
+
+
+@compiled
+def viscous_forces(cells: tuple[Any, ...], H: Array, v: Array, F: Array) -> None:
+    """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
+    kernel, w, c, at, x, _, _, first, nodes = cells
+    place = stack(6 * 64)
+    out, zero = numba.carray(place, (6 * 64,)), np.zeros_like(H)
+    for e in range(x.shape[0]):
+        mine = nodes[first[e] : first[e + 1]]
+        count = mine.shape[0]
+        F[first[e] : first[e + 1]] = 0.0
+        if kernel[e, VISCOUS] == 0:
+            continue
+        _frames_into(H, zero, mine, numba.carray(pointer(w[e, VISCOUS]), (12 * count,)))
+        twists = numba.carray(pointer(w[e, VISCOUS] + 8 * at[e, VISCOUS]), (count, 6))
+        for i in range(count):
+            for k in range(6):
+                twists[i, k] = v[mine[i], k]
+        out[: 6 * count] = 0.0
+        call_kernel(
+            kernel[e, VISCOUS],
+            place,
+            pointer(w[e, VISCOUS]),
+            pointer(c[e, VISCOUS]),
+            pointer(x[e]),
+        )
+        for i in range(count):
+            for k in range(6):
+                F[first[e] + i, k] = out[6 * i + k]

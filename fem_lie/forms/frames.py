@@ -1,0 +1,193 @@
+"""Nodal frames stored in a DOLFINx function, and the map of elements written in directors."""
+
+from __future__ import annotations
+
+import basix.ufl
+import numba
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem, mesh
+from ufl.core.expr import Expr
+
+from fem_lie import _compat, lie
+from fem_lie._jit import compiled
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.local_forms import LocalFrameForms
+
+VALUES, UNKNOWNS = 12, 6
+
+
+@compiled
+def push(H, h, out):  # type: ignore[no-untyped-def]
+    """``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
+    for i in range(h.shape[0]):
+        u0, u1, u2, w0, w1, w2 = h[i, 0], h[i, 1], h[i, 2], h[i, 3], h[i, 4], h[i, 5]
+        for j in range(3):
+            d1, d2, d3 = H[i, 1, j], H[i, 2, j], H[i, 3, j]
+            out[i, 0, j] = d1 * u0 + d2 * u1 + d3 * u2
+            out[i, 1, j] = d2 * w2 - d3 * w1
+            out[i, 2, j] = d3 * w0 - d1 * w2
+            out[i, 3, j] = d1 * w1 - d2 * w0
+
+
+@compiled
+def _along(H, a, f, k):  # type: ignore[no-untyped-def]
+    """Component of ``f[k]`` along director ``a`` of the frame ``H``."""
+    return H[1 + a, 0] * f[k, 0] + H[1 + a, 1] * f[k, 1] + H[1 + a, 2] * f[k, 2]
+
+
+@compiled
+def pull(H, f, sign, r):  # type: ignore[no-untyped-def]
+    """``r += sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
+    for i in range(f.shape[0]):
+        for a in range(3):
+            r[i, a] += sign * _along(H[i], a, f[i], 0)
+        r[i, 3] += sign * (_along(H[i], 2, f[i], 2) - _along(H[i], 1, f[i], 3))
+        r[i, 4] += sign * (_along(H[i], 0, f[i], 3) - _along(H[i], 2, f[i], 1))
+        r[i, 5] += sign * (_along(H[i], 1, f[i], 1) - _along(H[i], 0, f[i], 2))
+
+
+@compiled
+def pull_derivative(H, f, sign, block):  # type: ignore[no-untyped-def]
+    """``block += sign · ∂(Lᵀ f)/∂h`` of one node.
+
+    ``(Rᵀf_x)^`` in (force, rotation), ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k = Rᵀ f_k`` in
+    (moment, rotation).
+    """
+    n0, n1, n2 = _along(H, 0, f, 0), _along(H, 1, f, 0), _along(H, 2, f, 0)
+    block[0, 4] -= sign * n2
+    block[0, 5] += sign * n1
+    block[1, 3] += sign * n2
+    block[1, 5] -= sign * n0
+    block[2, 3] -= sign * n1
+    block[2, 4] += sign * n0
+    trace = 0.0
+    for k in range(3):
+        trace += _along(H, k, f, 1 + k)
+        for a in range(3):
+            block[3 + a, 3 + k] += sign * _along(H, a, f, 1 + k)
+    for a in range(3):
+        block[3 + a, 3 + a] -= sign * trace
+
+
+@frame_function
+def _director_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    shape = (nodes, 4, 3)
+    pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
+
+
+@frame_function
+def _director_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    shape = (nodes, 4, 3)
+    push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
+
+
+@frame_function
+def _director_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    A = numba.carray(out, (nodes, 6, nodes, 6))
+    for i in range(nodes):
+        pull_derivative(H[i], f[i], 1.0, A[i, :, i])
+
+
+DIRECTORS = FrameMap(
+    coordinates=None,
+    pull=_director_pull,
+    push=_director_push,
+    geometric=_director_geometric,
+    values=VALUES,
+    unknowns=UNKNOWNS,
+)
+"""Flat coordinates are position and three directors of each node, whatever cell and degree."""
+
+
+@compiled
+def _retract_all(H, h):  # type: ignore[no-untyped-def]
+    for i in range(H.shape[0]):
+        lie.retract(H[i], h[i], H[i])
+        lie.reorthonormalise(H[i])
+
+
+class NodalFrames:
+    """Frames at the nodes of a mesh: position ``x`` and directors ``d_k = R e_k``.
+
+    Attributes:
+        function: DOLFINx function of 12 values per node, ``(x, d₁, d₂, d₃)``.
+        increment: Function of 6 unknowns per node, (translation, rotation) in the node's frame.
+    """
+
+    def __init__(self, msh: mesh.Mesh, degree: int = 1) -> None:
+        """Place the nodes on the mesh with ``R = I``.
+
+        On several processes a line mesh must not branch up to DOLFINx 0.9, and must be made with
+        ``max_facet_to_cell_links`` from 0.10 on. Otherwise DOLFINx may have cut it without a word,
+        which cannot be seen any more: the parts are then not connected.
+
+        Args:
+            msh: Mesh in space (``gdim`` 3), of any cell.
+            degree: Degree of the Lagrange nodes.
+
+        Raises:
+            ValueError: The mesh is not in three-dimensional space, or branches in spite of this.
+        """
+        if msh.geometry.dim != 3:
+            raise ValueError(f"nodal frames need a mesh with gdim 3, got gdim {msh.geometry.dim}")
+        _compat.check_branches(msh)
+        cell = msh.basix_cell()
+
+        def space(size: int) -> fem.FunctionSpace:
+            return fem.functionspace(
+                msh, basix.ufl.element("Lagrange", cell, degree, shape=(size,))
+            )
+
+        self.function = fem.Function(space(VALUES), name="frames")
+        self.increment = fem.Function(space(UNKNOWNS), name="increment")
+        self.frames[:, 0] = self.function.function_space.tabulate_dof_coordinates()
+        self.frames[:, 1:] = np.eye(3)
+
+    @property
+    def frames(self) -> npt.NDArray[np.float64]:
+        """View of all frames (ghosts included), shape ``(n, 4, 3)``, as in :mod:`fem_lie.lie`."""
+        return self.function.x.array.reshape(-1, 4, 3)
+
+    @property
+    def position(self) -> Expr:
+        """``x`` in UFL."""
+        return ufl.as_vector([self.function[j] for j in range(3)])
+
+    @property
+    def directors(self) -> list[Expr]:
+        """``d₁, d₂, d₃`` in UFL."""
+        return [ufl.as_vector([self.function[3 + 3 * k + j] for j in range(3)]) for k in range(3)]
+
+    def update(self, h: npt.ArrayLike) -> None:
+        """``H ← H exp(h)`` at every node.
+
+        Args:
+            h: Increments of all local nodes, ghosts included, ``6 n`` values.
+
+        Raises:
+            ValueError: There are more or fewer values.
+        """
+        frames, values = self.frames, np.asarray(h, dtype=np.float64)
+        if values.size != UNKNOWNS * len(frames):
+            raise ValueError(
+                f"h must have {UNKNOWNS} values for each of {len(frames)} nodes, "
+                f"got {values.size} values"
+            )
+        _retract_all(frames, values.reshape(-1, UNKNOWNS))
+
+
+def local_frame_forms(
+    energy: StrainEnergy | ufl.Form, q: NodalFrames, local: fem.Function | None = None
+) -> LocalFrameForms:
+    """DOLFINx forms, in nodal local frames, of an energy written in positions and directors.
+
+    Args:
+        energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or strain and law.
+        q: The nodal frames; see :class:`NodalFrames` for branching meshes on several processes.
+        local: Element-local fields of ``W``, condensed in the kernel.
+    """
+    return LocalFrameForms(energy, q.function, q.increment, DIRECTORS, local=local)

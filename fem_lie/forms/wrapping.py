@@ -1,0 +1,157 @@
+"""FFCx's functions wrapped by the kernels of :mod:`fem_lie.forms.kernels` into DOLFINx forms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie.forms import kernels
+from fem_lie.forms.frame_map import FrameMap
+
+
+def packed_size(V: fem.FunctionSpace) -> int:
+    """Doubles of a function in ``V`` per cell."""
+    return int(V.dofmap.list.shape[1] * V.dofmap.bs)
+
+
+class CompiledForm:
+    """A UFL form compiled by FFCx, with what a header must say of it.
+
+    Attributes:
+        cells: The cells it is integrated over; none if the form is zero.
+        coefficients: Functions in the order in which FFCx's function wants them packed.
+        constants: Constants in that order.
+        address: Of FFCx's function; 0 if the form is zero, as second derivatives may be.
+        signature: The same for the same form, in any process.
+    """
+
+    def __init__(self, form: ufl.Form) -> None:
+        if {integral.integral_type() for integral in form.integrals()} != {"cell"}:
+            raise ValueError(f"the energy must be integrated over cells (dx) only, got {form}")
+        self._form = fem.form(form)
+        data = self._form.ufcx_form
+        count = data.form_integral_offsets[1] - data.form_integral_offsets[0]
+        if count > 1:
+            raise ValueError(
+                f"the energy must have one cell integral, got {count}: use one dx (or dx(tag)) "
+                "and DG0 coefficients for data that differ between parts of the mesh"
+            )
+        given = form.coefficients()
+        positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
+        self.coefficients = [given[i] for i in positions]
+        self.constants = list(form.constants())
+        self.signature = self._form.module.ffi.string(data.signature).decode()
+        self.address = 0
+        self.cells: npt.NDArray[np.int32] = np.empty(0, dtype=np.int32)
+        if count == 1:
+            self.cells = _compat.integration_cells(self._form)
+            kernel = data.form_integrals[0].tabulate_tensor_float64
+            self.address = int(self._form.module.ffi.cast("uintptr_t", kernel))
+
+    def description(self, offsets: dict[fem.Function, int], constants_at: int) -> list[int]:
+        """Header entries: address, constants, size of ``w``, where its segments stand in ours."""
+        segments: list[list[int]] = []
+        for f in self.coefficients:
+            start, length = offsets[f], packed_size(f.function_space)
+            if segments and sum(segments[-1]) == start:
+                segments[-1][1] += length
+            else:
+                segments.append([start, length])
+        size = sum(length for _, length in segments)
+        flat = [number for segment in segments for number in segment]
+        return [self.address, constants_at, size, len(segments), *flat]
+
+
+@dataclass(frozen=True)
+class Wrapping:
+    """What all forms of one energy share.
+
+    Attributes:
+        frame_map: From ``coordinates`` to the nodes.
+        state: What the nodes store.
+        coordinates: Flat element coordinates ``y``; the state itself or a function to be filled.
+        increment: Local-frame unknowns ``h``.
+        local_size: Number of element-local unknowns ``s`` of a cell.
+    """
+
+    frame_map: FrameMap
+    state: fem.Function
+    coordinates: fem.Function
+    increment: fem.Function
+    local_size: int
+
+    @property
+    def extra_at(self) -> int:
+        """Where the first extra function of a form begins among its packed coefficients."""
+        known = dict.fromkeys([self.state, self.coordinates])
+        return sum(packed_size(f.function_space) for f in known)
+
+    def form(
+        self,
+        kernel: Any,
+        spaces: Sequence[fem.FunctionSpace],
+        inner: Sequence[CompiledForm],
+        extra: Sequence[fem.Function] = (),
+    ) -> fem.Form:
+        """Wrap FFCx's functions by one kernel.
+
+        Args:
+            kernel: One of :mod:`fem_lie.forms.kernels`.
+            spaces: Of the arguments of the new form.
+            inner: One to four compiled forms, as the kernel wants them.
+            extra: Functions that the kernel reads or fills: the increment ``h``, and ``δy = L h``,
+                or ``z`` of the residual with element-local fields.
+        """
+        # state first: fem_lie.forms.assembly writes it into the packed coefficients itself
+        functions = dict.fromkeys([self.state, self.coordinates, *extra])
+        functions |= dict.fromkeys(f for part in inner for f in part.coefficients)
+        sizes = [packed_size(f.function_space) for f in functions]
+        starts = np.cumsum([0, *sizes[:-1]]).tolist()
+        offsets = dict(zip(functions, starts, strict=True))
+        constants = [c for part in inner for c in part.constants]
+        mesh = self.state.function_space.mesh
+        # as doubles, which is what constants are; the bits are never looked at as numbers
+        bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
+        constants.insert(0, fem.Constant(mesh, bits))
+        cells = max((part.cells for part in inner), key=len)  # a zero form has none
+        return _compat.custom_form(spaces, kernel.address, cells, list(functions), constants, mesh)
+
+    def _header(
+        self,
+        inner: Sequence[CompiledForm],
+        offsets: dict[fem.Function, int],
+        extra: Sequence[fem.Function],
+    ) -> list[int]:
+        """The integers that :mod:`fem_lie.forms.kernels` reads."""
+        unknowns = packed_size(self.increment.function_space)
+        head = [0] * kernels.HEADER_SIZE
+        for place, function in (
+            (kernels.COORDINATES, self.frame_map.coordinates),
+            (kernels.PULL, self.frame_map.pull),
+            (kernels.PUSH, self.frame_map.push),
+            (kernels.GEOMETRIC, self.frame_map.geometric),
+        ):
+            head[place] = 0 if function is None else function.address
+        head[kernels.N_Y] = packed_size(self.coordinates.function_space)
+        head[kernels.N_S] = self.local_size
+        head[kernels.N_H] = unknowns
+        head[kernels.NODES] = unknowns // self.frame_map.unknowns
+        head[kernels.AT_STATE] = offsets[self.state]
+        head[kernels.AT_Y] = offsets[self.coordinates]
+        for place, f in zip((kernels.AT_H, kernels.AT_DY), extra, strict=False):
+            head[place] = offsets[f]
+        # the constants follow the header, so its length must be known before it is written
+        constants_at = len(head) + sum(len(part.description(offsets, 0)) for part in inner)
+        descriptions = kernels.FIRST, kernels.SECOND, kernels.THIRD, kernels.FOURTH
+        for place, part in zip(descriptions, inner, strict=False):
+            head[place] = len(head)
+            head += part.description(offsets, constants_at)
+            constants_at += sum(int(np.prod(c.ufl_shape)) for c in part.constants)
+        return head

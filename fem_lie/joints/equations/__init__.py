@@ -1,0 +1,1 @@
+"""Equations of joints, compiled: written in the relative motion of two frames."""

@@ -1,0 +1,192 @@
+"""Compiled constraints of velocities: rolling without slip, and edges that do not move sideways.
+
+They bind the twist of frame B against frame A, in the axes of B: ``W V = 0``::
+
+    V = ξ_B − Ad(G⁻¹) ξ_A,    G = H_A⁻¹ H_B,    dV/dt = ξ'_B − Ad(G⁻¹) ξ'_A + ad(V) Ad(G⁻¹) ξ_A
+
+An edge has a constant ``W``: it is fixed in the local frame. A disc of radius ρ about e₃ of B that
+touches the plane across e₃ of A has a ``W`` that turns with the contact point. With ``ν`` the
+plane's normal in B, ``σ n = (ν₁, ν₂, 0)`` and ``t = (n₂, −n₁, 0)`` along the path, the point of the
+disc at ``−ρ n`` is at rest along t and ``l = ν × t``, across the path::
+
+    t·u + ρ ω₃ = 0,    l·u + ρ σ t·ω = 0
+
+That it stays on the plane is a constraint of positions, ``Δ₃ = ρ σ``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+
+
+class RollingTable(NamedTuple):
+    """All such pairs of frames, ``j`` with ``k`` constraints.
+
+    Attributes:
+        nodes: Nodes A and B, shape (j, 2).
+        frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
+        first: First constraint of each pair among these, and ``k`` at the end, shape (j + 1,).
+        selection: ``W`` of edges, shape (k, 6).
+        radius: Of discs, 0 for edges, shape (j,).
+        legs: Where in the border each constraint's sides are, −1 where they do not move, (k, 2).
+        start: Number of the first among all constraints, shape (1,).
+    """
+
+    nodes: Indices
+    frames: Array
+    first: Indices
+    selection: Array
+    radius: Array
+    legs: Indices
+    start: Indices
+
+
+@compiled
+def _frames(H: Array, table: RollingTable, j: int, A: Array, B: Array, G: Array) -> None:
+    """Both frames and ``G = H_A⁻¹ H_B`` of pair j."""
+    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
+    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
+    for k in range(3):
+        G[0, k] = 0.0
+        for i in range(3):
+            G[0, k] += A[1 + k, i] * (B[0, i] - A[0, i])
+        for n in range(3):
+            G[1 + n, k] = 0.0
+            for i in range(3):
+                G[1 + n, k] += A[1 + k, i] * B[1 + n, i]
+
+
+@compiled
+def _disc(G: Array, radius: float, V: Array, W: Array, rate: Array) -> None:
+    """Both rows of a disc, (2, 6), and their rates at the relative twist ``V``."""
+    nu = np.array([G[1, 2], G[2, 2], G[3, 2]])
+    change = np.cross(nu, V[3:])
+    sigma = math.sqrt(nu[0] ** 2 + nu[1] ** 2)
+    n0, n1 = nu[0] / sigma, nu[1] / sigma
+    along = n0 * change[0] + n1 * change[1]
+    d0, d1 = (change[0] - n0 * along) / sigma, (change[1] - n1 * along) / sigma
+    t, dt = np.array([n1, -n0, 0.0]), np.array([d1, -d0, 0.0])
+    W[:], rate[:] = 0.0, 0.0
+    W[0, :3], rate[0, :3] = t, dt
+    W[0, 5] = radius
+    W[1, :3], rate[1, :3] = np.cross(nu, t), np.cross(change, t) + np.cross(nu, dt)
+    W[1, 3:], rate[1, 3:] = radius * sigma * t, radius * (along * t + sigma * dt)
+
+
+@compiled
+def _rows(
+    H: Array, v: Array, table: RollingTable, j: int, G: Array, V: Array, W: Array, rate: Array
+) -> Array:
+    """``G``, ``V``, rows ``W`` (≥ k, 6) and their rates; returns ``Ad(G⁻¹) ξ_A``."""
+    A, B = np.empty((4, 3)), np.empty((4, 3))
+    carried = np.zeros(6)
+    _frames(H, table, j, A, B, G)
+    V[:] = 0.0
+    if table.nodes[j, 1] < v.shape[0]:
+        lie.apply_adjoint_inverse(table.frames[j, 1], v[table.nodes[j, 1]], V)
+    if table.nodes[j, 0] < v.shape[0]:
+        lie.apply_adjoint_inverse(table.frames[j, 0], v[table.nodes[j, 0]], carried)
+        lie.apply_adjoint_inverse(G, carried, carried)
+        V -= carried
+    if table.radius[j] > 0.0:
+        _disc(G, table.radius[j], V, W, rate)
+    else:
+        for i in range(table.first[j + 1] - table.first[j]):
+            W[i], rate[i] = table.selection[table.first[j] + i], 0.0
+    return carried
+
+
+@compiled
+def _side(table: RollingTable, j: int, side: int, G: Array, force: Array, out: Array) -> None:
+    """What ``force`` on the relative twist is on the node of a side."""
+    if side == 1:
+        lie.apply_adjoint_inverse_transposed(table.frames[j, 1], force, out)
+        return
+    lie.apply_adjoint_inverse_transposed(G, force, out)
+    for k in range(6):
+        out[k] = -out[k]
+    lie.apply_adjoint_inverse_transposed(table.frames[j, 0], out, out)
+
+
+@compiled
+def evaluate(
+    H: Array,
+    v: Array,
+    table: RollingTable,
+    weights: Array,
+    scale: Array,
+    factor: float,
+    count: int,
+    r: Array,
+) -> None:
+    """Add ``Wᵀ weights`` to the nodes' rows of ``r``; set the constraints' to ``scale factor W V``.
+
+    Arguments as in :func:`fem_lie.joints.equations.terms.evaluate`.
+    """
+    G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
+    force, moved = np.empty(6), np.empty(6)
+    for j in range(table.nodes.shape[0]):
+        _rows(H, v, table, j, G, V, W, rate)
+        force[:] = 0.0
+        for i in range(table.first[j + 1] - table.first[j]):
+            row = table.start[0] + table.first[j] + i
+            r[6 * count + row] = scale[row] * factor * (W[i] @ V)
+            force += weights[row] * W[i]
+        for side in range(2):
+            node = table.nodes[j, side]
+            if node < count:
+                _side(table, j, side, G, force, moved)
+                for k in range(6):
+                    r[6 * node + k] += moved[k]
+
+
+@compiled
+def jacobian(H: Array, table: RollingTable, rows: Array) -> None:
+    """Add ``W`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
+    G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
+    moved, still = np.empty(6), np.zeros((0, 6))
+    for j in range(table.nodes.shape[0]):
+        _rows(H, still, table, j, G, V, W, rate)
+        for i in range(table.first[j + 1] - table.first[j]):
+            for side in range(2):
+                leg = table.legs[table.first[j] + i, side]
+                if leg >= 0:
+                    _side(table, j, side, G, W[i], moved)
+                    for k in range(6):
+                        rows[leg, k] += moved[k]
+
+
+@compiled
+def rates(H: Array, v: Array, table: RollingTable, first: Array, second: Array) -> None:
+    """``W V`` and its rate at constant twists, into the rows of these constraints."""
+    G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
+    change = np.empty(6)
+    for j in range(table.nodes.shape[0]):
+        carried = _rows(H, v, table, j, G, V, W, rate)
+        change[:3] = np.cross(V[3:], carried[:3]) + np.cross(V[:3], carried[3:])
+        change[3:] = np.cross(V[3:], carried[3:])
+        for i in range(table.first[j + 1] - table.first[j]):
+            row = table.start[0] + table.first[j] + i
+            first[row] = W[i] @ V
+            second[row] = W[i] @ change + rate[i] @ V
+
+
+@compiled
+def wrenches(H: Array, table: RollingTable, weights: Array, items: Indices, out: Array) -> None:
+    """Add force and moment on frame A, in that frame, to the rows ``items`` (j,) of ``out``."""
+    G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
+    force, still = np.empty(6), np.zeros((0, 6))
+    for j in range(table.nodes.shape[0]):
+        _rows(H, still, table, j, G, V, W, rate)
+        force[:] = 0.0
+        for i in range(table.first[j + 1] - table.first[j]):
+            force += weights[table.start[0] + table.first[j] + i] * W[i]
+        lie.apply_adjoint_inverse_transposed(G, force, force)
+        out[items[j]] += force

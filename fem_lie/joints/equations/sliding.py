@@ -1,0 +1,251 @@
+"""Compiled constraints of points that slide along flexible beams, over all of their elements.
+
+Between the nodal frames of an element its own interpolation is the geodesic
+``A(ξ) = H_a exp(ξ d)``, ``d = log(H_a⁻¹ H_b)``: frame and position are continuous along the beam.
+The place ξ of the sliding frame B is where it lies in the cross-section, ``Δ₁(ξ) = 0``; it needs no
+unknown, for it is known with the frames, and neither does the element it is in.
+What is bound are terms ``S z + c s`` of the relative motion ``z = (Δ, Q)`` of A(ξ) and B and of the
+arclength ``s``. With ``g = dΔ₁/dξ``::
+
+    δξ = −δΔ₁/g,    δA = N_a h_a + N_b h_b + d δξ
+    N_a = Ad(exp(−ξ d)) − ξ T(ξ d) T⁻¹(−d),    N_b = ξ T(ξ d) T⁻¹(d)
+
+so the force along e₁ follows from the others: the force on the beam is across its axis.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie.joints.equations.relative_motion import force, relative_motion, variation
+
+_ITERATIONS = 60
+_STEP = 1e-6  # of differences, rad or element lengths; an error of 1e-9 is nothing to a matrix
+
+
+class SlidingTable(NamedTuple):
+    """All sliding frames, ``j`` with ``k`` constraints, and the elements of their beams.
+
+    Attributes:
+        nodes: Node of each sliding frame, shape (j,).
+        frames: The frame in its node's, shape (j, 4, 3).
+        elements: First element of each and their number at the end, shape (j + 1,).
+        ends: Nodes of each element, shape (e, 2).
+        offsets: Frames of the element's ends in those nodes' frames, shape (e, 2, 4, 3).
+        starts: Arclength at which each element begins, shape (e,), and its length ``lengths``.
+        lengths: See there.
+        first: First constraint of each among these, and ``k`` at the end, shape (j + 1,).
+        selection: ``S``, shape (k, 12).
+        advance: ``c``, shape (k,).
+        targets: What they are to be, shape (k,).
+        legs: First leg of each constraint in the border, shape (k,).
+        slider_leg: Which of its legs is the sliding frame's node, −1: it does not move, (j,).
+        element_legs: Likewise of the ends of the elements, shape (e, 2).
+        arclength: At the last accepted state, shape (j,).
+        start: Number of the first constraint among all, shape (1,).
+    """
+
+    nodes: Indices
+    frames: Array
+    elements: Indices
+    ends: Indices
+    offsets: Array
+    starts: Array
+    lengths: Array
+    first: Indices
+    selection: Array
+    advance: Array
+    targets: Array
+    legs: Indices
+    slider_leg: Indices
+    element_legs: Indices
+    arclength: Array
+    start: Indices
+
+
+@compiled
+def _frame(H: Array, table: SlidingTable, e: int, ξ: float, d: Array, X: Array, A: Array) -> None:
+    """``d``, ``X = exp(ξ d)`` and ``A(ξ)`` of an element."""
+    a, b = np.empty((4, 3)), np.empty((4, 3))
+    lie.compose(H[table.ends[e, 0]], table.offsets[e, 0], a)
+    lie.compose(H[table.ends[e, 1]], table.offsets[e, 1], b)
+    lie.relative(a, b, d)
+    lie.exp_se3(ξ * d, X)
+    lie.compose(a, X, A)
+
+
+@compiled
+def _element_at(table: SlidingTable, j: int, s: float) -> int:
+    e = table.elements[j]
+    while e < table.elements[j + 1] - 1 and s > table.starts[e] + table.lengths[e]:
+        e += 1
+    return e
+
+
+@compiled
+def _locate(
+    H: Array, table: SlidingTable, j: int, stay: int, d: Array, X: Array, z: Array
+) -> tuple[int, float]:
+    """Element and ξ of sliding frame j, ``d`` and ``X`` there, and the relative motion ``z``.
+
+    The search starts at the last accepted place; with ``stay ≥ 0`` it stays on that element.
+    """
+    A, B = np.empty((4, 3)), np.empty((4, 3))
+    lie.compose(H[table.nodes[j]], table.frames[j], B)
+    s = table.arclength[j]
+    e = stay if stay >= 0 else _element_at(table, j, s)
+    ξ = (s - table.starts[e]) / table.lengths[e]
+    for _ in range(_ITERATIONS):
+        _frame(H, table, e, ξ, d, X, A)
+        relative_motion(A, B, z)
+        step = -z[0] / (-d[0] + z[1] * d[5] - z[2] * d[4])
+        ξ += step
+        if stay < 0 and ξ > 1.0 and e < table.elements[j + 1] - 1:
+            e, ξ = e + 1, 0.0
+        elif stay < 0 and ξ < 0.0 and e > table.elements[j]:
+            e, ξ = e - 1, 1.0
+        elif abs(step) < 1e-14 * (1.0 + abs(ξ)):
+            break
+    _frame(H, table, e, ξ, d, X, A)
+    relative_motion(A, B, z)
+    return e, ξ
+
+
+@compiled
+def _gradient(table: SlidingTable, e: int, c: int, d: Array, z: Array, p: Array) -> None:
+    """``p``: what constraint c is on ``δz`` at fixed ξ, that of ``δξ`` included."""
+    along, still, rate = np.zeros(12), np.zeros(6), 0.0
+    variation(z, d, still, along)
+    for k in range(12):
+        rate += table.selection[c, k] * along[k]
+        p[k] = table.selection[c, k]
+    p[0] -= (rate + table.advance[c] * table.lengths[e]) / along[0]
+
+
+@compiled
+def _nodal(
+    table: SlidingTable, j: int, e: int, ξ: float, d: Array, X: Array, z: Array, p: Array, f: Array
+) -> None:
+    """Forces (3, 6) on the nodes of the frame and of both ends that do the work ``p · δz``."""
+    sides, whole, part = np.empty((2, 6)), np.empty(6), np.empty(6)
+    force(z, p, sides[0], sides[1])
+    lie.apply_adjoint_inverse_transposed(table.frames[j], sides[1], f[0])
+    lie.apply_tangent_transposed(ξ * d, sides[0], whole)
+    lie.apply_tangent_inverse_transposed_minus(d, whole, part)
+    lie.apply_adjoint_inverse_transposed(X, sides[0], f[1])
+    for k in range(6):
+        f[1, k] -= ξ * part[k]
+    lie.apply_tangent_inverse_transposed(d, whole, part)
+    for k in range(6):
+        f[2, k] = ξ * part[k]
+    for end in range(2):
+        lie.apply_adjoint_inverse_transposed(table.offsets[e, end], f[1 + end], f[1 + end])
+
+
+@compiled
+def _forces(
+    H: Array, table: SlidingTable, j: int, stay: int, weights: Array, f: Array
+) -> tuple[int, float]:
+    """Forces (3, 6) of frame j with multipliers ``weights``; returns the element and ξ."""
+    d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.zeros(12)
+    e, ξ = _locate(H, table, j, stay, d, X, z)
+    for c in range(table.first[j], table.first[j + 1]):
+        _gradient(table, e, c, d, z, p)
+        q += weights[table.start[0] + c] * p
+    _nodal(table, j, e, ξ, d, X, z, q, f)
+    return e, ξ
+
+
+@compiled
+def evaluate(
+    H: Array, table: SlidingTable, weights: Array, scale: Array, count: int, r: Array
+) -> None:
+    """As :func:`fem_lie.joints.equations.terms.evaluate`."""
+    d, X, z, f = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty((3, 6))
+    for j in range(table.nodes.shape[0]):
+        e, ξ = _forces(H, table, j, -1, weights, f)
+        _locate(H, table, j, -1, d, X, z)
+        s = table.starts[e] + ξ * table.lengths[e]
+        for c in range(table.first[j], table.first[j + 1]):
+            row = table.start[0] + c
+            value = table.selection[c] @ z + table.advance[c] * s - table.targets[c]
+            r[6 * count + row] = scale[row] * value
+        if table.nodes[j] < count:
+            r[6 * table.nodes[j] : 6 * table.nodes[j] + 6] += f[0]
+        for end in range(2):
+            node = table.ends[e, end]
+            r[6 * node : 6 * node + 6] += f[1 + end]
+
+
+@compiled
+def jacobian(H: Array, table: SlidingTable, rows: Array) -> None:
+    """Add the derivative of the constraints to their legs, (legs, 6)."""
+    d, X, z, p, f = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.empty((3, 6))
+    for j in range(table.nodes.shape[0]):
+        e, ξ = _locate(H, table, j, -1, d, X, z)
+        for c in range(table.first[j], table.first[j + 1]):
+            _gradient(table, e, c, d, z, p)
+            _nodal(table, j, e, ξ, d, X, z, p, f)
+            if table.slider_leg[j] >= 0:
+                rows[table.legs[c] + table.slider_leg[j]] += f[0]
+            for end in range(2):
+                rows[table.legs[c] + table.element_legs[e, end]] += f[1 + end]
+
+
+@compiled
+def state(H: Array, table: SlidingTable, arclength: Array, values: Array) -> None:
+    """Arclengths (j,) and values of the constraints, from their first one on."""
+    d, X, z = np.empty(6), np.empty((4, 3)), np.empty(12)
+    for j in range(table.nodes.shape[0]):
+        e, ξ = _locate(H, table, j, -1, d, X, z)
+        arclength[j] = table.starts[e] + ξ * table.lengths[e]
+        for c in range(table.first[j], table.first[j + 1]):
+            value = table.selection[c] @ z + table.advance[c] * arclength[j]
+            values[table.start[0] + c] = value - table.targets[c]
+
+
+@compiled
+def geometric(H: Array, table: SlidingTable, weights: Array, place: Indices, K: Array) -> None:
+    """Add ``∂(Bᵀ weights)/∂h`` by differences to blocks ``K``; ``place`` (e, 3, 3), −1: nowhere."""
+    f, ahead, behind = np.empty((3, 6)), np.empty((3, 6)), np.empty((3, 6))
+    nodes, h, kept = np.empty(3, dtype=np.int64), np.zeros(6), np.empty((4, 3))
+    for j in range(table.nodes.shape[0]):
+        e, _ = _forces(H, table, j, -1, weights, f)
+        nodes[0], nodes[1], nodes[2] = table.nodes[j], table.ends[e, 0], table.ends[e, 1]
+        for column in range(18):
+            source, k = column // 6, column % 6
+            if place[e, source, source] < 0:
+                continue
+            kept[:] = H[nodes[source]]
+            h[:] = 0.0
+            step = _STEP * table.lengths[e] if k < 3 else _STEP
+            h[k] = step
+            lie.retract(kept, h, H[nodes[source]])
+            _forces(H, table, j, e, weights, ahead)
+            lie.retract(kept, -h, H[nodes[source]])
+            _forces(H, table, j, e, weights, behind)
+            H[nodes[source]] = kept
+            for side in range(3):
+                at = place[e, side, source]
+                if at >= 0:
+                    K[at, :, k] += (ahead[side] - behind[side]) / (2.0 * step)
+
+
+@compiled
+def wrenches(H: Array, table: SlidingTable, weights: Array, items: Indices, out: Array) -> None:
+    """Force and moment on the beam at the sliding frame, in its section's axes, rows of ``out``."""
+    d, X, z, p, q = np.empty(6), np.empty((4, 3)), np.empty(12), np.empty(12), np.empty(12)
+    sides = np.empty((2, 6))
+    for j in range(table.nodes.shape[0]):
+        e, _ = _locate(H, table, j, -1, d, X, z)
+        q[:] = 0.0
+        for c in range(table.first[j], table.first[j + 1]):
+            _gradient(table, e, c, d, z, p)
+            q += weights[table.start[0] + c] * p
+        force(z, q, sides[0], sides[1])
+        out[items[j]] = -sides[0]

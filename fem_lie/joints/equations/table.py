@@ -1,0 +1,98 @@
+"""The table of all joints of a scene, for compiled loops: twelve arrays that are passed as two.
+
+A compiled function takes the longer to call from Python the more arrays there are. So what is in
+the table stands in one array of numbers and one of integers, with the sizes at its head, and the
+twelve are views of them, made where they are used.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined
+
+PackedJoints: TypeAlias = tuple[Array, Indices]
+"""Numbers and integers of a :class:`JointTable`, one array after the other."""
+
+
+class JointTable(NamedTuple):
+    """Pairs of frames of all joints of a scene, ``j`` pairs with ``t`` terms, ``m`` constraints.
+
+    Attributes:
+        nodes: Nodes A and B of each pair, shape (j, 2).
+        frames: Frames of the joint in its nodes' frames, shape (j, 2, 4, 3).
+        first: First term of each pair and ``t`` at the end, shape (j + 1,).
+        selection: Rows ``S``, shape (t, 12): three columns for Δ, nine for Q (row-major).
+        functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
+        rows: The constraint that each term is a part of, or ``m`` plus the number of its spring,
+            shape (t,).
+        legs: Where in the border of the matrix each term's sides A and B are, −1 where they do
+            not move or there is no constraint, shape (t, 2).
+        angle: Sine and cosine of each pair's angle, shape (j, 2, 12).
+        curved: 1 for pairs that have terms with functions, else 0, shape (j,).
+        turned: That angle at the last accepted state, shape (j,).
+        targets: What the constraints are to be, shape (m,).
+        springs: Stiffness, damping and rest value, shape (k, 3).
+    """
+
+    nodes: Indices
+    frames: Array
+    first: Indices
+    selection: Array
+    functions: Array
+    rows: Indices
+    legs: Indices
+    angle: Array
+    curved: Indices
+    turned: Array
+    targets: Array
+    springs: Array
+
+
+def pack(table: JointTable) -> PackedJoints:
+    """The same in two arrays; :func:`views` gives the table back."""
+    j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
+    shapes = (table.frames, table.selection, table.functions, table.angle)
+    numbers = (*shapes, table.turned, table.targets, table.springs)
+    integers = (table.nodes, table.first, table.rows, table.legs, table.curved)
+    sizes = np.array([j, t, m, k], dtype=np.int64)
+    return (
+        np.concatenate([array.ravel() for array in numbers]),
+        np.concatenate([sizes, *(array.ravel() for array in integers)]),
+    )
+
+
+def views(packed: PackedJoints) -> JointTable:
+    """The table that was packed; what is written into it is in ``packed``."""
+    x, i = packed
+    j, t, m, k = i[0], i[1], i[2], i[3]
+    selection, functions = 24 * j, 24 * j + 12 * t
+    angle = functions + 3 * t
+    turned = angle + 24 * j
+    targets = turned + j
+    springs = targets + m
+    first = 4 + 2 * j
+    rows = first + j + 1
+    legs = rows + t
+    curved = legs + 2 * t
+    return JointTable(
+        i[4:first].reshape(j, 2),
+        x[:selection].reshape(j, 2, 4, 3),
+        i[first:rows],
+        x[selection:functions].reshape(t, 12),
+        x[functions:angle].reshape(t, 3),
+        i[rows:legs],
+        i[legs:curved].reshape(t, 2),
+        x[angle:turned].reshape(j, 2, 12),
+        i[curved : curved + j],
+        x[turned:targets],
+        x[targets:springs],
+        x[springs : springs + 3 * k].reshape(k, 3),
+    )
+
+
+joint_table = inlined(views)
+""":func:`views` in compiled code."""

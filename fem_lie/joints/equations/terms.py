@@ -1,0 +1,340 @@
+"""Compiled constraints of joints: everything is written in the relative motion of two frames.
+
+The frames A and B of a joint are fixed to their nodes. With ``Δ = R_Aᵀ (x_B − x_A)`` and
+``Q = R_Aᵀ R_B`` what joints forbid, drive, couple and load are terms ``S z + Σ cₖ fₖ(z)``,
+``z = (Δ, Q)``, with a constant selection ``S`` and the functions ``f`` of
+:mod:`fem_lie.joints.equations.functions`: invariant under rigid motion, and without functions at
+most quadratic in positions and directors. A constraint is the sum of its terms minus a target, a
+spring or damper a force ``k (q − q₀) + c q̇`` along its term ``q``.
+
+The node ``count`` and those after it do not move by themselves: ground and prescribed frames.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.relative_motion import force, relative_motion, variation
+from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
+
+
+@inlined
+def _locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
+    """Relative motion of pair j and its functions, and its two frames."""
+    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
+    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
+    relative_motion(A, B, z)
+    if table.curved[j]:
+        functions.values(z, table.angle[j], table.turned[j], f)
+
+
+@inlined
+def _value(table: JointTable, t: int, z: Array, f: Array) -> float:
+    """Of term t, of its rate if ``z`` and ``f`` are rates."""
+    value = 0.0
+    for k in range(12):
+        value += table.selection[t, k] * z[k]
+    for k in range(3):
+        value += table.functions[t, k] * f[k]
+    return value
+
+
+@inlined
+def _gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
+    """``p = ∂(term t)/∂z``."""
+    p[:] = table.selection[t]
+    functions.add_gradients(z, table.angle[j], table.functions[t], p)
+
+
+@inlined
+def _twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
+    """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
+    for side in range(2):
+        node = table.nodes[j, side]
+        twist[side] = 0.0
+        if node < v.shape[0]:
+            lie.apply_adjoint_inverse(table.frames[j, side], v[node], twist[side])
+
+
+@compiled
+def _rate(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
+    """Of term t."""
+    twist, dz, gradient = np.empty((2, 6)), np.empty(12), np.empty(12)
+    _twists(v, table, j, twist)
+    variation(z, twist[0], twist[1], dz)
+    _gradient(table, j, t, z, gradient)
+    return float(gradient @ dz)
+
+
+@inlined
+def _load(
+    v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
+) -> None:
+    """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
+    m = len(table.targets)
+    p[:], c[:] = 0.0, 0.0
+    for t in range(table.first[j], table.first[j + 1]):
+        row = table.rows[t]
+        if row < m:
+            weight = weights[row]
+        else:
+            k, damping, rest = table.springs[row - m]
+            weight = k * (_value(table, t, z, f) - rest)
+            if damping != 0.0:
+                weight += damping * _rate(v, table, j, t, z)
+        for k in range(12):
+            p[k] += weight * table.selection[t, k]
+        for k in range(3):
+            c[k] += weight * table.functions[t, k]
+    functions.add_gradients(z, table.angle[j], c, p)
+
+
+@compiled
+def evaluate(
+    H: Array, v: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
+) -> None:
+    """Add joint forces ``Bᵀ weights`` to the nodes' rows of ``r``; set its next rows ``scale · Φ``.
+
+    Args:
+        H: Frames of all nodes, shape (≥ count, 4, 3).
+        v: Twists of the nodes that move, for dampers, shape (n, 6).
+        table: The joints.
+        weights: Multipliers in units of forces and moments, shape (≥ m,).
+        scale: Factor of each constraint, shape (≥ m,).
+        count: Number of nodes that move.
+        r: Residual, shape (≥ 6 count + m,), updated.
+    """
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    f, c, sides, moved = np.zeros(3), np.empty(3), np.empty((2, 6)), np.empty(6)
+    m = len(table.targets)
+    for row in range(m):
+        r[6 * count + row] = -scale[row] * table.targets[row]
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            row = table.rows[t]
+            if row < m:
+                r[6 * count + row] += scale[row] * _value(table, t, z, f)
+        _load(v, table, j, z, f, weights, p, c)
+        force(z, p, sides[0], sides[1])
+        for side in range(2):
+            node = table.nodes[j, side]
+            if node < count:
+                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                for k in range(6):
+                    r[6 * node + k] += moved[k]
+
+
+@compiled
+def violations(H: Array, table: JointTable, out: Array) -> None:
+    """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m = len(table.targets)
+    for row in range(m):
+        out[row] = -table.targets[row]
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] < m:
+                out[table.rows[t]] += _value(table, t, z, f)
+
+
+@compiled
+def unwrap(H: Array, table: JointTable) -> None:
+    """Remember the angles of an accepted state: the next ones are within half a turn of them."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    for j in range(table.nodes.shape[0]):
+        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
+            _locate(H, table, j, A, B, z, f)
+            table.turned[j] = f[functions.ANGLE]
+
+
+@compiled
+def spring_energy(H: Array, table: JointTable) -> float:
+    """Energy ``½ k (q − q₀)²`` of all springs."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m, energy = len(table.targets), 0.0
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] >= m:
+                _locate(H, table, j, A, B, z, f)
+                k, _, rest = table.springs[table.rows[t] - m]
+                energy += 0.5 * k * (_value(table, t, z, f) - rest) ** 2
+    return energy
+
+
+@compiled
+def damper_loss(H: Array, v: Array, table: JointTable) -> float:
+    """Power ``c q̇²`` that all dampers take at twists ``v`` of the nodes that move."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m, loss = len(table.targets), 0.0
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] >= m and table.springs[table.rows[t] - m, 1] != 0.0:
+                _locate(H, table, j, A, B, z, f)
+                loss += table.springs[table.rows[t] - m, 1] * _rate(v, table, j, t, z) ** 2
+    return loss
+
+
+@compiled
+def wrenches(
+    H: Array, v: Array, table: JointTable, weights: Array, pairs: Indices, side: Indices, out: Array
+) -> None:
+    """Force and moment that chosen pairs exert on frame A or B (``side`` 0 or 1), in that frame.
+
+    ``out`` has one row of six for each of ``pairs``.
+    """
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    f, c, sides = np.zeros(3), np.empty(3), np.empty((2, 6))
+    for i in range(pairs.shape[0]):
+        j = pairs[i]
+        _locate(H, table, j, A, B, z, f)
+        _load(v, table, j, z, f, weights, p, c)
+        force(z, p, sides[0], sides[1])
+        for k in range(6):
+            out[i, k] = -sides[side[i], k]
+
+
+@compiled
+def report(
+    H: Array,
+    v: Array,
+    joints: PackedJoints,
+    probes: PackedJoints,
+    weights: Array,
+    pairs: Indices,
+    side: Indices,
+    owner: Indices,
+    forces: Array,
+    coordinates: Array,
+    values: Array,
+    largest: Array,
+) -> None:
+    """:func:`wrenches`, the values of ``probes`` and :func:`violations` in one call.
+
+    ``largest`` gets the largest size of a violation of each ``owner``, whose constraints are more
+    than those of the table; it is zero before. The tables come packed, which makes the call from
+    Python cheaper.
+    """
+    table = joint_table(joints)
+    wrenches(H, v, table, weights, pairs, side, forces)
+    violations(H, joint_table(probes), coordinates)
+    violations(H, table, values)
+    for row in range(len(table.targets)):
+        size = abs(values[row])
+        if size > largest[owner[row]] or size != size:  # nan stays
+            largest[owner[row]] = size
+
+
+@compiled
+def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
+    """:func:`unwrap` for two tables."""
+    unwrap(H, joint_table(joints))
+    unwrap(H, joint_table(probes))
+
+
+@compiled
+def jacobian(H: Array, table: JointTable, rows: Array) -> None:
+    """Add ``∂Φ/∂h`` in the twists of the nodes to the legs of the constraints, (legs, 6)."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    p, sides, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        for t in range(table.first[j], table.first[j + 1]):
+            _gradient(table, j, t, z, p)
+            force(z, p, sides[0], sides[1])
+            for side in range(2):
+                leg = table.legs[t, side]
+                if leg >= 0:
+                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                    for k in range(6):
+                        rows[leg, k] += moved[k]
+
+
+@compiled
+def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Array) -> None:
+    """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``; ``place`` (j, 2, 2) says where, −1: nowhere.
+
+    That of springs is in it with their present force, without their stiffness.
+    """
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    f, c, rest = np.zeros(3), np.empty(3), np.zeros((0, 6))
+    twist, unit = np.zeros((2, 6)), np.empty(6)
+    dz, dp, sides, bent = np.empty(12), np.empty(12), np.empty((2, 6)), np.empty((2, 6))
+    moved = np.empty(6)
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        _load(rest, table, j, z, f, weights, p, c)
+        for column in range(12):
+            source = column // 6
+            if place[j, 0, source] < 0 and place[j, 1, source] < 0:
+                continue
+            unit[:], twist[:], dp[:] = 0.0, 0.0, 0.0
+            unit[column % 6] = 1.0
+            lie.apply_adjoint_inverse(table.frames[j, source], unit, twist[source])
+            variation(z, twist[0], twist[1], dz)
+            force(dz, p, sides[0], sides[1])
+            sides[0, :3] = 0.0  # −n: the only part that does not depend on z
+            functions.add_gradient_changes(z, dz, table.angle[j], c, dp)
+            force(z, dp, bent[0], bent[1])
+            sides += bent
+            for side in range(2):
+                if place[j, side, source] >= 0:
+                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                    block = K[place[j, side, source]]
+                    for k in range(6):
+                        block[k, column % 6] += moved[k]
+
+
+@compiled
+def add_springs(
+    H: Array, table: JointTable, place: Indices, stiff: float, damp: float, K: Array
+) -> None:
+    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers along ``b`` to blocks ``K``."""
+    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
+    f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
+    m = len(table.targets)
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] < m:
+                continue
+            k, c, _ = table.springs[table.rows[t] - m]
+            _locate(H, table, j, A, B, z, f)
+            _gradient(table, j, t, z, p)
+            force(z, p, sides[0], sides[1])
+            for side in range(2):
+                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], b[side])
+            for side in range(2):
+                for source in range(2):
+                    if place[j, side, source] >= 0:
+                        product = np.outer(b[side], b[source])
+                        K[place[j, side, source]] += (stiff * k + damp * c) * product
+
+
+@compiled
+def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
+    """``dΦ/dt`` and ``d²Φ/dt²`` (≥ m,) at constant twists ``v`` (nodes, 6) and constant targets."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    twist, dz, ddz, p, dp = np.empty((2, 6)), np.empty(12), np.empty(12), np.empty(12), np.empty(12)
+    m = len(table.targets)
+    first[:m], second[:m] = 0.0, 0.0
+    for j in range(table.nodes.shape[0]):
+        _locate(H, table, j, A, B, z, f)
+        _twists(v, table, j, twist)
+        variation(z, twist[0], twist[1], dz)
+        variation(dz, twist[0], twist[1], ddz)
+        for k in range(3):
+            ddz[k] += twist[0, k]  # −u_A is the only part that does not depend on z
+        for t in range(table.first[j], table.first[j + 1]):
+            row = table.rows[t]
+            if row >= m:
+                continue
+            _gradient(table, j, t, z, p)
+            dp[:] = 0.0
+            functions.add_gradient_changes(z, dz, table.angle[j], table.functions[t], dp)
+            first[row] += p @ dz
+            second[row] += p @ ddz + dp @ dz

@@ -1,0 +1,40 @@
+"""Rigid links: points that move as if they were one rigid body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem_lie.bodies.body import Point, require_point
+
+
+@dataclass(frozen=True, eq=False)
+class RigidLink:
+    """Point ``b`` follows point ``a`` as if both were one rigid body.
+
+    There are no multipliers, no constraint equations and no reported force: the node of ``b`` loses
+    its unknowns. :class:`Fixed` is the same with a joint force.
+
+    Attributes:
+        a: A point of a body.
+        b: A point of this or another body, anywhere.
+    """
+
+    a: Point
+    b: Point
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if what it joins are no points."""
+        require_point(self.a, "RigidLink: a")
+        require_point(self.b, "RigidLink: b")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if a point is ground, or both are the same."""
+        if self.a.is_ground or self.b.is_ground:
+            raise ValueError("a rigid link needs two points of bodies, got ground; use a Clamp")
+        if self.a.body is self.b.body and self.a.node == self.b.node:
+            raise ValueError(f"the rigid link joins {self.a.label} to itself")
+
+    @property
+    def label(self) -> str:
+        """For messages."""
+        return f"RigidLink({self.a.label}, {self.b.label})"

@@ -1,0 +1,89 @@
+"""Constraints of velocities: what rolls without slip, and what does not move sideways."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, positive
+from fem_lie.joints.connection import VelocityTie, rows
+from fem_lie.joints.equations import functions as joint_functions
+from fem_lie.joints.joint import Joint
+
+
+class KnifeEdge(Joint):
+    """A point of ``b`` has no velocity against ``a`` along ``axis``, which is fixed to ``b``.
+
+    A skate, the blade of a sledge, a wheel far from its steering. In the frame of ``b`` it binds a
+    constant component of the velocity. The place may change for ever: no position is bound.
+    """
+
+    selection = rows()
+    reversible = False
+
+    def velocity_ties(self) -> list[VelocityTie]:
+        """The component along e₃ of ``b``."""
+        across = np.zeros((1, 6))
+        across[0, 2] = 1.0
+        return [VelocityTie(self.a, self.b, self.frames(), across)]
+
+
+@dataclass(frozen=True, eq=False)
+class RollingDisc(Joint):
+    """A thin disc on ``b`` rolls without slip on a plane that is fixed to ``a``.
+
+    Its edge stays on the plane, and where it touches it has the velocity of the plane. The force
+    that results report is that on ``a`` about the first point of contact.
+
+    Attributes:
+        at: Centre of the disc in the initial configuration; default: the point ``b``.
+        axis: Of the disc.
+        radius: Of the disc.
+        normal: Of the plane, towards the disc.
+    """
+
+    radius: float = 0.0
+    normal: npt.ArrayLike = (0.0, 0.0, 1.0)
+
+    selection = rows({2: 1.0})
+    reversible = False
+
+    @property
+    def functions(self) -> Array:
+        """The height of the centre is ``radius`` times the sine of the disc's tilt."""
+        factors = np.zeros((1, 3))
+        factors[0, joint_functions.TILT] = -self.radius
+        return factors
+
+    def check(self) -> None:
+        """See the base class; the disc must not lie in the plane."""
+        positive(self.radius, f"{self.label}: the radius")
+        super().check()
+        self.frames()
+
+    def frames(self) -> tuple[Array, Array]:
+        """At the point of contact with e₃ across the plane, and at the centre with e₃ = axis.
+
+        Raises:
+            ValueError: The disc lies in the plane.
+        """
+        axis = self._direction(self.axis, "axis")
+        normal = self._direction(self.normal, "normal")
+        centre = self.b.position if self.at is None else self._given_place(self.at, "at")
+        up = normal - (normal @ axis) * axis
+        tilt = float(np.linalg.norm(up))
+        if not tilt > 1e-9:
+            raise ValueError(f"{self.label}: the axis {self.axis} must not be that of the plane")
+        along = np.cross(axis, normal) / tilt
+        contact = centre - self.radius * up / tilt
+        plane = np.array([contact, along, np.cross(normal, along), normal])
+        return plane, np.array([centre, along, np.cross(axis, along), axis])
+
+    def velocity_ties(self) -> list[VelocityTie]:
+        """Along and across the path."""
+        return [VelocityTie(self.a, self.b, self.frames(), np.zeros((2, 6)), float(self.radius))]
+
+    def _place(self) -> Array:
+        return self.b.position

@@ -1,0 +1,176 @@
+"""What acts along the relative coordinates of joints: springs, dampers, drives and gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem_lie import _arrays
+from fem_lie.joints.connection import Connection, Coordinate, History, Tie
+from fem_lie.joints.histories import Table
+
+
+@dataclass(frozen=True, eq=False)
+class Spring(Connection):
+    """Spring and damper along a coordinate ``q``: force or moment ``k (q − q₀) + c dq/dt``.
+
+    Attributes:
+        coordinate: Of a joint: ``joint.angle``, ``joint.displacement``, ``Distance(…).length``.
+        stiffness: ``k``, moment per rad or force per length.
+        damping: ``c``, the same times time.
+        rest: ``q₀``; default: the value at the start.
+        name: How errors and results call it; default: after its coordinate.
+    """
+
+    coordinate: Coordinate
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.coordinate, "Spring: coordinate")
+        _arrays.text(self.name, "Spring: name")
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Spring({self.coordinate.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if a number is not finite or negative, or both are zero."""
+        given = {"stiffness": self.stiffness, "damping": self.damping}
+        numbers = [_arrays.number(value, f"{self.label}: {k}") for k, value in given.items()]
+        if min(numbers) < 0.0 or max(numbers) == 0.0:
+            raise ValueError(
+                f"{self.label}: stiffness and damping must be ≥ 0 and not both 0, got {numbers}"
+            )
+        if self.rest is not None:
+            _arrays.number(self.rest, f"{self.label}: rest")
+
+    def ties(self) -> list[Tie]:
+        """That of the coordinate."""
+        return [self.coordinate.as_row(-1)]
+
+    @property
+    def spring(self) -> tuple[float, float, float]:
+        """Stiffness, damping and rest value."""
+        rest = self.coordinate.start() if self.rest is None else self.rest
+        return float(self.stiffness), float(self.damping), float(rest)
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinate."""
+        return (self.coordinate,)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive(Connection):
+    """A coordinate follows a given function of time.
+
+    Attributes:
+        coordinate: Of a joint.
+        function: Angle or displacement as a function of time (in statics: of the load factor),
+            twice differentiable but for the times that :class:`~fem_lie.Jumps` or a
+            :class:`~fem_lie.Table` says; at the start the coordinate's initial value. Default: that
+            value.
+        name: How errors and results call it; default: after its coordinate.
+    """
+
+    coordinate: Coordinate
+    function: History | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.coordinate, "Drive: coordinate")
+        _arrays.history(self.function, "Drive: function")
+        _arrays.text(self.name, "Drive: name")
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Drive({self.coordinate.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the function does not start at the coordinate's value."""
+        if isinstance(self.function, Table) and self.function.jumps:
+            raise ValueError(f"{self.label} jumps at the times {list(self.function.jumps)}")
+        start = self.coordinate.start()
+        given = start
+        if self.function is not None:
+            given = _arrays.number(self.function(0.0), f"{self.label} at the start")
+        unit = 1.0 if self.coordinate.angular else self.coordinate.size
+        if not abs(given - start) <= 1e-8 * max(unit, abs(start)):
+            raise ValueError(f"{self.label} must start at {start:g}, got {given:g}")
+
+    def ties(self) -> list[Tie]:
+        """That of the coordinate."""
+        return [self.coordinate.as_row(0)]
+
+    @property
+    def size(self) -> int:
+        """One."""
+        return 1
+
+    @property
+    def history(self) -> History | None:
+        """The function."""
+        return self.function
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinate."""
+        return (self.coordinate,)
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Connection):
+    """``first + ratio · second`` stays what it is at the start.
+
+    Two revolutes: a pair of spur gears of radii r₁, r₂ that turn against each other on one carrier
+    has the ratio r₂/r₁; a revolute and a prismatic joint: rack and pinion.
+
+    Attributes:
+        first: Coordinate of a joint.
+        second: Coordinate of another joint.
+        ratio: ``−d first / d second``.
+        name: How errors and results call it; default: after its coordinates.
+    """
+
+    first: Coordinate
+    second: Coordinate
+    ratio: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        Coordinate.require(self.first, "Gear: first")
+        Coordinate.require(self.second, "Gear: second")
+        _arrays.text(self.name, "Gear: name")
+
+    @property
+    def label(self) -> str:
+        """Name for messages and results."""
+        return self.name or f"Gear({self.first.label}, {self.second.label})"
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the ratio is zero or not finite, or both coordinates are one."""
+        if _arrays.number(self.ratio, f"{self.label}: ratio") == 0.0:
+            raise ValueError(f"{self.label}: ratio must be a number other than 0, got {self.ratio}")
+        if self.first.same(self.second):
+            raise ValueError(
+                f"{self.label}: both are the same coordinate, which a gear would lock or leave "
+                "free; give coordinates of two joints"
+            )
+
+    def ties(self) -> list[Tie]:
+        """Those of the two coordinates."""
+        return [self.first.as_row(0), self.second.as_row(0, self.ratio)]
+
+    @property
+    def size(self) -> int:
+        """One."""
+        return 1
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The two coordinates."""
+        return self.first, self.second

@@ -1,0 +1,130 @@
+"""The operations of SO(3) in :mod:`fem_lie.lie` for one point at a time, for compiled loops.
+
+As in :mod:`fem_lie.lie.se3`: in place, without allocation; rotations are director rows ``D``,
+shape ``(3, 3)``.
+"""
+
+from __future__ import annotations
+
+from fem_lie._arrays import Array
+from fem_lie._jit import inlined
+from fem_lie.lie.tuples import (
+    blend,
+    blend_derivative,
+    dot,
+    exponential,
+    inverse_coefficients,
+    load,
+    load_row,
+    matrix,
+    negative,
+    rotation_vector,
+    scaled,
+    shifted_hat,
+    store,
+    store_block,
+    store_rows,
+    tangent_coefficients,
+)
+
+
+@inlined
+def exp_so3(theta: Array, out: Array) -> None:
+    """Director rows of ``exp θ̂``."""
+    _, r1, r2, r3 = exponential((0.0, 0.0, 0.0), load(theta, 0))
+    store_rows(out, 0, r1, r2, r3)
+
+
+@inlined
+def log_so3(D: Array, out: Array) -> None:
+    """Rotation vector of the director rows ``D``, ``|θ| ≤ π``."""
+    store(out, 0, rotation_vector(load_row(D, 0), load_row(D, 1), load_row(D, 2)))
+
+
+@inlined
+def tangent_so3(theta: Array, out: Array) -> None:
+    """``T(θ)``: ``RᵀδR = (T(θ) δθ)^``."""
+    t = load(theta, 0)
+    k, _ = tangent_coefficients(dot(t, t))
+    store_block(out, 0, 0, matrix(k, t))
+
+
+@inlined
+def tangent_inverse_so3(theta: Array, out: Array) -> None:
+    """``T⁻¹(θ)``, for ``|θ| < 2π``."""
+    t = load(theta, 0)
+    k, _ = inverse_coefficients(dot(t, t))
+    store_block(out, 0, 0, matrix(k, t))
+
+
+@inlined
+def apply_tangent_so3(theta: Array, w: Array, out: Array) -> None:
+    """``T(θ) w``."""
+    t = load(theta, 0)
+    k, _ = tangent_coefficients(dot(t, t))
+    store(out, 0, blend(k, t, load(w, 0)))
+
+
+@inlined
+def apply_tangent_transposed_so3(theta: Array, w: Array, out: Array) -> None:
+    """``Tᵀ(θ) w = T(−θ) w``."""
+    t = load(theta, 0)
+    k, _ = tangent_coefficients(dot(t, t))
+    store(out, 0, blend(k, negative(t), load(w, 0)))
+
+
+@inlined
+def apply_tangent_inverse_so3(theta: Array, w: Array, out: Array) -> None:
+    """``T⁻¹(θ) w``."""
+    t = load(theta, 0)
+    k, _ = inverse_coefficients(dot(t, t))
+    store(out, 0, blend(k, t, load(w, 0)))
+
+
+@inlined
+def apply_tangent_inverse_transposed_so3(theta: Array, w: Array, out: Array) -> None:
+    """``T⁻ᵀ(θ) w = T⁻¹(−θ) w``."""
+    t = load(theta, 0)
+    k, _ = inverse_coefficients(dot(t, t))
+    store(out, 0, blend(k, negative(t), load(w, 0)))
+
+
+@inlined
+def tangent_derivative_so3(theta: Array, w: Array, out: Array) -> None:
+    """``∂(T(θ) w)/∂θ``."""
+    t = load(theta, 0)
+    k, dk = tangent_coefficients(dot(t, t))
+    store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
+
+
+@inlined
+def tangent_inverse_derivative_so3(theta: Array, w: Array, out: Array) -> None:
+    """``∂(T⁻¹(θ) w)/∂θ``."""
+    t = load(theta, 0)
+    k, dk = inverse_coefficients(dot(t, t))
+    store_block(out, 0, 0, blend_derivative(k, dk, t, load(w, 0)))
+
+
+@inlined
+def cayley_so3(psi: Array, out: Array) -> None:
+    """Director rows of ``cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``."""
+    t = load(psi, 0)
+    x = dot(t, t)
+    r = 1.0 / (1.0 + 0.25 * x)
+    k = (1.0 - 0.5 * r * x, -r, 0.5 * r)  # of the transpose: its rows are the columns of cay ψ
+    store_block(out, 0, 0, matrix(k, t))
+
+
+@inlined
+def cayley_tangent_so3(psi: Array, out: Array) -> None:
+    """``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``."""
+    t = load(psi, 0)
+    r = 1.0 / (1.0 + 0.25 * dot(t, t))
+    store_block(out, 0, 0, shifted_hat(r, scaled(-0.5 * r, t)))
+
+
+@inlined
+def cayley_tangent_inverse_so3(psi: Array, out: Array) -> None:
+    """``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ``."""
+    t = load(psi, 0)
+    store_block(out, 0, 0, matrix((1.0, 0.5, 0.25), t))

@@ -1,0 +1,1 @@
+"""One sparse matrix, all that factorises or partitions it, spectra and pivots."""

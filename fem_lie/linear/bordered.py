@@ -1,0 +1,272 @@
+"""The one sparse matrix of a scene: 6×6 blocks of node pairs, bordered by constraint rows.
+
+::
+
+    [ S      Bᵀ σ ]
+    [ σ BT   0    ]
+
+with ``σ`` the scaling of the constraints, and ``T`` between increments and twists: with ``(BT)ᵀ``
+as columns a body that turns by θ in a step would converge at the rate θ/2. It is filled by one
+compiled loop into a PETSc matrix that shares its memory. Unknowns that are held have unit rows and
+no columns: a factorisation would take zeros that are stored for coupling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
+
+SOFTNESS = 1e-9
+"""By how much redundant constraints yield in one iteration, over what they would without others.
+
+The matrix is regular with it, and the iteration still ends where all constraints are met."""
+
+
+@compiled
+def _fill(
+    bptr: Indices,
+    bind: Indices,
+    blocks: Array,
+    held: Flags,
+    iptr: Indices,
+    incident: Indices,
+    lptr: Indices,
+    columns: Array,
+    rows: Array,
+    scale: Array,
+    softness: Array,
+    data: Array,
+) -> None:
+    at = 0
+    for i in range(bptr.shape[0] - 1):
+        for k in range(6):
+            if held[i, k]:
+                data[at] = 1.0
+                at += 1
+            else:
+                for b in range(bptr[i], bptr[i + 1]):
+                    for n in range(6):
+                        if not held[bind[b], n]:
+                            data[at] = blocks[b, k, n]
+                            at += 1
+            for entry in range(iptr[i], iptr[i + 1]):
+                c, leg = incident[entry, 0], incident[entry, 1]
+                data[at] = 0.0 if held[i, k] else columns[leg, k] * scale[c]
+                at += 1
+    for c in range(lptr.shape[0] - 1):
+        for leg in range(lptr[c], lptr[c + 1]):
+            for n in range(6):
+                data[at] = rows[leg, n] * scale[c]
+                at += 1
+        if len(softness):
+            data[at] = -softness[c]
+            at += 1
+
+
+@compiled
+def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
+    for leg in range(rows.shape[0]):
+        for k in range(6):
+            if held[nodes[leg], k]:
+                rows[leg, k] = 0.0
+
+
+class KKT:
+    """Pattern and memory of the bordered matrix.
+
+    Attributes:
+        indptr: Rows of the pattern of node pairs, with ``indices``.
+        matrix: The PETSc matrix; :meth:`fill` changes its values.
+        units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
+        unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
+        measure: What counts of each multiplier is its value times this, shape (m,).
+        redundant: Whether constraints may follow from others.
+    """
+
+    def __init__(
+        self,
+        pairs: list[tuple[Indices, Indices]],
+        border: Border,
+        held: Flags,
+        *,
+        length: float,
+        angular: Flags,
+        redundant: bool = False,
+    ) -> None:
+        """Build the pattern.
+
+        Args:
+            pairs: Rows and columns of coupled node pairs, of which those that do not move are left
+                out; the diagonal is added.
+            border: Which nodes the constraints touch.
+            held: Which unknowns of the nodes are zero, shape (n, 6).
+            length: Of the model.
+            angular: Which constraints are of rotations alone, shape (m,).
+            redundant: Whether constraints may follow from others; they yield a little then, see
+                :data:`SOFTNESS`.
+        """
+        self.redundant = redundant
+        count, m = len(held), len(border.ptr) - 1
+        unit = 2.0 ** np.round(np.log2(length))
+        nodes = np.where(held, 1.0, [unit] * 3 + [1.0] * 3)
+        self.units = np.append(nodes, np.where(angular, 1.0, unit))
+        self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
+        self.measure = np.where(angular, 1.0 / length, 1.0)
+        self.legs, self._held = border, held
+        diagonal = np.arange(count)
+        r = np.concatenate([diagonal, *(p[0] for p in pairs)])
+        c = np.concatenate([diagonal, *(p[1] for p in pairs)])
+        moves = (r < count) & (c < count)
+        r, c = r[moves], c[moves]
+        pattern = sp.csr_matrix((np.ones(len(r)), (r, c)), shape=(count, count))
+        pattern.sort_indices()
+        self.indptr, self.indices = pattern.indptr, pattern.indices
+        self._border(count, m)
+        self._data = np.zeros(self._size)
+        shape = 6 * count + m
+        self.matrix = PETSc.Mat().createAIJWithArrays(
+            (shape, shape), (self._row_pointers, self._columns, self._data), comm=PETSc.COMM_SELF
+        )
+
+    @property
+    def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
+        """The matrix as it is now: values, columns, row pointers; views."""
+        return self._data, self._columns, self._row_pointers
+
+    def _border(self, count: int, m: int) -> None:
+        """Which constraints touch which nodes, and the scalar pattern."""
+        border = self.legs
+        c, leg = border.rows, np.arange(len(border.nodes))
+        order = np.lexsort((c, border.nodes))
+        self._incident = np.stack([c, leg], axis=1)[order]
+        self._incident_ptr = np.searchsorted(border.nodes[order], np.arange(count + 1))
+        of_nodes, lengths = self._node_rows(count)
+        of_constraints: Indices = (6 * border.nodes[:, np.newaxis] + np.arange(6)).ravel()
+        ends = 6 * border.ptr[1:]
+        if self.redundant:
+            of_constraints = np.insert(of_constraints, ends, 6 * count + np.arange(m))
+        lengths = np.append(lengths, 6 * np.diff(border.ptr) + int(self.redundant))
+        self._row_pointers = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
+        self._columns = np.append(of_nodes, of_constraints).astype(PETSc.IntType)
+        self._size = len(self._columns)
+
+    def _node_rows(self, count: int) -> tuple[Indices, Indices]:
+        """Columns of the rows of all nodes, and how many each row has, shape (6 n,).
+
+        A row has all columns of its node's blocks that are free, or its diagonal if it is held, and
+        then the multipliers of its node.
+        """
+        own = np.arange(6 * count).reshape(-1, 6)
+        free = ~self._held[self.indices]
+        blocks, multipliers = own[self.indices][free], 6 * count + self._incident[:, 0]
+        starts = np.append(0, np.cumsum(free.sum(axis=1)))[self.indptr]
+        pool = np.concatenate([blocks, multipliers, own.ravel()])
+        first = np.where(
+            self._held, len(blocks) + len(multipliers) + own, starts[:-1, np.newaxis]
+        ).ravel()
+        number = np.where(self._held, 1, np.diff(starts)[:, np.newaxis]).ravel()
+        then = np.repeat(len(blocks) + self._incident_ptr[:-1], 6)
+        touched = np.repeat(np.diff(self._incident_ptr), 6)
+        begins, sizes = np.stack([first, then], 1).ravel(), np.stack([number, touched], 1).ravel()
+        at = np.repeat(begins - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+        return pool[at], number + touched
+
+    def place(self, rows: Indices, columns: Indices) -> Indices:
+        """Positions of node pairs among the blocks; -1 where a node does not move."""
+        count = len(self._held)
+        key = np.repeat(np.arange(count), np.diff(self.indptr)) * count + self.indices
+        moves = (rows < count) & (columns < count)
+        found = np.searchsorted(key, np.where(moves, rows * count + columns, 0))
+        return np.where(moves, found, -1)
+
+    def fill(self, blocks: Array, columns: Array, rows: Array, scale: Array) -> None:
+        """Set the values.
+
+        Args:
+            blocks: ``S``, shape (nnz, 6, 6).
+            columns: ``B`` in the twists of the legs' nodes, shape (legs, 6); what is held is set to
+                zero, as in ``rows``.
+            rows: ``BT`` in their increments, shape (legs, 6).
+            scale: ``σ``, shape (m,).
+        """
+        _clear_held(columns, self.legs.nodes, self._held)
+        _clear_held(rows, self.legs.nodes, self._held)
+        softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
+        _fill(
+            self.indptr,
+            self.indices,
+            blocks,
+            self._held,
+            self._incident_ptr,
+            self._incident,
+            self.legs.ptr,
+            columns,
+            rows,
+            scale,
+            softness,
+            self._data,
+        )
+        self.matrix.stateIncrease()
+        self.matrix.assemble()
+
+    def _soften(self, blocks: Array, columns: Array, scale: Array) -> Array:
+        """:data:`SOFTNESS` times the diagonal of ``σB diag(S)⁻¹ Bᵀσ``, shape (m,).
+
+        Solutions are freed of multipliers that exert no force together. Against these only the
+        softness stands: the round-off of the constraints over it would move them for ever.
+        """
+        nodes, m = np.arange(len(self._held)), len(scale)
+        S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
+        legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
+        legs *= scale[self.legs.rows, np.newaxis]
+        total = np.bincount(self.legs.rows, (legs**2).sum(axis=1), minlength=m)
+        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))
+
+
+class Border(NamedTuple):
+    """Which moving nodes each constraint touches: its legs, in the order of the nodes.
+
+    Attributes:
+        ptr: First leg of each constraint and their number at the end, shape (m + 1,).
+        nodes: Node of each leg.
+    """
+
+    ptr: Indices
+    nodes: Indices
+
+    @property
+    def rows(self) -> Indices:
+        """Constraint of each leg."""
+        return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
+
+    @classmethod
+    def of(cls, touched: Sequence[set[int]], count: int) -> Border:
+        """From the nodes of each constraint; those from ``count`` on do not move."""
+        legs = [sorted(node for node in nodes if node < count) for nodes in touched]
+        ptr = np.concatenate([[0], np.cumsum([len(nodes) for nodes in legs], dtype=np.int64)])
+        nodes = np.array([node for group in legs for node in group], dtype=np.int64)
+        return cls(ptr.astype(np.int64), nodes)
+
+    def leg(self, row: int, node: int) -> int:
+        """Of a constraint at a node, −1 if the node does not move."""
+        nodes = self.nodes[self.ptr[row] : self.ptr[row + 1]]
+        found = np.flatnonzero(nodes == node)
+        return int(self.ptr[row] + found[0]) if len(found) else -1
+
+    def legs(self, rows: Indices, nodes: Indices) -> Indices:
+        """Of constraints (t,) at nodes (t, k), −1 where the node or the constraint has none."""
+        if not len(self.nodes):
+            return np.full_like(nodes, -1)
+        count = max(int(self.nodes.max()), int(nodes.max(initial=0))) + 1
+        keys, wanted = self.rows * count + self.nodes, rows[:, np.newaxis] * count + nodes
+        found = np.searchsorted(keys, wanted).clip(max=len(keys) - 1)
+        return np.where(keys[found] == wanted, found, -1)

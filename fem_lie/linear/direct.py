@@ -1,0 +1,236 @@
+"""Direct solution with a kept factorisation, through PETSc."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.linear.equilibrated import (
+    ACCURATE,
+    Equilibrated,
+    InaccurateSolutionError,
+    SingularMatrixError,
+)
+
+if TYPE_CHECKING:
+    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.idle_multipliers import IdleMultipliers
+
+_log = logging.getLogger(__name__)
+
+
+class ConvergenceError(RuntimeError):
+    """An iteration did not converge; the message says where, how far it came, and what to try.
+
+    Attributes:
+        result: What was computed before, if anything.
+    """
+
+    def __init__(self, message: str, result: Any = None) -> None:
+        """Keep the results with the message."""
+        super().__init__(message)
+        self.result = result
+
+
+@dataclass(frozen=True)
+class Method:
+    """A factorisation, and the package that does it.
+
+    Attributes:
+        kind: PETSc's name, ``lu`` or ``cholesky``.
+        package: PETSc's name of the package.
+    """
+
+    kind: str
+    package: str
+
+
+CHAINS = (Method("lu", "klu"),)
+"""The fastest for chains, trees and single loops of bodies: block triangular, little fill."""
+
+SURFACES = (Method("lu", "mumps"),)
+"""For surfaces, whose factors fill."""
+
+SYMMETRIC = (Method("cholesky", "cholmod"), Method("cholesky", "mumps"))
+"""For symmetric matrices of surfaces: positive definite, or else indefinite."""
+
+INDEFINITE = SYMMETRIC[1:]
+"""For symmetric matrices of surfaces that are bordered by constraints."""
+
+MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
+"""For surfaces and trusses in time: umfpack solves twice as fast as mumps. The factors of klu grow
+faster than a truss whose bars are joined: from 2 to 8 cells of 28 bars 32 times as slow."""
+
+RESCUES = (Method("lu", "mumps"), Method("lu", "superlu"))
+"""What comes after the methods of a scene where their solutions are not accurate."""
+
+NEGATIVE = 12
+"""MUMPS' INFOG of the number of negative pivots."""
+
+
+class DirectSolver:
+    """Factorise now, solve many times.
+
+    The matrix is equilibrated with the scene's own length, mass and time, and the first solution
+    with each factorisation is checked: where its residual is not round-off it is refined once, as
+    all with these factors are then, and where that does not help, the next method is tried.
+
+    Any other direct solver of PETSc can be chosen at run time with
+    ``-<prefix>pc_factor_mat_solver_type``.
+
+    Attributes:
+        factorisations: How many there were, but for ``refreshes`` for a new border alone.
+        right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
+    """
+
+    def __init__(self, kkt: KKT, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
+        """Keep the matrix; nothing is factorised yet.
+
+        Args:
+            kkt: Its values change between factorisations.
+            prefix: Prefix of the PETSc options.
+            methods: What to try, one after the other.
+        """
+        self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
+        self._own = Equilibrated(kkt)
+        self._matrix = self._own.matrix
+        if all(method.kind == "cholesky" for method in methods):
+            self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._solvers: dict[Method, PETSc.KSP] = {}
+        self._ksp = self._solver(self._methods[0])
+        self.factorisations = self.refreshes = 0
+        self._idle: IdleMultipliers | None = None
+        self._checked = self._refines = False
+        size = len(kkt.units)
+        self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
+        self._scaled, self._found, self._left = np.zeros((3, size))
+        self._b, self._x, self._r = (
+            PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF)
+            for array in (self._scaled, self._found, self._left)
+        )
+        self._change = self._matrix.createVecRight()
+
+    def factorise(self) -> None:
+        """Factorise the matrix as it is now.
+
+        Raises:
+            SingularMatrixError: It cannot be factorised.
+        """
+        # packages that met what is not finite fail on all that comes after
+        self._own.take()
+        self._idle = self._own.idle()
+        self._set_up()
+        self.factorisations += 1
+
+    def _set_up(self) -> None:
+        """Factorise by the first method that can."""
+        self._checked = self._refines = False
+        for tried, method in enumerate(self._methods):
+            self._ksp = self._solver(method)
+            self._ksp.setOperators(self._matrix)
+            try:
+                self._ksp.setUp()
+            except PETSc.Error as error:
+                # a factorisation that failed half-way is not used again
+                del self._solvers[method]
+                failure = error
+                continue
+            # what was indefinite once will be so again, and each failure costs a factorisation
+            self._methods = self._methods[tried:]
+            return
+        raise SingularMatrixError("the matrix is singular") from failure
+
+    def refresh(self) -> None:
+        """Factorise because the border has changed; errors as :meth:`factorise`."""
+        self.factorise()
+        self.factorisations -= 1
+        self.refreshes += 1
+
+    def _solver(self, method: Method) -> PETSc.KSP:
+        """PETSc's solver for a method, made when it is first needed."""
+        if method not in self._solvers:
+            ksp = PETSc.KSP().create(self._matrix.comm)
+            ksp.setOptionsPrefix(self._prefix)
+            ksp.setOperators(self._matrix)
+            ksp.setType(PETSc.KSP.Type.PREONLY)
+            ksp.getPC().setType(method.kind)
+            ksp.getPC().setFactorSolverType(method.package)
+            options = PETSc.Options(self._prefix)
+            if method.package == "cholmod" and "mat_cholmod_print" not in options:
+                # indefinite matrices are no news
+                options["mat_cholmod_print"] = 0
+            ksp.setFromOptions()
+            self._solvers[method] = ksp
+        return self._solvers[method]
+
+    def negative_pivots(self) -> int | None:
+        """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
+        pc = self._ksp.getPC()
+        if pc.getType() != PETSc.PC.Type.CHOLESKY:
+            return None
+        if pc.getFactorSolverType() != "mumps":
+            return 0  # others exist for positive definite matrices only
+        return int(pc.getFactorMatrix().getMumpsInfog(NEGATIVE))
+
+    def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The matrix that was factorised times ``x``."""
+        given, product = self._matrix.createVecs()
+        given.array[:] = x / self._own.right
+        self._matrix.mult(given, product)
+        return np.asarray(product.array / self._own.left, dtype=np.float64)
+
+    def solve(self) -> None:
+        """Solve with the last factorisation.
+
+        Raises:
+            InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
+        """
+        np.multiply(self.right_hand_side, self._own.left, self._scaled)
+        self._ksp.solve(self._b, self._x)
+        if self._refines:
+            self._refine()
+        elif not self._checked:
+            self._check()
+        if self._idle is not None:
+            multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
+            multipliers[:] = self._idle.remove(multipliers)
+        np.multiply(self._found, self._own.right, self.solution)
+
+    def _check(self) -> None:
+        """Make sure that what was found is a solution."""
+        error = self._error()
+        if error > ACCURATE:
+            self._refine()
+            error = self._error()
+            self._refines = True
+        given = self._methods[1:]
+        others = iter((*given, *(method for method in RESCUES if method not in self._methods)))
+        while error > ACCURATE:
+            _log.info("%s: residual %.1e", self._methods[0].package, error)
+            method = next(others, None)
+            if method is None:
+                raise InaccurateSolutionError(
+                    f"no solver could solve with the matrix: the residual is {error:.1e} of what "
+                    "cancels in it; the constraints or the stiffness may be nearly singular here"
+                )
+            self._methods = (method,)
+            self._set_up()
+            self._ksp.solve(self._b, self._x)
+            error = self._error()
+        self._checked = True
+
+    def _error(self) -> float:
+        return self._own.backward_error(self._scaled, self._found, self._left)
+
+    def _refine(self) -> None:
+        """Solve for the residual, once."""
+        self._error()
+        self._ksp.solve(self._r, self._change)
+        self._found += self._change.array

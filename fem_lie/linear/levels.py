@@ -1,0 +1,149 @@
+"""Factorisations of the iteration matrix for several step sizes, which serve others, too.
+
+The matrix is about ``m M + K`` with ``m ∝ 1/h²``. Without stiffness that of another step is the
+same up to a factor, so that any kept factorisation serves any step. With stiffness the eigenvalues
+of one relative to the other lie between 1 and the ratio of the two ``m``; scaled by the factor that
+is best for that interval the iteration contracts by ``|1 − f|/(1 + f)``, a third for a step that is
+√2 times as large or small. What keeping costs is seen by the policy as what age costs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import DirectSolver
+
+Kept = TypeVar("Kept")
+
+KEPT = 4
+"""Step sizes whose factorisations are kept at the same time."""
+
+REACH = 2.1
+"""Largest ratio of two ``m`` for which a stiff scene's matrix serves the other step."""
+
+
+@dataclass(eq=False)
+class _Slot(Generic[Kept]):
+    kept: Kept
+    mass: float
+    scale: Array
+    age: int
+
+
+class Levels(Generic[Kept]):
+    """Factorisations for several step sizes, of any kind, and which of them serves.
+
+    Attributes:
+        factor: What a solution is to be multiplied with for the present step.
+        count: How many were made.
+    """
+
+    def __init__(self, *, rigid: bool) -> None:
+        """Nothing is kept yet; ``rigid``: whether no body of the scene is elastic."""
+        self._rigid = rigid
+        self._slots: list[_Slot[Kept]] = []
+        self._now: _Slot[Kept] | None = None
+        self._wanted, self.count = 1.0, 0
+        self.factor = 1.0
+
+    @property
+    def present(self) -> Kept | None:
+        """What serves the present step, if anything does."""
+        return None if self._now is None else self._now.kept
+
+    @property
+    def mass(self) -> float:
+        """``m`` of what serves the present step."""
+        assert self._now is not None
+        return self._now.mass
+
+    def use(self, mass: float) -> None:
+        """Choose for a step with ``m = mass``."""
+        self._wanted = mass
+        near = [slot for slot in self._slots if _near(slot.mass, mass)]
+        reach = np.inf if self._rigid else REACH
+        if self._rigid:  # all serve equally: the newest
+            near = self._slots
+        near = near or [s for s in self._slots if 1 / reach < s.mass / mass < reach]
+        self._now = max(near, key=lambda slot: slot.age) if near else None
+        if self._now is not None:
+            f = self._now.mass / mass
+            self.factor = f if self._rigid else 2.0 * f / (1.0 + f)
+
+    def scale(self) -> Array:
+        """Factors of the constraints with which residuals are to be formed."""
+        assert self._now is not None
+        return np.asarray(self._now.scale / self.factor)
+
+    def make_room(self) -> Kept | None:
+        """Forget what the next one will replace: that of this level, or else the oldest of all."""
+        old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
+        if not old and len(self._slots) == KEPT:
+            old = [min(self._slots, key=lambda slot: slot.age)]
+        if not old:
+            return None
+        self._slots = [other for other in self._slots if other is not old[0]]
+        return old[0].kept
+
+    def keep(self, kept: Kept, scale: Array) -> None:
+        """Keep it for this step; its constraints are times ``scale``."""
+        self.count += 1
+        self._now, self.factor = _Slot(kept, self._wanted, scale.copy(), self.count), 1.0
+        self._slots.append(self._now)
+
+
+class KeptFactors(DirectSolver):
+    """A solver that keeps factorisations of several step sizes.
+
+    Attributes:
+        levels: Those.
+    """
+
+    def __init__(self, like: DirectSolver, *, rigid: bool) -> None:
+        """Nothing is factorised yet.
+
+        Args:
+            like: A solver for the same matrix.
+            rigid: Whether no body of the scene is elastic.
+        """
+        self._args = like._kkt, like._prefix, like._methods
+        super().__init__(*self._args)
+        self.levels = Levels[DirectSolver](rigid=rigid)
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a factorisation that serves the present step."""
+        return self.levels.present is not None
+
+    def keep(self, scale: Array) -> None:
+        """Factorise the matrix as it is now, with constraints times ``scale``, for this step.
+
+        Raises:
+            SingularMatrixError: It cannot be factorised.
+        """
+        solver = self.levels.make_room() or DirectSolver(*self._args)
+        solver.factorise()
+        self.factorisations += 1
+        self.levels.keep(solver, scale)
+
+    def solve(self) -> None:
+        """Solve with the factorisation that is in use, not yet scaled by ``levels.factor``."""
+        solver = self.levels.present
+        assert solver is not None
+        solver.right_hand_side[:] = self.right_hand_side
+        solver.solve()
+        self.solution[:] = solver.solution
+
+    def times(self, x: Array) -> Array:
+        """The matrix that is in use times ``x``."""
+        assert self.levels.present is not None
+        return self.levels.present.times(x)
+
+
+def _near(a: float, b: float) -> bool:
+    """Whether two step sizes, by their ``m``, are on the same level."""
+    return bool(abs(np.log2(a / b)) < 0.1)

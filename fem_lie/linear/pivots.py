@@ -1,0 +1,63 @@
+"""What the factors of a tangent say of the stability of an equilibrium.
+
+Under loads that have a potential the tangent at equilibrium is symmetric, and its number of
+negative pivots that of its negative eigenvalues (Sylvester's law of inertia): with none of them the
+equilibrium is stable. Bordered by m independent constraints it has m negative pivots more.
+
+Under others, such as moments about fixed axes, the symmetric part says too much: it may be
+indefinite where nothing happens. There is another equilibrium beside this one where the determinant
+of the tangent is zero, and with a negative one the equilibrium is unstable; a positive one says
+nothing of flutter. (V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability,
+1963.)
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+import scipy.sparse as sp
+
+from fem_lie.linear.direct import NEGATIVE
+from fem_lie.linear.equilibrated import SingularMatrixError
+
+_NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
+_ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant
+
+
+def inertia(A: sp.csr_matrix) -> tuple[int, int]:
+    """Numbers of negative and of zero pivots of a symmetric matrix, by MUMPS.
+
+    Raises:
+        SingularMatrixError: It cannot be factorised.
+    """
+    factors = _factors(A, PETSc.PC.Type.CHOLESKY, _NULL)
+    return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))
+
+
+def negative_determinant(A: sp.csr_matrix) -> bool:
+    """Whether the determinant of a matrix is negative, by MUMPS.
+
+    Raises:
+        SingularMatrixError: It cannot be factorised.
+    """
+    factors = _factors(A, PETSc.PC.Type.LU, _DETERMINANT)
+    return bool(factors.getMumpsRinfog(_MANTISSA) < 0.0)
+
+
+def _factors(A: sp.csr_matrix, kind: str, option: int) -> PETSc.Mat:
+    """MUMPS' factors with an option switched on."""
+    A.sort_indices()
+    csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
+    matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
+    matrix.setOption(PETSc.Mat.Option.SYMMETRIC, kind == PETSc.PC.Type.CHOLESKY)
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setOperators(matrix)
+    pc.setType(kind)
+    pc.setFactorSolverType("mumps")
+    pc.setFactorSetUpSolverType()
+    pc.getFactorMatrix().setMumpsIcntl(option, 1)
+    try:
+        pc.setUp()
+    except PETSc.Error as error:
+        raise SingularMatrixError("the matrix is singular or not finite") from error
+    return pc.getFactorMatrix()

@@ -1,0 +1,1 @@
+"""Lines and surfaces: from gmsh, DOLFINx and functions."""

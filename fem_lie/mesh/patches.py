@@ -1,0 +1,213 @@
+"""Smooth patches of a surface mesh: where cells share a node, and where each side has its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, degrees, radians
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from fem_lie._arrays import Array, Indices
+
+# local nodes of the edges, one after the other around a cell: ends, and what may be between
+_EDGES = {
+    "triangle": ((0, 1, 5), (1, 2, 3), (2, 0, 4)),
+    "quadrilateral": ((0, 1, 4), (1, 3, 6), (3, 2, 7), (2, 0, 5)),
+}
+
+_FLAT = cos(radians(5.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """Nodes of a surface of which every patch is smooth.
+
+    Attributes:
+        cells: Nodes of each cell, shape (m, k).
+        places: The point of each node, shape (N,), which is also its first node.
+        directors: Mean of the cells' normals at each node, shape (N, 3).
+    """
+
+    cells: Indices
+    places: Indices
+    directors: Array
+
+    @property
+    def split(self) -> Indices:
+        """Points that have several nodes."""
+        return np.unique(self.places[self.places != np.arange(len(self.places))])
+
+
+class Edges:
+    """All sides of cells, and where they meet.
+
+    Attributes:
+        cells: Points of each cell, shape (m, k).
+        owner: The cell of each side, shape (s,).
+        nodes: Local nodes of each side, its ends first, shape (s, 2 or 3).
+        inward: Unit vectors in the surface, across the side and into the cell, shape (s, 3).
+        edge: The edge of the mesh that each side is, shape (s,).
+        count: Number of cells at each edge.
+    """
+
+    def __init__(self, points: Array, cells: Indices, cell: str, normals: Array) -> None:
+        """Find the edges; arguments as in :class:`fem_lie.mesh.surfaces.SurfaceMesh`."""
+        linear = cells.shape[1] <= 4
+        local = np.array(_EDGES[cell])[:, : 2 if linear else 3]
+        m, sides = len(cells), len(local)
+        self.cells, self.owner = cells, np.repeat(np.arange(m), sides)
+        self.nodes = np.tile(local, (m, 1))
+        self.directed = cells[self.owner[:, np.newaxis], self.nodes[:, :2]]
+        along = points[self.directed[:, 1]] - points[self.directed[:, 0]]
+        normal = normals[self.owner[:, np.newaxis], self.nodes[:, :2]].sum(axis=1)
+        inward = np.cross(normal, along)
+        self.inward = inward / np.linalg.norm(inward, axis=1, keepdims=True)
+        _, edge, self.count = np.unique(
+            np.sort(self.directed, axis=1), axis=0, return_inverse=True, return_counts=True
+        )
+        self.edge = edge.ravel()
+
+    def refuse_overlaps(self) -> None:
+        """Raise ``ValueError`` if two cells at an edge lie on top of each other.
+
+        A surface cannot fold back on itself; a mesh with a cell that is turned over does.
+        """
+        order = np.argsort(self.edge, kind="stable")
+        # at a branch, too, those that lie on each other are seen in one of these steps
+        for step in range(1, int(self.count.max())):
+            pairs = np.stack([order[:-step], order[step:]], axis=1)
+            pairs = pairs[self.edge[pairs[:, 0]] == self.edge[pairs[:, 1]]]
+            folded = pairs[self._cosine(pairs) < -_FLAT]
+            if len(folded):
+                a, b = self.owner[folded[0]]
+                p, q = self.directed[folded[0, 0]]
+                raise ValueError(
+                    f"cells {a} and {b} lie on top of each other beside their edge from point {p} "
+                    f"to {q}: the surface folds back there, or one of them is turned over"
+                )
+
+    def check_curve(self, name: str, curve: Indices) -> None:
+        """Raise ``ValueError`` if a curve, shape (e, 2 or 3), has no edges or those of no cell."""
+        k = self.nodes.shape[1]
+        if curve.ndim != 2 or curve.shape[1] != k or not len(curve):
+            raise ValueError(
+                f"curve {name!r} must be edges of {k} points each, shape (e, {k}), got "
+                f"{curve.shape}"
+            )
+        sides = self.cells[self.owner[:, np.newaxis], self.nodes]
+        both = np.concatenate([sides, curve])
+        both[:, :2] = np.sort(both[:, :2], axis=1)
+        _, number = np.unique(both, axis=0, return_inverse=True)
+        number = number.ravel()
+        alone = np.flatnonzero(~np.isin(number[len(sides) :], number[: len(sides)]))
+        if len(alone):
+            raise ValueError(
+                f"edge {alone[0]} of curve {name!r}, points {curve[alone[0]]}, is no edge of a cell"
+            )
+
+    def smooth_pairs(self, kink_angle: float) -> Indices:
+        """Pairs of sides that continue each other by no more than ``kink_angle``, rad, (p, 2).
+
+        Where more than two cells meet, those that are straightest go on through the branch.
+
+        Raises:
+            ValueError: The normals of such a pair point to opposite sides.
+        """
+        order = np.argsort(self.edge, kind="stable")
+        first = np.searchsorted(self.edge[order], np.arange(len(self.count)))
+        two = first[self.count == 2]
+        pairs = np.stack([order[two], order[two + 1]], axis=1)
+        pairs = pairs[self._cosine(pairs) >= cos(kink_angle)]
+        branches = [
+            self._through(order[first[e] : first[e] + self.count[e]], kink_angle)
+            for e in np.flatnonzero(self.count > 2)
+        ]
+        pairs = np.concatenate([pairs, *branches])
+        same = self.directed[pairs[:, 0], 0] == self.directed[pairs[:, 1], 0]
+        if same.any():
+            a, b = self.owner[pairs[same][0]]
+            raise ValueError(
+                f"the normals of the neighbouring cells {a} and {b} point to opposite sides of the "
+                "surface: turn one of them round (in gmsh: Reverse Surface)"
+            )
+        return np.asarray(pairs)
+
+    def _through(self, sides: Indices, kink_angle: float) -> Indices:
+        """Pairs among the sides of one edge, the straightest first, each side once."""
+        i, j = np.triu_indices(len(sides), 1)
+        pairs = np.stack([sides[i], sides[j]], axis=1)
+        cosine = self._cosine(pairs)
+        found: list[Indices] = []
+        for k in np.argsort(-cosine, kind="stable"):
+            if cosine[k] >= cos(kink_angle) and not np.isin(pairs[k], found).any():
+                found.append(pairs[k])
+        return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+    def _cosine(self, pairs: Indices) -> Array:
+        """Cosine of the angle by which the surface turns from one side to the other."""
+        return np.asarray(
+            -np.einsum("pj,pj->p", self.inward[pairs[:, 0]], self.inward[pairs[:, 1]])
+        )
+
+
+def smooth_patches(
+    points: Array, cells: Indices, cell: str, normals: Array, kink_angle: float
+) -> Patches:
+    """Give the cells on both sides of a kink, and those that branch off, nodes of their own.
+
+    Args:
+        points: Coordinates, shape (n, 3).
+        cells: Points of each cell, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        normals: Unit normals at the nodes of each cell, shape (m, k, 3).
+        kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
+
+    Raises:
+        ValueError: The sides of smooth neighbours do not agree; the surface has a sharp tip.
+    """
+    edges = Edges(points, cells, cell, normals)
+    a, b = edges.smooth_pairs(kink_angle).T
+    k = cells.shape[1]
+    corner = k * edges.owner[:, np.newaxis] + edges.nodes
+    # the ends of a neighbour come the other way round
+    turned = corner[b][:, [1, 0, *range(2, corner.shape[1])]]
+    links = (np.ones(turned.size), (corner[a].ravel(), turned.ravel()))
+    graph = sp.coo_matrix(links, shape=(cells.size, cells.size))
+    _, label = connected_components(graph, directed=False)
+    _, first, label = np.unique(label, return_index=True, return_inverse=True)
+    place = cells.ravel()[first]
+    number = _numbered(place, len(points))
+    nodes = number[label.ravel()].reshape(cells.shape)
+    places = np.empty(len(place), dtype=np.int64)
+    places[number] = place
+    return Patches(nodes, places, _means(points, places, nodes, normals, kink_angle))
+
+
+def _numbered(place: Indices, count: int) -> Indices:
+    """A number for each node: the first one at a point has that of the point."""
+    order = np.argsort(place, kind="stable")
+    leads = np.append(True, np.diff(place[order]) > 0)
+    number = np.empty(len(place), dtype=np.int64)
+    number[order[leads]] = place[order[leads]]
+    number[order[~leads]] = np.arange(count, len(place))
+    return number
+
+
+def _means(
+    points: Array, places: Indices, nodes: Indices, normals: Array, kink_angle: float
+) -> Array:
+    total = np.zeros((len(places), 3))
+    np.add.at(total, nodes, normals)
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
+    cosine = np.einsum("mkj,mkj->mk", normals, mean[nodes])
+    if cosine.min() < min(cos(kink_angle), 0.99) - 1e-12:
+        place = points[places[nodes.ravel()[cosine.argmin()]]]
+        raise ValueError(
+            f"the surface has a tip at {place}, where normals are "
+            f"{degrees(np.arccos(cosine.min())):.0f}° away from their mean though neighbours "
+            f"differ by less than the kink angle of {degrees(kink_angle):.0f}°"
+        )
+    return np.asarray(mean)

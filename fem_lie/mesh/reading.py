@@ -1,0 +1,217 @@
+"""Line and surface meshes from gmsh and from DOLFINx."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+if TYPE_CHECKING:
+    import dolfinx
+
+
+def read_gmsh(
+    path: str | os.PathLike[str] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    kink_angle: float = KINK_ANGLE,
+) -> LineMesh:
+    """Lines of a gmsh file or model, with the names of its physical groups.
+
+    Physical groups of curves become groups of cells, those of points named points; a group without
+    a name is called by its number. Curves outside of groups count only if no curve is in one and
+    they are no edges of surfaces; the log says what is left out. A ``.geo`` file is meshed here;
+    its tangents are those of the CAD curves. A ``.msh`` file has no CAD any more: where one of its
+    curves turns from cell to cell it is taken as smooth, with tangents of circles through
+    successive points, and where two curves meet there is a corner unless their tangents agree to a
+    degree.
+
+    Args:
+        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
+        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+        kink_angle: Largest angle, rad, by which a curve without CAD turns at a point and is smooth.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, a parameter is not in it, it has no lines, lines of higher
+            order, or anything that the class refuses.
+    """
+    from fem_lie.mesh.gmsh_lines import model_lines, read_lines
+
+    if path is None and parameters:
+        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
+    check_kink_angle(kink_angle)
+    if path is None:
+        raw = model_lines("the gmsh model", kink_angle)
+    else:
+        raw = read_lines(path, parameters, kink_angle)
+    return LineMesh.from_cells(
+        raw.points,
+        raw.cells,
+        tangents=raw.tangents,
+        groups=raw.groups,
+        named_points=raw.named_points,
+    )
+
+
+def from_dolfinx(
+    mesh: dolfinx.mesh.Mesh,
+    cell_tags: dolfinx.mesh.MeshTags | None = None,
+    vertex_tags: dolfinx.mesh.MeshTags | None = None,
+    *,
+    groups: Mapping[str, int] | None = None,
+    named_points: Mapping[str, int] | None = None,
+    kink_angle: float = CORNER_ANGLE,
+) -> LineMesh:
+    """A DOLFINx mesh of intervals; cells keep DOLFINx's numbers, points those of its geometry.
+
+    Args:
+        mesh: Mesh of intervals of first order, on one process.
+        cell_tags: Tags of cells.
+        vertex_tags: Tags of vertices (the facets of a line).
+        groups: Name of each tag of cells; default: the tags' numbers are the names.
+        named_points: Name of each tag of vertices; default likewise.
+        kink_angle: See :meth:`~fem_lie.mesh.lines.LineMesh.from_cells`.
+
+    Raises:
+        ValueError: The mesh has other cells or is spread over processes, a tag does not exist, or
+            anything that the class refuses.
+    """
+    from dolfinx.mesh import entities_to_geometry
+
+    from fem_lie._compat import geometry_dofmap
+
+    if mesh.comm.size > 1:
+        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    cells = geometry_dofmap(mesh)
+    if mesh.topology.dim != 1 or cells.shape[1] != 2:
+        raise ValueError(
+            "the mesh must consist of intervals of order 1, got "
+            f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
+        )
+    names = _tagged(vertex_tags, named_points, "vertex_tags")
+    mesh.topology.create_connectivity(0, 1)
+    return LineMesh.from_cells(
+        mesh.geometry.x,
+        cells,
+        groups=_tagged(cell_tags, groups, "cell_tags"),
+        named_points={
+            name: entities_to_geometry(mesh, 0, vertices).ravel()
+            for name, vertices in names.items()
+        },
+        kink_angle=kink_angle,
+    )
+
+
+def read_gmsh_surface(
+    path: str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None
+) -> SurfaceMesh:
+    """Surfaces of a gmsh file or model, with the names of its physical groups.
+
+    Physical groups of surfaces become groups of cells, those of curves named curves, those of
+    points named points; a group without a name is called by its number. Surfaces outside of groups
+    count only if no surface is in one and they are no faces of volumes; the log says what is left
+    out. A ``.geo`` file is meshed here; its normals are those of the
+    CAD surfaces. A ``.msh`` file has no surfaces any more; normals come from its cells.
+
+    Args:
+        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
+        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, a parameter is not in it, it has no surface cells or those
+            of several kinds, or anything that the class refuses.
+    """
+    from fem_lie.mesh.gmsh_surfaces import model_shell, read_shell
+
+    if path is None and parameters:
+        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
+    raw = model_shell("the gmsh model") if path is None else read_shell(path, parameters)
+    return SurfaceMesh.from_cells(
+        raw.points,
+        raw.cells,
+        raw.cell,
+        normals=raw.normals,
+        groups=raw.groups,
+        curves=raw.curves,
+        named_points=raw.named_points,
+    )
+
+
+def surface_from_dolfinx(
+    mesh: dolfinx.mesh.Mesh,
+    cell_tags: dolfinx.mesh.MeshTags | None = None,
+    facet_tags: dolfinx.mesh.MeshTags | None = None,
+    vertex_tags: dolfinx.mesh.MeshTags | None = None,
+    *,
+    groups: Mapping[str, int] | None = None,
+    curves: Mapping[str, int] | None = None,
+    named_points: Mapping[str, int] | None = None,
+) -> SurfaceMesh:
+    """A DOLFINx mesh of a surface; cells keep DOLFINx's numbers, points those of its geometry.
+
+    Args:
+        mesh: Triangles or quadrilaterals of first order in space, on one process.
+        cell_tags: Tags of cells.
+        facet_tags: Tags of edges.
+        vertex_tags: Tags of vertices.
+        groups: Name of each tag of cells; default: the tags' numbers are the names.
+        curves: Name of each tag of edges; default likewise.
+        named_points: Name of each tag of vertices; default likewise.
+
+    Raises:
+        ValueError: The mesh has other cells, lies in a plane of two dimensions or is spread over
+            processes, a tag does not exist, or anything that the class refuses.
+    """
+    from dolfinx.mesh import entities_to_geometry
+
+    from fem_lie._compat import geometry_dofmap, kinds_of_cells
+
+    if mesh.comm.size > 1:
+        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    kinds = kinds_of_cells(mesh)
+    if len(kinds) != 1:
+        raise ValueError(f"the mesh must have cells of one kind, got {' and '.join(kinds)}")
+    cell, cells = mesh.topology.cell_name(), geometry_dofmap(mesh)
+    if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:
+        raise ValueError(
+            "the mesh must consist of triangles or quadrilaterals of order 1 in space (gdim 3), "
+            f"got {cell} cells with {cells.shape[1]} nodes and gdim {mesh.geometry.dim}"
+        )
+    mesh.topology.create_connectivity(0, 2)
+    mesh.topology.create_connectivity(1, 2)
+    edges = _tagged(facet_tags, curves, "facet_tags")
+    vertices = _tagged(vertex_tags, named_points, "vertex_tags")
+    return SurfaceMesh.from_cells(
+        mesh.geometry.x,
+        cells,
+        cell,
+        groups=_tagged(cell_tags, groups, "cell_tags"),
+        curves={name: entities_to_geometry(mesh, 1, found) for name, found in edges.items()},
+        named_points={
+            name: entities_to_geometry(mesh, 0, found).ravel() for name, found in vertices.items()
+        },
+    )
+
+
+def _tagged(
+    tags: dolfinx.mesh.MeshTags | None, names: Mapping[str, int] | None, what: str
+) -> dict[str, npt.NDArray[np.int32]]:
+    """Entities of each name."""
+    if tags is None:
+        if names:
+            raise ValueError(f"names {sorted(names)} need {what}, got none")
+        return {}
+    exist = np.unique(tags.values)
+    wanted = {str(tag): int(tag) for tag in exist} if names is None else names
+    for name, tag in wanted.items():
+        if tag not in exist:
+            raise ValueError(f"{what} has no tag {tag} (for {name!r}); it has: {exist.tolist()}")
+    return {name: tags.find(tag) for name, tag in wanted.items()}

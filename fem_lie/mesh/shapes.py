@@ -1,0 +1,147 @@
+"""Shapes of surface cells: normals, cells that fold over, points of integration on faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+
+# exact for hydrostatic pressure: two slopes, a place and a shape function
+_DEGREES = {
+    ("triangle", 1): 2,
+    ("quadrilateral", 1): 3,
+    ("triangle", 2): 6,
+    ("quadrilateral", 2): 7,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FaceRule:
+    """Points of integration of a reference cell.
+
+    Attributes:
+        values: Shape functions, shape (g, k).
+        slopes: Their derivatives in the two reference coordinates, shape (2, g, k).
+        weights: Shape (g,).
+    """
+
+    values: Array
+    slopes: Array
+    weights: Array
+
+    @classmethod
+    def of(cls, cell: str, degree: int) -> FaceRule:
+        """For the Lagrange cells of :class:`~fem_lie.mesh.surfaces.SurfaceMesh`."""
+        kind = basix.CellType[cell]
+        element = basix.create_element(
+            basix.ElementFamily.P, kind, degree, basix.LagrangeVariant.gll_warped
+        )
+        rule = basix.make_quadrature(kind, _DEGREES[cell, degree])
+        points, weights = (np.asarray(part, dtype=np.float64) for part in rule)
+        table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
+        parts = table[0], table[1:], weights
+        return cls(*(np.ascontiguousarray(part) for part in parts))
+
+    def places(self, x: Array, cells: Indices) -> Array:
+        """Points of integration of cells with nodes at ``x`` (n, 3), shape (m, g, 3)."""
+        return np.einsum("gk,mkj->mgj", self.values, x[cells])
+
+    def normals(self, x: Array, cells: Indices) -> Array:
+        """Weight times ``x,₁ × x,₂`` there, shape (m, g, 3): vectors of area."""
+        g1, g2 = np.einsum("agk,mkj->amgj", self.slopes, x[cells])
+        return np.asarray(self.weights[:, np.newaxis] * np.cross(g1, g2))
+
+
+DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
+"""Degree of each kind of cell by its number of points."""
+
+_AROUND = [0, 1, 3, 2]  # corners given one after the other, in DOLFINx's order
+_CROSSED = [0, 2, 3, 1]
+_NO_ANGLE = 1e-9  # sine, at a corner
+_FOLDED = 1e-6  # cosine; cells of a smooth surface are far from it
+
+
+def cell_normals(points: Array, cells: Indices, cell: str) -> Array:
+    """Unit normals of each cell's own interpolation at its nodes, shape (m, k, 3).
+
+    Args:
+        points: Coordinates, shape (n, 3).
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+
+    Raises:
+        ValueError: A cell has no area at a corner, or folds over: it crosses itself, has a
+            re-entrant corner, or nodes on its edges that are far off.
+    """
+    k = cells.shape[1]
+    nodes, inside = _places(cell, DEGREES[cell][k])
+    normal, sine = _normals(points, cells, cell, nodes)
+    size = np.linalg.norm(normal, axis=-1)
+    bad = np.flatnonzero((sine <= _NO_ANGLE).any(axis=1))
+    if len(bad):
+        raise ValueError(f"cell {bad[0]} (points {cells[bad[0]]}) has no area at a corner")
+    within = _normals(points, cells, cell, inside)[0]
+    _refuse_folded(points, cells, cell, np.concatenate([normal, within], axis=1))
+    return np.asarray(normal / size[..., np.newaxis])
+
+
+def _places(cell: str, degree: int) -> tuple[Array, Array]:
+    """Nodes of the reference cell, and points inside."""
+    rule = basix.make_quadrature(basix.CellType[cell], 2 * degree)
+    element = _element(cell, degree)
+    return np.asarray(element.points, dtype=np.float64), np.asarray(rule[0], dtype=np.float64)
+
+
+def _element(cell: str, degree: int) -> basix.finite_element.FiniteElement:
+    return basix.create_element(
+        basix.ElementFamily.P, basix.CellType[cell], degree, basix.LagrangeVariant.gll_warped
+    )
+
+
+def _normals(points: Array, cells: Indices, cell: str, places: Array) -> tuple[Array, Array]:
+    """``x,₁ × x,₂`` at places of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
+    element = _element(cell, DEGREES[cell][cells.shape[1]])
+    slopes = np.asarray(element.tabulate(1, places), dtype=np.float64)[1:, :, :, 0]
+    # about a point of the cell: far from the origin differences of places are small
+    x = points[cells] - points[cells[:, :1]]
+    g1, g2 = np.einsum("apk,mkj->ampj", slopes, x)
+    normal = np.cross(g1, g2)
+    scale = np.linalg.norm(g1, axis=-1) * np.linalg.norm(g2, axis=-1)
+    return normal, np.linalg.norm(normal, axis=-1) / np.maximum(scale, 1e-300)
+
+
+def _cosines(normals: Array) -> Array:
+    """Of each normal and their mean, shape (m, p)."""
+    mean = normals.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(normals, axis=-1) * np.linalg.norm(mean, axis=-1)
+    return np.asarray((normals * mean).sum(axis=-1) / np.maximum(size, 1e-300))
+
+
+def _refuse_folded(points: Array, cells: Indices, cell: str, normals: Array) -> None:
+    cosine = _cosines(normals)
+    bad = np.flatnonzero((cosine <= _FOLDED).any(axis=1))
+    if not len(bad):
+        return
+    first = bad[0]
+    what = f"cell {first} (points {cells[first]})"
+    if cell == "quadrilateral" and cells.shape[1] == 4:
+        for order in (_AROUND, _CROSSED):
+            turned = cells[first : first + 1, order]
+            if (_cosines(_normals(points, turned, cell, _places(cell, 1)[0])[0]) > _FOLDED).all():
+                raise ValueError(
+                    f"{what} crosses itself like a bow tie, as {len(bad)} of {len(cells)} cells do "
+                    "or nearly so: corners of a quadrilateral are wanted row by row, as DOLFINx "
+                    f"has them, not one after the other around it; here that is {turned[0]}"
+                )
+        corner = cells[first, int(cosine[first, :4].argmin())]
+        raise ValueError(f"{what} has a re-entrant corner at point {corner}, {points[corner]}")
+    k = cells.shape[1]
+    worst = int(cosine[first].argmin())
+    where = f"at point {cells[first, worst]}" if worst < k else "inside"
+    raise ValueError(
+        f"{what} folds over {where}: are its points in DOLFINx's order, and those on its edges "
+        "near the middle of them?"
+    )

@@ -1,0 +1,315 @@
+"""Surface meshes in space: points, cells with normals at their nodes, named groups, curves, points.
+
+A mesh comes from a helper (:func:`surface`), from gmsh or DOLFINx (:mod:`fem_lie.mesh.reading`),
+or from bare arrays (:meth:`SurfaceMesh.from_cells`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import degrees, pi, radians
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import (
+    Array,
+    Indices,
+    find_name,
+    indices_of,
+    instance,
+    members_of,
+    numbers,
+    points_of,
+    text,
+    whole_number,
+)
+from fem_lie.mesh.patches import Edges, Patches, smooth_patches
+from fem_lie.mesh.shapes import DEGREES, cell_normals
+
+# A circle of ten cells is still smooth, a corner of 45 degrees is not.
+KINK_ANGLE = radians(40.0)
+
+_FAR_OFF = 0.5  # cosine: a smooth surface does not turn by twice 60° in one cell
+_ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMesh:
+    """Surfaces cut into triangles or quadrilaterals, of first or second order.
+
+    Attributes:
+        points: Coordinates, shape (n, 3); every point belongs to a cell.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        normals: Unit normals at the nodes of each cell, shape (m, k, 3).
+        groups: Cells of each named group.
+        curves: Edges of each named curve, two ends and the node between, if any, shape (e, 2 or 3).
+        named_points: Points of each name.
+
+    Raises:
+        ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
+            area, folds over (corners around it instead of row by row, a re-entrant corner), lies
+            on its neighbour or stands there twice; a normal is far from that of its cell, or those
+            of smooth neighbours point to opposite sides; an edge of a curve is none of a cell.
+    """
+
+    points: Array
+    cells: Indices
+    cell: str
+    normals: Array
+    groups: Mapping[str, Indices] = field(default_factory=dict)
+    curves: Mapping[str, Indices] = field(default_factory=dict)
+    named_points: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        points = points_of(self.points)
+        cells = _surface_cells(self.cells, self.cell, len(points))
+        normals = numbers(self.normals, "normals")
+        if normals.shape != (*cells.shape, 3):
+            raise ValueError(f"normals must have shape {(*cells.shape, 3)}, got {normals.shape}")
+        # also refuses nan
+        if not (np.abs(np.linalg.norm(normals, axis=-1) - 1.0) < 1e-6).all():
+            raise ValueError("normals must be unit vectors")
+        _check_normals(normals, cell_normals(points, cells, self.cell), points, cells)
+        curves = {
+            name: indices_of(edges, len(points), f"points of curve {name!r}")
+            for name, edges in self.curves.items()
+        }
+        for name, value in (
+            ("points", points),
+            ("cells", cells),
+            ("normals", normals),
+            ("groups", members_of(self.groups, len(cells), "cells")),
+            ("curves", curves),
+            ("named_points", members_of(self.named_points, len(points), "points")),
+        ):
+            object.__setattr__(self, name, value)
+        self._check_neighbours()
+
+    @classmethod
+    def from_cells(
+        cls,
+        points: npt.ArrayLike,
+        cells: npt.ArrayLike,
+        cell: str,
+        *,
+        normals: npt.ArrayLike | None = None,
+        groups: Mapping[str, npt.ArrayLike] | None = None,
+        curves: Mapping[str, npt.ArrayLike] | None = None,
+        named_points: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> SurfaceMesh:
+        """Mesh from bare arrays.
+
+        Args:
+            points: Coordinates, shape (n, 3).
+            cells: Points of each cell in DOLFINx's order, shape (m, k).
+            cell: ``"triangle"`` or ``"quadrilateral"``.
+            normals: Those that are known, as in the class, nan elsewhere: there they are those of
+                the cell itself.
+            groups: Cells of each named group.
+            curves: Edges of each named curve.
+            named_points: Points of each name.
+
+        Raises:
+            ValueError: See the class.
+        """
+        x = points_of(points)
+        connected = _surface_cells(cells, cell, len(x))
+        found = cell_normals(x, connected, cell)
+        if normals is not None:
+            known = numbers(normals, "normals")
+            if known.shape != found.shape:
+                raise ValueError(f"normals must have shape {found.shape}, got {known.shape}")
+            found = np.where(np.isfinite(known), known, found)
+        return cls(
+            x,
+            connected,
+            cell,
+            found,
+            members_of(groups or {}, len(connected), "cells"),
+            {
+                name: indices_of(edges, len(x), f"points of curve {name!r}")
+                for name, edges in (curves or {}).items()
+            },
+            members_of(named_points or {}, len(x), "points"),
+        )
+
+    @property
+    def degree(self) -> int:
+        """Of the cells' edges."""
+        return DEGREES[self.cell][self.cells.shape[1]]
+
+    @property
+    def corners(self) -> Indices:
+        """Corners of each cell, one after the other around it, shape (m, 3 or 4)."""
+        return self.corners_of(self.cells)
+
+    def corners_of(self, cells: Indices) -> Indices:
+        """The same of cells with other numbers for their nodes."""
+        return cells[:, _ROUND[self.cell]]
+
+    def group(self, name: str) -> Indices:
+        """Cells of a group.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return find_name(self.groups, name, "group of cells")
+
+    def curve(self, name: str) -> Indices:
+        """Edges of a curve.
+
+        Raises:
+            ValueError: There is no such curve; the message lists those that exist.
+        """
+        return find_name(self.curves, name, "curve")
+
+    def nodes(self, name: str) -> Indices:
+        """Nodes of a named point, curve or group of cells.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        text(name, "the name of points, a curve or a group")
+        if name in self.named_points:
+            return self.named_points[name]
+        if name in self.curves:
+            return np.unique(self.curves[name])
+        if name in self.groups:
+            return np.unique(self.cells[self.groups[name]])
+        known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
+        raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
+
+    def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
+        """Nodes of which each belongs to one smooth patch.
+
+        Args:
+            kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
+
+        Raises:
+            ValueError: The angle is out of range, the sides of smooth neighbours do not agree, or
+                the surface has a sharp tip.
+        """
+        if not 0.0 <= kink_angle <= pi:
+            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+        return smooth_patches(self.points, self.cells, self.cell, self.normals, kink_angle)
+
+    def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
+        """Mean of the cells' normals at each point of a smooth surface, shape (n, 3).
+
+        Raises:
+            ValueError: See :meth:`patches`; the surface has a kink or a branch.
+        """
+        patches = self.patches(kink_angle)
+        if len(patches.split):
+            place = self.points[patches.split[0]]
+            raise ValueError(
+                f"the surface has a kink of more than {degrees(kink_angle):.0f}°, or a branch, at "
+                f"{place}: its sides have directors of their own there"
+            )
+        return patches.directors
+
+    def _check_neighbours(self) -> None:
+        _, count = np.unique(np.sort(self.corners, axis=1), axis=0, return_counts=True)
+        if count.max() > 1:
+            raise ValueError(f"{count.max()} cells have the same corners")
+        edges = Edges(self.points, self.cells, self.cell, self.normals)
+        edges.refuse_overlaps()
+        edges.smooth_pairs(KINK_ANGLE)
+        for name, curve in self.curves.items():
+            edges.check_curve(name, curve)
+
+
+def surface(
+    function: Callable[[float, float], npt.ArrayLike],
+    cells: tuple[int, int],
+    *,
+    cell: str = "quadrilateral",
+    degree: int = 1,
+) -> SurfaceMesh:
+    """Smooth surface over the unit square ``(a, b)``, cut at equal steps of both parameters.
+
+    Its sides are the curves "a=0", "a=1", "b=0" and "b=1", its corners the points "00", "10", "01"
+    and "11". Triangles are two for each square. The normals are those of the cells; give
+    :class:`~fem_lie.bodies.shell.Shell` a director where they are known.
+
+    Args:
+        function: Point at ``(a, b)``, shape (3,).
+        cells: Numbers along a and b.
+        cell: ``"quadrilateral"`` or ``"triangle"``.
+        degree: 1 or 2.
+
+    Raises:
+        ValueError: A cell has no area, or something is out of range.
+    """
+    if cell not in DEGREES or degree not in (1, 2):
+        raise ValueError(
+            "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
+            f"{cell!r} of degree {degree!r}"
+        )
+    instance(function, Callable, "a surface", "a function of a and b from 0 to 1")
+    if not isinstance(cells, Sequence) or len(cells) != 2:
+        raise ValueError(f"cells must be two numbers, along a and b, got {cells!r}")
+    n, m = (degree * whole_number(count) for count in cells)
+    places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
+    number = np.arange(len(places)).reshape(n + 1, m + 1)
+    sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
+    return SurfaceMesh.from_cells(
+        points_of([function(a, b) for a, b in places]),
+        _grid_cells(number, cell, degree),
+        cell,
+        curves={name: _edges(along, degree) for name, along in sides.items()},
+        named_points={f"{i}{j}": np.atleast_1d(number[-i, -j]) for i in (0, 1) for j in (0, 1)},
+    )
+
+
+def _edges(along: Indices, degree: int) -> Indices:
+    """Edges of successive points: two ends, and what is between."""
+    parts = [along[:-1:degree], along[degree::degree], *([along[1::2]] if degree == 2 else [])]
+    return np.column_stack(parts)
+
+
+def _grid_cells(number: Indices, cell: str, degree: int) -> Indices:
+    """Cells on a grid of points, in DOLFINx's order."""
+    found = []
+    for i in range(0, number.shape[0] - 1, degree):
+        for j in range(0, number.shape[1] - 1, degree):
+            s = number[i : i + degree + 1, j : j + degree + 1]
+            corners = np.array([s[0, 0], s[-1, 0], s[0, -1], s[-1, -1]])
+            if cell == "quadrilateral":
+                middles = [s[1, 0], s[0, 1], s[-1, 1], s[1, -1], s[1, 1]] if degree == 2 else []
+                found.append([*corners, *middles])
+                continue
+            lower = [s[-1, 1], s[1, 1], s[1, 0]] if degree == 2 else []
+            upper = [s[1, -1], s[0, 1], s[1, 1]] if degree == 2 else []
+            found.append([*corners[[0, 1, 3]], *lower])
+            found.append([*corners[[0, 3, 2]], *upper])
+    return np.array(found, dtype=np.int64)
+
+
+def _check_normals(given: Array, own: Array, points: Array, cells: Indices) -> None:
+    """Refuse normals that cannot be of the surface that the cells are cut from."""
+    cosine = np.einsum("mkj,mkj->mk", given, own)
+    if cosine.min() < _FAR_OFF:
+        m, k = np.unravel_index(int(cosine.argmin()), cosine.shape)
+        raise ValueError(
+            f"the normal of cell {m} at {points[cells[m, k]]} is {given[m, k]}, "
+            f"{degrees(np.arccos(np.clip(cosine.min(), -1.0, 1.0))):.0f}° off that of its points, "
+            f"{own[m, k]}"
+        )
+
+
+def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
+    cells = np.asarray(value)
+    if cell not in DEGREES:
+        raise ValueError(f"cell must be 'triangle' or 'quadrilateral', got {cell!r}")
+    known = list(DEGREES[cell])
+    if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
+        raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
+    indices = indices_of(cells, points, "cells")
+    alone = np.setdiff1d(np.arange(points), indices)
+    if len(alone):
+        raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
+    return indices

@@ -1,0 +1,1 @@
+"""Draws catalogues, frames and arrays; knows no result."""

@@ -1,0 +1,231 @@
+"""Files for ParaView: time series of nodes and cells with frames and velocities; surfaces."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+if TYPE_CHECKING:
+    from fem_lie.results.stresses.section_forces import SectionForces
+    from fem_lie.results.stresses.shell_resultants import Resultants
+
+# type of cell, and its nodes in VTK's order
+_VTK_CELLS = {
+    ("triangle", 1): (5, (0, 1, 2)),
+    ("quadrilateral", 1): (9, (0, 1, 3, 2)),
+    ("triangle", 2): (22, (0, 1, 2, 5, 3, 4)),
+    ("quadrilateral", 2): (28, (0, 1, 3, 2, 4, 6, 7, 5, 8)),
+}
+
+
+def write_series(
+    path: str | os.PathLike[str],
+    info: SceneInfo,
+    times: Array,
+    frames: Array,
+    velocities: Array | None = None,
+    forces: Sequence[SectionForces] = (),
+) -> None:
+    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
+
+    Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` from the first time, and
+    ``velocity`` and ``angular velocity``, all in global components; cell data: ``body``, the number
+    of the body, and section forces in the middle of elements, if there are some, nan elsewhere.
+
+    Args:
+        path: Name of the ``.pvd`` file.
+        info: The scene.
+        times: Times or load factors, shape (T,).
+        frames: Shape (T, N, 4, 3).
+        velocities: Local velocities (translation, rotation), shape (T, N, 6).
+        forces: Section forces of beams at all of these times.
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``, or there are forces at other times.
+    """
+    import pyvista
+
+    carried = _forces_in_cells(info, times, forces)
+    target, names = _series(path, len(times), ".vtp")
+    lines, vertices, faces, bodies = _cells(info)
+    for k, name in enumerate(names):
+        data = pyvista.PolyData(frames[k, :, 0], faces, lines=lines, verts=vertices)
+        for i in (1, 2, 3):
+            data.point_data[f"e{i}"] = frames[k, :, i]
+        data.point_data["displacement"] = frames[k, :, 0] - frames[0, :, 0]
+        if velocities is not None:
+            for what, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
+                spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
+                data.point_data[what] = spatial
+        data.cell_data["body"] = bodies
+        for what, values in carried.items():
+            data.cell_data[what] = values[k]
+        data.save(target.parent / name)
+    _write_collection(target, names, times)
+
+
+def write_resultants(
+    path: str | os.PathLike[str], series: Sequence[Resultants], times: npt.ArrayLike
+) -> None:
+    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
+
+    Args:
+        path: Name of the ``.pvd`` file.
+        series: From :func:`fem_lie.results.stresses.shell_resultants.resultant_series`.
+        times: Time or load factor of each state.
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``, or there are more or fewer times.
+    """
+    values = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if values.shape != (len(series),):
+        raise ValueError(f"wanted one time for each of {len(series)} states, got {values.shape}")
+    target, names = _series(path, len(series), ".vtu")
+    for name, resultants in zip(names, series, strict=True):
+        resultants.write_vtk(target.parent / name)
+    _write_collection(target, names, values)
+
+
+def _forces_in_cells(
+    info: SceneInfo, times: Array, forces: Sequence[SectionForces]
+) -> dict[str, Array]:
+    """Section forces of all cells in VTK's order, each of shape (T, cells)."""
+    if not forces:
+        return {}
+    owners = _cells(info)[3]
+    singles = sum(len(b.nodes) for b in info.bodies if not len(b.cells) and not len(b.faces))
+    starts = singles + np.cumsum([0] + [len(body.cells) for body in info.bodies])
+    values = np.full((len(times), len(owners), 6), np.nan)
+    for found in forces:
+        if not np.array_equal(found.times, times):
+            raise ValueError(
+                f"section forces of {found.beam.label} are wanted at all {len(times)} times, got "
+                f"{len(found.times)}"
+            )
+        body = info.body(found.beam.name)
+        pieces = len(body.cells) // len(found.beam.elements)
+        start = starts[info.bodies.index(body)]
+        values[:, start : start + len(body.cells)] = np.repeat(found.middle, pieces, axis=1)
+    return {name: values[..., i] for i, name in enumerate(found.components)}
+
+
+def write_section_forces(path: str | os.PathLike[str], found: SectionForces) -> None:
+    """Write a series of lines with values at their ends and in their middles.
+
+    See :meth:`fem_lie.results.stresses.section_forces.SectionForces.write_vtk`.
+
+    Raises:
+        ValueError: The name does not end in ``.pvd``.
+    """
+    import pyvista
+
+    target, names = _series(path, len(found.times), ".vtp")
+    ends = found.beam.elements[:, :2]
+    lines = np.insert(np.arange(ends.size).reshape(-1, 2), 0, 2, axis=1)
+    for k, name in enumerate(names):
+        data = pyvista.PolyData(found.frames[k, ends.ravel(), 0], lines=lines.ravel())
+        for i, component in enumerate(found.components):
+            data.point_data[component] = found.ends[k, ..., i].ravel()
+            data.cell_data[component] = found.middle[k, :, i]
+        data.point_data["force"] = found.cut_forces[k].reshape(-1, 3)
+        data.point_data["moment"] = found.cut_moments[k].reshape(-1, 3)
+        data.save(target.parent / name)
+    _write_collection(target, names, found.times)
+
+
+def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:
+    """The ``.pvd`` file, and the names of the files that belong to it, in a folder that exists."""
+    target = Path(path)
+    if target.suffix != ".pvd":
+        raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
+    folder = target.with_suffix("")
+    folder.mkdir(parents=True, exist_ok=True)
+    digits = len(str(count - 1))
+    return target, [f"{folder.name}/{k:0{digits}}{suffix}" for k in range(count)]
+
+
+def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:
+    """Written last: the series appears when it is whole."""
+    rows = [
+        f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>'
+        for name, time in zip(names, times, strict=True)
+    ]
+    target.write_text(
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
+        + "\n".join(rows)
+        + "\n</Collection>\n</VTKFile>\n"
+    )
+
+
+def write_surface(
+    path: str | os.PathLike[str],
+    points: Array,
+    cells: Indices,
+    mesh: SurfaceMesh,
+    point_data: Mapping[str, Array],
+    cell_data: Mapping[str, Array],
+) -> None:
+    """Write one state of a surface as a ``.vtu`` file.
+
+    Args:
+        path: Name of the file.
+        points: Places, shape (p, 3).
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        mesh: What the cells are.
+        point_data: Values at the points.
+        cell_data: Values in the cells.
+
+    Raises:
+        ValueError: The name does not end in ``.vtu``.
+    """
+    if Path(path).suffix != ".vtu":
+        raise ValueError(f"the name of the file must end in '.vtu', got {str(path)!r}")
+    grid = surface_grid(points, cells, mesh)
+    for name, values in point_data.items():
+        grid.point_data[name] = values
+    for name, values in cell_data.items():
+        grid.cell_data[name] = values
+    grid.save(path)
+
+
+def surface_grid(points: Array, cells: Indices, mesh: SurfaceMesh) -> Any:
+    """A surface as pyvista's grid; arguments as in :func:`write_surface`."""
+    import pyvista
+
+    kind, order = _VTK_CELLS[mesh.cell, mesh.degree]
+    polygons = np.insert(cells[:, order], 0, cells.shape[1], axis=1)
+    return pyvista.UnstructuredGrid(polygons.ravel(), np.full(len(cells), kind), points)
+
+
+def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | None, Indices]:
+    """Lines, single nodes and faces in VTK's notation, and the body of each in VTK's order."""
+    lines = [np.insert(body.cells, 0, 2, axis=1) for body in info.bodies if len(body.cells)]
+    single = [
+        np.column_stack([np.ones_like(body.nodes), body.nodes])
+        for body in info.bodies
+        if not len(body.cells) and not len(body.faces)
+    ]
+    faces = [np.insert(b.faces, 0, b.faces.shape[1], axis=1) for b in info.bodies if len(b.faces)]
+    # VTK has vertices first, then lines, then faces
+    owners = [
+        np.full(len(b.nodes), i)
+        for i, b in enumerate(info.bodies)
+        if not len(b.cells) and not len(b.faces)
+    ]
+    owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies)]
+    owners += [np.full(len(b.faces), i) for i, b in enumerate(info.bodies)]
+    return _joined(lines), _joined(single), _joined(faces), np.concatenate(owners)
+
+
+def _joined(parts: list[Indices]) -> Indices | None:
+    return np.concatenate([part.ravel() for part in parts]) if parts else None

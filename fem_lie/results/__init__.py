@@ -1,0 +1,1 @@
+"""What was found: histories, equilibria, paths, modes and files."""

@@ -1,0 +1,364 @@
+"""What an integrator found: histories, how to look them up, and how well invariants were kept."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures.units import SI, Units
+from fem_lie.results import balances
+from fem_lie.results.reactions import Support, reaction
+from fem_lie.results.steps import StepHistory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fem_lie.bodies.body import Point
+    from fem_lie.joints import Connection
+    from fem_lie.results.stresses.section_forces import SectionForces
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Histories at the T times that were kept.
+
+    Attributes:
+        times: Shape (T,).
+        frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors e₁, e₂, e₃
+            in global components (:mod:`fem_lie.lie`).
+        velocities: Local velocities (translation, rotation), shape (T, N, 6).
+        joint_forces: Force and moment of each joint on its point ``a``, at the joint and in the
+            axes that it has on that side, shape (T, j, 6).
+        reactions: Force and moment of each support on its node, about it, global components, see
+            :meth:`reaction`, shape (T, s, 6).
+        joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
+        joint_violations: Largest violation of a constraint of each joint, shape (T, j).
+        kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of gravity and
+            of forces fixed in space without a history.
+        momentum: Linear momentum, global components, shape (T, 3).
+        angular_momentum: About the origin, global components, shape (T, 3).
+        balance: Work of all that acts and has no potential (see :mod:`fem_lie.results.balances`),
+            loss by damping, and numerical loss as far as the scheme knows it, each up to these
+            times, shape (T, 3).
+        impulses: Of loads (gravity included) and of reactions, force before moment about the
+            origin, up to these times, global components, shape (T, 2, 6).
+        iterations: Newton iterations so far, shape (T,).
+        factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
+            and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
+        seconds: Wall time of the time loop.
+        info: Bodies and joints.
+        steps: All steps and their errors, if they were asked for.
+    """
+
+    times: Array
+    frames: Array
+    velocities: Array
+    joint_forces: Array
+    reactions: Array
+    joint_coordinates: Array
+    joint_violations: Array
+    kinetic: Array
+    elastic: Array
+    potential: Array
+    momentum: Array
+    angular_momentum: Array
+    balance: Array
+    impulses: Array
+    iterations: npt.NDArray[np.int64]
+    factorisations: int
+    k_updates: int
+    phi_updates: int
+    seconds: float
+    info: SceneInfo
+    steps: StepHistory | None = None
+
+    def __post_init__(self) -> None:
+        n = self.frames.shape[1] if self.frames.ndim == 4 else 0
+        j = len(self.info.joints)
+        c = sum(len(joint.coordinates) for joint in self.info.joints)
+        count = len(self.times)
+        for name, shape in (
+            ("frames", (n, 4, 3)),
+            ("velocities", (n, 6)),
+            ("joint_forces", (j, 6)),
+            ("reactions", (len(self.info.supports.at), 6)),
+            ("joint_coordinates", (c,)),
+            ("joint_violations", (j,)),
+            ("kinetic", ()),
+            ("elastic", ()),
+            ("potential", ()),
+            ("momentum", (3,)),
+            ("angular_momentum", (3,)),
+            ("balance", (balances.COLUMNS,)),
+            ("impulses", (2, 6)),
+            ("iterations", ()),
+        ):
+            value = getattr(self, name)
+            if value.shape != (count, *shape):
+                raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")
+
+    def position(self, point: Point | str | int) -> Array:
+        """Position of a point, global components, shape (T, 3).
+
+        Args:
+            point: A point of a body, its name such as "beam 1.end", or a node's number.
+
+        Raises:
+            ValueError: There is no such point; likewise below.
+        """
+        return self.frames[:, self.info.node(point), 0]
+
+    def rotation(self, point: Point | str | int) -> Array:
+        """Rotation of a point's frame, local to global, shape (T, 3, 3)."""
+        return self.frames[:, self.info.node(point), 1:].transpose(0, 2, 1)
+
+    def velocity(self, point: Point | str | int) -> Array:
+        """Velocity of a point (translation, rotation) in its local frame, shape (T, 6)."""
+        return self.velocities[:, self.info.node(point)]
+
+    def coordinate(self, joint: Connection | str, name: str | None = None) -> Array:
+        """Relative coordinate of a joint, shape (T,): angle in rad, unwrapped, or a length.
+
+        Args:
+            joint: A joint, spring or drive of the scene, or its name.
+            name: Such as "angle" or "displacement", for joints with several of them.
+
+        Raises:
+            ValueError: There is none.
+        """
+        return self.joint_coordinates[:, self.info.coordinate(joint, name)]
+
+    def joint_violation(self, joint: Connection | str) -> Array:
+        """Largest violation of a joint's constraints, shape (T,)."""
+        return self.joint_violations[:, self.info.joint(joint)]
+
+    def joint_force(self, joint: Connection | str) -> Array:
+        """Force and moment of a joint on its point ``a``, in its axes there, shape (T, 6).
+
+        Raises:
+            ValueError: There is no such joint.
+        """
+        return self.joint_forces[:, self.info.joint(joint)]
+
+    def reaction(self, *supports: Support) -> Array:
+        """Force and moment of a clamp, guide or prescribed motion, or of several together, (T, 6).
+
+        Args:
+            supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
+                their names) at which a body is held, as by ``Shell.guide``. What holds the same
+                node counts once.
+
+        Returns:
+            What they exert on the bodies, global components; moments about the first of them.
+
+        Raises:
+            ValueError: None is given, or something is not held.
+        """
+        return reaction(self, supports)
+
+    def index(self, time: float) -> int:
+        """The kept time nearest to ``time``."""
+        return int(np.abs(self.times - time).argmin())
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic, elastic and potential energy, shape (T,)."""
+        return self.kinetic + self.elastic + self.potential
+
+    @property
+    def energy_error(self) -> float:
+        """Largest gap between the change of energy and work less loss, over the energy in play.
+
+        That is the largest energy that is turned over, see :mod:`fem_lie.results.balances`: never
+        a matter of where the potential is zero.
+        """
+        return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
+
+    @property
+    def balance_error(self) -> float:
+        """:attr:`energy_error` without what the scheme says it loses: the third of ``balance``."""
+        gaps = balances.energy_gaps(self.total_energy, self.balance)
+        return self._relative_energy(gaps + self.balance[:, 2] - self.balance[0, 2])
+
+    def _relative_energy(self, gaps: Array) -> float:
+        stored = self.kinetic + self.elastic
+        scale = balances.energy_scale(stored, self.potential, self.balance)
+        return balances.relative(float(np.abs(gaps).max()), scale)
+
+    @property
+    def momentum_error(self) -> float:
+        """Largest gap between the change of momentum and impulses, over the momentum in play.
+
+        That is the largest momentum that is turned over, see :mod:`fem_lie.results.balances`.
+        """
+        return self._relative_momentum(self.momentum, slice(0, 3), 1.0)
+
+    @property
+    def angular_momentum_error(self) -> float:
+        """Likewise for the angular momentum about the origin."""
+        arm = balances.reach(self.frames[:, :, 0])
+        return self._relative_momentum(self.angular_momentum, slice(3, 6), arm)
+
+    def _relative_momentum(self, momentum: Array, part: slice, arm: float) -> float:
+        impulses = self.impulses[:, :, part]
+        exchanged = arm * np.sqrt(2.0 * self.info.mass * self.kinetic.max())
+        scale = balances.momentum_scale(momentum, impulses, float(exchanged))
+        return balances.relative(float(balances.momentum_gaps(momentum, impulses).max()), scale)
+
+    def resampled(self, times: npt.ArrayLike) -> Result:
+        """The same motion at other times, for plots, or to compare runs with different steps.
+
+        Frames and velocities by cubics on SE(3) between the kept times, of fourth order in what
+        lies between these; forces, energies and momenta linearly.
+
+        Args:
+            times: Shape (K,), within those that were kept; no turn between two by π or more.
+
+        Raises:
+            ValueError: Times that are not within.
+        """
+        from fem_lie.results.resampling import resampled
+
+        return resampled(self, times)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to an HDF5 file; an old file is replaced only when the new is whole.
+
+        Raises:
+            OSError: It cannot be written, as on a full disk; the message names it.
+        """
+        from fem_lie.results.file import write
+
+        write(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """Read what :meth:`save` wrote, to the last bit.
+
+        Raises:
+            FileNotFoundError: There is no such file.
+            ValueError: It is not a file of results, or one of another version.
+        """
+        from fem_lie.results.file import read
+
+        return read(path)
+
+    def write_vtk(
+        self, path: str | os.PathLike[str], *, forces: Sequence[SectionForces] = ()
+    ) -> None:
+        """Write a time series for ParaView.
+
+        Args:
+            path: Name of the ``.pvd`` file; the data of each time go to a folder beside it.
+            forces: Section forces of beams at all times, to be in the file, too.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``, or there are forces at other times.
+        """
+        from fem_lie.pictures.vtk import write_series
+
+        write_series(path, self.info, self.times, self.frames, self.velocities, forces)
+
+    def plot_energies(
+        self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    ) -> Figure:
+        """Energies and the change of their sum over time; saved if there is a path."""
+        from fem_lie.pictures.diagrams import energies
+
+        return energies(self, path, units=units)
+
+    def plot_momentum(
+        self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    ) -> Figure:
+        """Momentum and angular momentum over time; saved if there is a path."""
+        from fem_lie.pictures.diagrams import momenta
+
+        return momenta(self, path, units=units)
+
+    def plot(
+        self,
+        *points: Point | str | int,
+        path: str | os.PathLike[str] | None = None,
+        units: Units = SI,
+    ) -> Figure:
+        """Positions of points over time; saved if there is a path."""
+        from fem_lie.pictures.diagrams import positions
+
+        return positions(self, points, path, units=units)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        times: Sequence[float] | None = None,
+        *,
+        trace: Sequence[Point | str | int] = (),
+        frames: bool = False,
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the bodies at several times, the later the darker.
+
+        Args:
+            path: Name of the ``.png`` file.
+            times: Default: six from the first to the last.
+            trace: Points whose paths are drawn, too.
+            frames: Draw the nodal frames at the last of the times.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.pictures.bodies import draw
+
+        kept = np.linspace(self.times[0], self.times[-1], 6) if times is None else times
+        rows = [self.index(time) for time in kept]
+        draw(
+            self.info,
+            self.frames[rows],
+            path,
+            paths=self._paths(trace),
+            triads=frames,
+            title=title,
+            units=units,
+        )
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        images: int = 100,
+        seconds: float = 5.0,
+        trace: Sequence[Point | str | int] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the motion as an animated picture.
+
+        Args:
+            path: Name of the ``.gif`` file.
+            images: Number of images, evenly spaced in time.
+            seconds: How long it plays.
+            trace: Points whose paths are drawn, too.
+            title: Above the picture.
+            units: For the axes.
+        """
+        from fem_lie.pictures.bodies import animate
+
+        rows = [self.index(t) for t in np.linspace(self.times[0], self.times[-1], images)]
+        animate(
+            self.info,
+            self.frames[rows],
+            path,
+            seconds=seconds,
+            paths=self._paths(trace),
+            title=title,
+            units=units,
+        )
+
+    def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
+        return [self.position(point) for point in points]

@@ -1,0 +1,95 @@
+"""Forces of what holds a scene: clamps, supports of bodies, prescribed motions.
+
+They are what the equations of motion, or of equilibrium, lack at what is held. A motion that is
+prescribed is a joint to something that moves, and has the force of that joint.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.scene.supports import Clamp, PrescribedMotion
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Support = Clamp | PrescribedMotion | Point | str
+
+
+class HeldStates(Protocol):
+    """Any result of dynamics, of statics, or a path."""
+
+    @property
+    def frames(self) -> Array:
+        """Frames of all nodes in all states, shape (k, N, 4, 3)."""
+
+    @property
+    def joint_forces(self) -> Array:
+        """Forces of joints in all states, shape (k, j, 6)."""
+
+    @property
+    def reactions(self) -> Array:
+        """Forces and moments of supports in all states, shape (k, s, 6)."""
+
+    @property
+    def info(self) -> SceneInfo:
+        """Bodies, joints and supports."""
+
+
+def reaction(result: HeldStates, supports: Sequence[Support]) -> Array:
+    """Force and moment that supports exert together, global components, shape (k, 6).
+
+    Args:
+        result: With k states.
+        supports: Clamps, prescribed motions, or points (or their names) that a body holds. What
+            holds the same node counts once; moments are about the first, where it is in each state.
+
+    Raises:
+        ValueError: None is given, or something does not hold anything.
+    """
+    if not supports:
+        raise ValueError("give at least one clamp, support or prescribed motion")
+    place = result.frames[:, _node(result.info, supports[0]), 0]
+    total, counted = np.zeros((len(place), 6)), set[tuple[str, int]]()
+    for support in supports:
+        key, node, wrench = _of(result, support)
+        if key not in counted:
+            counted.add(key)
+            lever = result.frames[:, node, 0] - place
+            total += wrench
+            total[:, 3:] += np.cross(lever, wrench[:, :3])
+    return total
+
+
+def _node(info: SceneInfo, support: Support) -> int:
+    return info.node(support.point if isinstance(support, Clamp | PrescribedMotion) else support)
+
+
+def _of(result: HeldStates, support: Support) -> tuple[tuple[str, int], int, Array]:
+    """What it is, the node about which its moment is, and its force and moment, shape (k, 6)."""
+    info, node = result.info, _node(result.info, support)
+    if isinstance(support, PrescribedMotion):
+        joint = info.joint(f"motion of {support.point.label}")
+        axes = result.frames[:, node, 1:]
+        parts = result.joint_forces[:, joint].reshape(-1, 2, 3)
+        return ("motion", joint), node, np.einsum("tij,tki->tkj", axes, parts).reshape(-1, 6)
+    row = info.supports.row(node)
+    if row is None:
+        names = [
+            f"{body.name}.{name}"
+            for body in info.bodies
+            for name, own in body.points.items()
+            if own in info.supports.nodes
+        ]
+        point = support.point if isinstance(support, Clamp) else support
+        label = point if isinstance(point, str) else point.label
+        raise ValueError(
+            f"{label} is not held; {len(info.supports.nodes)} nodes are, those with names: "
+            f"{', '.join(names) or 'none'}"
+        )
+    return ("support", row), int(info.supports.at[row]), result.reactions[:, row]

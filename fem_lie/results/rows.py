@@ -1,0 +1,81 @@
+"""Rows of the arrays of a results file, written while a run goes on.
+
+The structure of the file does not change meanwhile: a process that ends, in whatever way, leaves a
+file that can be read, with all rows that were counted. Writing goes by system calls that report a
+full disk, never through mapped memory, where that is the end of the process.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+
+class _Place(NamedTuple):
+    """Where a data set is in the file; without an offset it has no values."""
+
+    offset: int | None
+    kind: np.dtype[Any]
+    shape: tuple[int, ...]
+
+
+class ResultRows:
+    """The data sets of a file made by :func:`fem_lie.results.file.create`."""
+
+    def __init__(self, path: Path) -> None:
+        """Find their places."""
+        import h5py
+
+        self._path = path
+        with h5py.File(path, "r") as file:
+            self._places = {
+                name: _Place(item.id.get_offset(), item.dtype, item.shape)
+                for name, item in file.items()
+                if isinstance(item, h5py.Dataset)
+            }
+
+    def write(self, first: int, rows: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Write rows from ``first`` on, the same number of each array, and count them.
+
+        Raises:
+            OSError: The disk is full, or there is another reason.
+        """
+        count = first + len(next(iter(rows.values())))
+        with self._path.open("r+b", buffering=0) as file:
+            for name, values in (*rows.items(), ("rows", np.array([count]))):
+                place = self._places[name]
+                if place.offset is None:
+                    continue
+                data = np.ascontiguousarray(values, dtype=place.kind)
+                at = 0 if name == "rows" else first
+                row = place.kind.itemsize * int(np.prod(place.shape[1:], dtype=np.int64))
+                write_all(file.fileno(), data.tobytes(), place.offset + at * row)
+
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk."""
+        with self._path.open("r+b", buffering=0) as file:
+            os.fsync(file.fileno())
+
+    def read(self, count: int) -> dict[str, npt.NDArray[Any]]:
+        """The first rows of all arrays, mapped into memory: what is not looked at costs nothing."""
+        found: dict[str, npt.NDArray[Any]] = {}
+        for name, (offset, kind, shape) in self._places.items():
+            if offset is None:
+                found[name] = np.empty(shape, dtype=kind)[:count]
+            elif name != "rows":
+                mapped = np.memmap(self._path, dtype=kind, mode="r", offset=offset, shape=shape)
+                found[name] = mapped[:count]
+        return found
+
+
+def write_all(descriptor: int, data: bytes | memoryview, offset: int) -> None:
+    """Write all of ``data``, however many calls that takes."""
+    view = memoryview(data)
+    while len(view):
+        done = os.pwrite(descriptor, view, offset)
+        view, offset = view[done:], offset + done

@@ -1,0 +1,51 @@
+"""The steps that an integrator made, and how wrong each of them was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class StepHistory:
+    """All S steps of a run, kept or not, and the local error of each.
+
+    Attributes:
+        times: At the ends of the steps, shape (S,).
+        sizes: Step sizes, shape (S,).
+        translation: Estimated error of positions in the step, the largest of all nodes, shape (S,).
+        rotation: Likewise of rotations, rad.
+        nodes: The nodes with these two errors, shape (S, 2).
+        measured_translation: Error of positions, measured by a refined step; nan if it was not.
+        measured_rotation: Likewise of rotations, rad.
+        rejected: Ends of the steps that were not accepted, shape (R,).
+    """
+
+    times: Array
+    sizes: Array
+    translation: Array
+    rotation: Array
+    nodes: npt.NDArray[np.int64]
+    measured_translation: Array
+    measured_rotation: Array
+    rejected: Array
+
+    def __post_init__(self) -> None:
+        count = len(self.times)
+        for field in fields(self):
+            shape = getattr(self, field.name).shape
+            wanted = {"nodes": (count, 2), "rejected": (len(self.rejected),)}
+            if shape != wanted.get(field.name, (count,)):
+                raise ValueError(f"{field.name} has the shape {shape} for {count} steps")
+
+    @property
+    def ratios(self) -> Array:
+        """Estimated over measured errors of positions and of rotations, shape (S, 2)."""
+        estimated = np.stack([self.translation, self.rotation], axis=1)
+        measured = np.stack([self.measured_translation, self.measured_rotation], axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(estimated / measured)

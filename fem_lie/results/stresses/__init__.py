@@ -1,0 +1,1 @@
+"""Stress resultants of shells and section forces of beams, in any states."""

@@ -1,0 +1,171 @@
+"""Forces and moments at the ends of each element of a beam, in given states.
+
+The elements are assembled as the scene assembles them, but torn apart: each has nodes of its own.
+Then the residual is the force and moment on each end of each element, whatever the element is, and
+what meets at a node adds up to the residual of the scene there.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beam_assembly import BeamAssembly
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.orientation import middle_frames
+from fem_lie.joints import Sliding
+from fem_lie.scene.nodal_loads import PointLoad
+from fem_lie.scene.scene import Scene
+
+
+class ElementForces:
+    """The elements of a beam, each for itself; shapes as in :class:`~fem_lie.bodies.beam.Beam`."""
+
+    def __init__(self, beam: Beam) -> None:
+        self._elements = beam.elements
+        m, k = beam.elements.shape
+        torn = copy(beam)
+        torn.frames = beam.frames[beam.elements].reshape(m * k, 4, 3)
+        torn.elements = np.arange(m * k).reshape(m, k)
+        torn.has_mass = False
+        self._assembly = BeamAssembly([torn])
+
+    def set_eigenstrain(self, strains: Array) -> None:
+        """Strains without stress of all elements, shape (m, 6)."""
+        self._assembly.set_eigenstrain(strains)
+
+    def at_ends(self, frames: Array, velocities: Array | None = None) -> Array:
+        """What holds both ends of each element against its neighbours, shape (m, 2, 6).
+
+        Force and moment that the rest of the beam beyond the end exerts if the end is the second,
+        and the contrary if it is the first: both are those of a section whose normal is e₁.
+
+        Args:
+            frames: Of the beam's nodes, shape (n, 4, 3).
+            velocities: Local twists of the nodes, shape (n, 6); without, nothing is viscous.
+        """
+        assembly, order = self._assembly, self._assembly.order
+        H, forces = np.empty((assembly.count, 4, 3)), np.zeros((assembly.count, 6))
+        H[order] = frames[self._elements].reshape(-1, 4, 3)
+        assembly.add_forces(H, forces.reshape(-1))
+        if velocities is not None and assembly.viscous:
+            v = np.empty((assembly.count, 6))
+            v[order] = velocities[self._elements].reshape(-1, 6)
+            assembly.add_viscous_forces(H, v, forces.reshape(-1))
+        on_nodes = forces[order].reshape(*self._elements.shape, 6)
+        return np.stack([-on_nodes[:, 0], on_nodes[:, 1]], axis=1)
+
+    def of_strain(self, frames: Array) -> Array:
+        """Stress ``σ = D ε`` of the element at its points of integration, shape (m, g, 6).
+
+        Args:
+            frames: Of the beam's nodes, shape (n, 4, 3).
+
+        Raises:
+            ValueError: The element is a user's own whose energy is not strain and law.
+        """
+        assembly = self._assembly
+        stress = assembly.forms.stress
+        if stress is None:
+            raise ValueError("the energy of this element is no StrainEnergy: it has no stress")
+        H = np.empty((assembly.count, 4, 3))
+        H[assembly.order] = frames[self._elements].reshape(-1, 4, 3)
+        assembly.reset_stress(H)
+        points = stress.function_space.dofmap.list[assembly.cell_order]
+        return np.asarray(stress.x.array.reshape(-1, 6)[points], dtype=np.float64)
+
+
+def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
+    """Mean of what both ends carry to the middle of each element, shape (T, m, 6).
+
+    There is one value for elements of two nodes: loads act on nodes, so that between them force and
+    moment are in equilibrium with those at the ends. A node in the middle has loads of its own, and
+    force and moment jump there by as much.
+
+    Args:
+        elements: Nodes of each element, shape (m, k).
+        frames: Of the beam's nodes, shape (T, n, 4, 3).
+        ends: At the ends, shape (T, m, 2, 6).
+    """
+    a, b = frames[:, elements[:, 0]], frames[:, elements[:, 1]]
+    middle = frames[:, elements[:, 2]] if elements.shape[1] == 3 else middle_frames(a, b)
+    carried = np.zeros_like(ends[:, :, 0])
+    for i, end in enumerate((a, b)):
+        turn = lie.se3_adjoint(lie.se3_compose(lie.se3_inverse(end), middle))
+        carried += 0.5 * np.einsum("tmji,tmj->tmi", turn, ends[:, :, i])
+    return carried
+
+
+def single_forces(scene: Scene, beam: Beam) -> Indices:
+    """Nodes of a beam at which something other than loads along the line may act.
+
+    Those of joints, springs, links, supports and point loads, and of kinks and branches; all of
+    them if something slides along it.
+    """
+    sliding = [item for item in (*scene.joints, *scene.connections) if isinstance(item, Sliding)]
+    if any(item.beam is beam for item in sliding):
+        return np.arange(len(beam.frames))
+    points: list[Point] = [load.point for load in scene.loads if isinstance(load, PointLoad)]
+    points += [clamp.point for clamp in scene.clamps]
+    points += [motion.point for motion in scene.motions]
+    points += [item.b for item in sliding]
+    for link in scene.links:
+        points += [link.a, link.b]
+    for connection in (*scene.joints, *scene.connections):
+        points += [point for tie in connection.ties() for point in (tie.a, tie.b)]
+        points += [point for tie in connection.velocity_ties() for point in (tie.a, tie.b)]
+    nodes = [point.node for point in points if point.body is beam]
+    following = np.flatnonzero(beam.leaders != np.arange(len(beam.leaders)))
+    return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)
+
+
+def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
+    """Values at the ends of elements that go on without a jump, shape (T, m, 2, 6).
+
+    What acts along the line is, in part, at the nodes. The jump at a node between two elements
+    belongs to both by their lengths; at the other end of an element that has no such neighbour, its
+    value is wrong by as much in the opposite direction. Moments of elements with a bowed axis are
+    right in the mean: a load ``−ΔV/ℓ`` makes them quadratic, and adds ``ℓ ΔV/12`` at both ends.
+
+    So values are of second order everywhere, exact for a constant load on a straight line, and as
+    they were where nothing jumps.
+
+    Args:
+        beam: The beam.
+        ends: Shape (T, m, 2, 6).
+        single: Nodes at which values may jump.
+    """
+    before, behind = _neighbours(beam.elements, single)
+    lengths, found = beam.lengths, ends.copy()
+    share = (lengths[before] / (lengths[before] + lengths[behind]))[:, np.newaxis]
+    jump = ends[:, before, 1] - ends[:, behind, 0]
+    left, right = share * jump, (1.0 - share) * jump
+    found[:, before, 1] -= left
+    found[:, behind, 0] += right
+    free_start, free_end = np.ones((2, len(lengths)), dtype=bool)
+    free_start[behind] = free_end[before] = False
+    at_start, at_end = free_start[before], free_end[behind]
+    found[:, before[at_start], 0] += left[:, at_start]
+    found[:, behind[at_end], 1] -= right[:, at_end]
+    if beam.formulation.bows:
+        moved = (found - ends)[..., 1:3]
+        change = lengths[:, np.newaxis] * (moved[:, :, 1] - moved[:, :, 0]) / 12
+        found[..., 4] += change[..., np.newaxis, 1]
+        found[..., 5] -= change[..., np.newaxis, 0]
+    return found
+
+
+def _neighbours(elements: Indices, single: Indices) -> tuple[Indices, Indices]:
+    """Pairs of elements that go on from one to the next: two at a node, head to tail."""
+    count = elements.max() + 1
+    meeting = np.bincount(elements[:, :2].ravel(), minlength=count) == 2
+    meeting[single] = False
+    after = np.full(count, -1)
+    after[elements[:, 0]] = np.arange(len(elements))
+    node = elements[:, 1]
+    before = np.flatnonzero(meeting[node] & (after[node] >= 0))
+    return before, after[node[before]]

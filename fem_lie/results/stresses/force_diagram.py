@@ -1,0 +1,54 @@
+"""Diagrams of section forces over arc length."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
+from fem_lie.pictures.units import Units
+from fem_lie.results.stresses.beam_quantities import unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fem_lie.results.stresses.section_forces import SectionForces
+
+_PALEST = 0.25
+_HEIGHT = 1.5  # of a diagram, inches
+
+
+def diagrams(
+    found: SectionForces,
+    names: Sequence[str],
+    steps: Sequence[int],
+    smooth: bool,
+    path: str | os.PathLike[str] | None,
+    units: Units,
+) -> Figure:
+    """One diagram for each quantity, one line for each smooth piece of the beam and each state.
+
+    Pieces of a beam with kinks or branches are drawn one after the other. For the arguments see
+    :meth:`fem_lie.results.stresses.section_forces.SectionForces.plot`.
+    """
+    figure, axes = figure_of_rows(len(names), f"Section forces of {found.beam.label}", units)
+    figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(names))
+    chains = found.beam.chains
+    pieces = np.split(chains.order, chains.first[1:])
+    strengths = np.linspace(_PALEST, 1.0, len(steps)) if len(steps) > 1 else [1.0]
+    for ax, name in zip(axes, names, strict=True):
+        values = (found.smooth if smooth else found.raw)(name)
+        ax.axhline(0.0, color="#777777", linewidth=0.8)
+        start = 0.0
+        for number, cells in enumerate(pieces):
+            colour = COLOURS[number % len(COLOURS)]
+            for step, strength in zip(steps, strengths, strict=True):
+                along = start + chains.arc[cells].ravel()
+                ax.plot(along, values[step, cells].ravel(), color=colour, alpha=strength)
+            start += float(chains.arc[cells].max())
+        ax.set_ylabel(f"{name} [{unit(name, units)}]")
+    axes[-1].set_xlabel(f"arc length [{units.length}]")
+    return saved(figure, path)

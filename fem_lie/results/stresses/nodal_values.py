@@ -1,0 +1,247 @@
+"""Places and axes in the cells of a surface mesh, and which of them may share a nodal value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+
+@dataclass(frozen=True, eq=False)
+class CellPoints:
+    """The same reference coordinates in all cells.
+
+    Attributes:
+        shapes: Values of the shape functions, shape (q, k).
+        slopes: Their derivatives, shape (2, q, k).
+    """
+
+    shapes: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, mesh: SurfaceMesh, points: Array) -> CellPoints:
+        """Tabulate at reference coordinates, shape (q, 2)."""
+        table = np.asarray(_lagrange(mesh).tabulate(1, points), dtype=np.float64)[..., 0]
+        return cls(table[0], table[1:])
+
+    @classmethod
+    def nodes(cls, mesh: SurfaceMesh) -> CellPoints:
+        """At the nodes of the cells."""
+        return cls.of(mesh, node_coordinates(mesh))
+
+    def places(self, x: Array) -> Array:
+        """Places, shape (m, q, 3), for nodes at ``x`` of each cell, shape (m, k, 3)."""
+        return np.einsum("qk,mkj->mqj", self.shapes, x)
+
+    def tangents(self, x: Array) -> Array:
+        """``x,1`` and ``x,2``, shape (m, q, 2, 3)."""
+        return np.einsum("aqk,mkj->mqaj", self.slopes, x)
+
+
+def node_coordinates(mesh: SurfaceMesh) -> Array:
+    """Reference coordinates of the nodes, shape (k, 2)."""
+    return np.asarray(_lagrange(mesh).points, dtype=np.float64)
+
+
+def extrapolation(mesh: SurfaceMesh, points: Array) -> Array:
+    """Matrix (k, g) from values at points (g, 2) to the nodes of the cell.
+
+    By the linear field on a triangle, the bilinear one on a quadrilateral, that is nearest at the
+    points: for elements of second degree, too, whose stress is more accurate by an order in this
+    part of it.
+    """
+
+    def monomials(X: Array) -> Array:
+        one, a, b = np.ones(len(X)), X[:, 0], X[:, 1]
+        return np.column_stack([one, a, b] + [a * b] * (mesh.cell == "quadrilateral"))
+
+    return np.asarray(monomials(node_coordinates(mesh)) @ np.linalg.pinv(monomials(points)))
+
+
+def axes_along(normals: Array, direction: Array) -> Array:
+    """Axes (e₁, e₂, n), e₁ along the projection of a direction; all (..., 3), result (..., 3, 3).
+
+    Raises:
+        ValueError: A direction is zero or normal to the surface.
+    """
+    e1 = direction - np.einsum("...j,...j->...", direction, normals)[..., np.newaxis] * normals
+    size = np.linalg.norm(e1, axis=-1, keepdims=True)
+    bad = ~(size > 1e-6 * np.linalg.norm(direction, axis=-1, keepdims=True))
+    if bad.any():
+        where, given = bad[..., 0], np.broadcast_to(direction, e1.shape)
+        raise ValueError(
+            "the direction of e₁ must not be zero or normal to the surface; where the normal is "
+            f"{normals[where][0]} it is {given[where][0]}"
+        )
+    e1 = e1 / size
+    return np.stack([e1, np.cross(normals, e1), normals], axis=-2)
+
+
+def unit(v: Array) -> Array:
+    """Vectors (..., 3) over their length."""
+    return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
+
+
+def slopes_along(axes: Array, tangents: Array, slopes: Array) -> Array:
+    """Derivatives along e₁ and e₂, shape (..., 2, 3), from those along reference coordinates.
+
+    Args:
+        axes: Unloaded, shape (..., 3, 3).
+        tangents: ``X,α``, shape (..., 2, 3).
+        slopes: Of a vector, shape (..., 2, 3).
+    """
+    jacobian = np.einsum("...aj,...ij->...ai", tangents, axes[..., :2, :])
+    return np.asarray(np.linalg.solve(jacobian, slopes), dtype=np.float64)
+
+
+def carried_axes(axes: Array, tangents: Array, moved: Array) -> Array:
+    """Axes as the deformation takes them along, made orthonormal again in the nearest way.
+
+    Args:
+        axes: Unloaded, shape (..., 3, 3).
+        tangents: ``X,α``, shape (..., 2, 3).
+        moved: ``x,α``, shape (..., 2, 3).
+    """
+    U, _, V = np.linalg.svd(slopes_along(axes, tangents, moved), full_matrices=False)
+    pair = U @ V
+    normal = np.cross(pair[..., 0, :], pair[..., 1, :])
+    return np.concatenate([pair, normal[..., np.newaxis, :]], axis=-2)
+
+
+@dataclass(frozen=True, eq=False)
+class SharedValues:
+    """Corners of cells (nodes of cells, to be exact) that share a value.
+
+    Attributes:
+        number: Of the value of each node of each cell, shape (m, k).
+        node: Node of each value, shape (p,), sorted; without a jump it is all nodes.
+        edge: Which values are at an edge, a kink or a jump, shape (p,).
+    """
+
+    number: Indices
+    node: Indices
+    edge: Flags
+
+    def mean(self, values: Array) -> Array:
+        """Mean over the cells of each patch, shape (p, ...), of values of shape (m, k, ...)."""
+        total = np.zeros((len(self.node), *values.shape[2:]))
+        np.add.at(total, self.number, values)
+        count = np.bincount(self.number.ravel(), minlength=len(self.node))
+        return total / count.reshape(-1, *[1] * (total.ndim - 1))
+
+
+def shared_values(
+    mesh: SurfaceMesh, smooth: Callable[[Indices, Indices, Indices, Indices], Flags]
+) -> SharedValues:
+    """Join what is smooth across edges.
+
+    Args:
+        mesh: The surface.
+        smooth: Of cells ``a`` and ``b`` and the places ``i`` and ``j`` of a common node among
+            their nodes, whether they may share its value.
+    """
+    k = mesh.cells.shape[1]
+    a, b, i, j = _common_nodes(mesh)
+    chosen = smooth(a, b, i, j)
+    rows, columns = (k * a + i)[chosen], (k * b + j)[chosen]
+    size = mesh.cells.size
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
+    _, label = connected_components(graph, directed=False)
+    # numbered by nodes, so that they are the nodes where nothing jumps
+    pairs, number = np.unique(
+        np.column_stack([mesh.cells.ravel(), label]), axis=0, return_inverse=True
+    )
+    number = number.ravel()
+    # inside, there are as many common edges around a node as cells
+    links = np.bincount(number[rows], minlength=len(pairs))
+    edge = links < np.bincount(number)
+    return SharedValues(
+        number.reshape(mesh.cells.shape).astype(np.int64), pairs[:, 0].astype(np.int64), edge
+    )
+
+
+def _common_nodes(mesh: SurfaceMesh) -> tuple[Indices, Indices, Indices, Indices]:
+    """All ``(a, b, i, j)`` of :func:`shared_values`, where an edge is common to both cells."""
+    round_ = _round(mesh)
+    c = len(round_)
+    ends = np.sort(mesh.cells[:, round_[:, :2]], axis=2).reshape(-1, 2)
+    _, edge = np.unique(ends, axis=0, return_inverse=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    sorted_edge = edge.ravel()[order]
+    found = []
+    for step in range(1, int(np.bincount(sorted_edge).max())):
+        same = np.flatnonzero(sorted_edge[step:] == sorted_edge[:-step])
+        first, second = order[same], order[same + step]
+        p, q = round_[first % c], round_[second % c]
+        a, b = first // c, second // c
+        # the nodes of the edge come in the opposite order, or the same if the sides differ
+        for i in range(round_.shape[1]):
+            for j in range(round_.shape[1]):
+                equal = mesh.cells[a, p[:, i]] == mesh.cells[b, q[:, j]]
+                found.append(np.stack([a, b, p[:, i], q[:, j]])[:, equal])
+    none: Indices = np.empty((4, 0), dtype=np.int64)
+    all_: Indices = np.concatenate([none, *found], axis=1)
+    return all_[0], all_[1], all_[2], all_[3]
+
+
+def _round(mesh: SurfaceMesh) -> Indices:
+    """Places of the nodes of each edge among those of the cell, ends first, shape (c, 2 or 3)."""
+    cell = basix.CellType[mesh.cell]
+    ends = np.array(basix.topology(cell)[1], dtype=np.int64)
+    if mesh.degree == 1:
+        return ends
+    return np.column_stack([ends, len(basix.topology(cell)[0]) + np.arange(len(ends))])
+
+
+def _lagrange(mesh: SurfaceMesh) -> basix.finite_element.FiniteElement:
+    return basix.create_element(
+        basix.ElementFamily.P,
+        basix.CellType[mesh.cell],
+        mesh.degree,
+        basix.LagrangeVariant.gll_warped,
+    )
+
+
+def nearby(patches: SharedValues) -> tuple[Indices, Indices]:
+    """Values at an edge, and the cells that share a value with their cells, as pairs."""
+    m, k = patches.number.shape
+    rows, columns = patches.number.ravel(), np.repeat(np.arange(m), k)
+    around = csr_matrix((np.ones(m * k), (rows, columns)), shape=(len(patches.node), m))
+    edge = np.flatnonzero(patches.edge)
+    pairs = (around[edge] @ (around.T @ around)).tocoo()
+    return edge[pairs.row], pairs.col.astype(np.int64)
+
+
+def planes(which: Indices, places: Array, values: Array, count: int) -> Array:
+    """Value at the origin of the plane nearest to points of each of ``count`` sets, (count, b).
+
+    Where the points are on a line, or there is one alone, the plane does not rise across.
+
+    Args:
+        which: Set of each point, shape (r,).
+        places: Its place in the plane, shape (r, 2).
+        values: Shape (r, b).
+        count: Number of sets, each with a point.
+    """
+    number = np.bincount(which, minlength=count)[:, np.newaxis]
+
+    def total(parts: Array) -> Array:
+        sums = np.zeros((count, *parts.shape[1:]))
+        np.add.at(sums, which, parts)
+        return sums
+
+    middle, mean = total(places) / number, total(values) / number
+    d, change = places - middle[which], values - mean[which]
+    matrix = total(np.einsum("ri,rj->rij", d, d))
+    slope = np.linalg.pinv(matrix, rcond=1e-6, hermitian=True) @ total(
+        np.einsum("ri,rb->rib", d, change)
+    )
+    return np.asarray(mean - np.einsum("ni,nib->nb", middle, slope))

@@ -1,0 +1,279 @@
+"""Section forces of beams: axial and shear forces, torques and bending moments along them.
+
+In each state of a result, at both ends and in the middle of each element::
+
+    found = fl.section_forces(result, beam, scene)
+    found.raw("My"), found.mean("My"), found.smooth("My")    # ends, middles, without jumps
+    found.plot("N", "My", path="diagram.png")
+    found.write_vtk("forces.pvd")
+
+A section whose normal is e₁ carries the force and moment that the beam beyond it exerts, in
+components along its own e₁, e₂, e₃: N, V_y, V_z and T, M_y, M_z, about the point of the beam's
+axis. A positive N pulls, a positive M_y pulls where z > 0 and a positive M_z where y < 0.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Point
+from fem_lie.pictures.units import SI, Units
+from fem_lie.results.history import Result
+from fem_lie.results.states import States, require_states
+from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces
+from fem_lie.results.stresses.element_forces import (
+    ElementForces,
+    in_the_middle,
+    single_forces,
+    without_jumps,
+)
+from fem_lie.scene.load import StrainLoad, amplitudes
+from fem_lie.scene.scene import Scene, require_scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class LoadStates(States, Protocol):
+    """Any result of statics, or a path."""
+
+    @property
+    def factors(self) -> Array:
+        """Load factors of the states."""
+
+
+def section_forces(
+    result: Result | LoadStates,
+    beam: Beam,
+    scene: Scene,
+    steps: Sequence[int] | None = None,
+) -> SectionForces:
+    """Section forces of a beam in states of a result.
+
+    Args:
+        result: Of dynamics, of statics or of a path, in which the beam was.
+        beam: The beam.
+        scene: What was solved: strains without stress are among its loads.
+        steps: Which states; default: all.
+
+    Raises:
+        ValueError: The beam is not in that scene or result, or there is no such step.
+    """
+    require_states(result)
+    require_scene(scene)
+    instance(beam, Beam, "beam", "a Beam")
+    if beam not in scene.bodies:
+        raise ValueError(f"{beam.label} is not in the scene")
+    nodes = result.info.body(beam.name).nodes
+    if len(nodes) != len(beam.frames):
+        raise ValueError(
+            f"{beam.label} has {len(beam.frames)} nodes, in that result it has {len(nodes)}"
+        )
+    rows = _rows(steps, len(result.frames))
+    dynamic = isinstance(result, Result)
+    times = (result.times if isinstance(result, Result) else result.factors)[rows]
+    frames = result.frames[rows][:, nodes]
+    strains = _strains(scene, beam, times, np.ones(len(times)) if dynamic else times)
+    velocities = result.velocities[rows][:, nodes] if isinstance(result, Result) else None
+    elements = ElementForces(beam)
+    ends = np.empty((len(rows), len(beam.elements), 2, 6))
+    for k, values in enumerate(ends):
+        elements.set_eigenstrain(strains[k])
+        values[:] = elements.at_ends(frames[k], None if velocities is None else velocities[k])
+    return SectionForces(beam, times, frames, strains, ends, single_forces(scene, beam), elements)
+
+
+def _rows(steps: Sequence[int] | None, count: int) -> Indices:
+    if steps is None:
+        return np.arange(count)
+    for step in steps:
+        if not -count <= step < count:
+            raise ValueError(f"the result has {count} states, got step {step}")
+    return np.array([step % count for step in steps], dtype=np.int64)
+
+
+def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
+    """Strains without stress at these times, shape (T, m, 6)."""
+    total = np.zeros((len(times), len(beam.elements), 6))
+    for number, load in enumerate(scene.loads):
+        if isinstance(load, StrainLoad) and load.body is beam:
+            given = load.history
+            amplitude = factors if given is None else amplitudes({number: given}, times)[:, 0]
+            total += amplitude[:, np.newaxis, np.newaxis] * load.strains()
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class SectionForces:
+    """Section forces of a beam in T states; made by :func:`section_forces`.
+
+    Loads act on the nodes of elements, and so does inertia. In an element the force on a section is
+    constant in space and its moment linear, and both are in equilibrium with all that acts on nodes
+    and joints, to the tolerance of the solution: :attr:`ends`. From one element to the next they
+    jump by what acts on the node between them. Where that stands for loads along the line, or for
+    inertia, :attr:`middle` and :attr:`smooth_ends` are nearer to the truth.
+
+    Attributes:
+        beam: The beam; m elements with n nodes.
+        times: Times, or load factors, shape (T,).
+        frames: Of the nodes, shape (T, n, 4, 3).
+        strains: Without stress, shape (T, m, 6).
+        ends: Elastic and viscous force and moment at both ends of each element, in the frames
+            there, shape (T, m, 2, 6).
+        single: Nodes at which single forces may act: of joints, supports, point loads, branches.
+        elements: The beam's elements, each for itself.
+    """
+
+    beam: Beam
+    times: Array
+    frames: Array
+    strains: Array
+    ends: Array
+    single: Indices
+    elements: ElementForces
+
+    @cached_property
+    def middle(self) -> Array:
+        """Force and moment in the middle of each element, in the frame there, shape (T, m, 6).
+
+        Those of both ends, carried there and averaged.
+        """
+        return in_the_middle(self.beam.elements, self.frames, self.ends)
+
+    @cached_property
+    def smooth_ends(self) -> Array:
+        """As :attr:`ends`, without jumps where no single force can act, shape (T, m, 2, 6).
+
+        See :func:`fem_lie.results.stresses.element_forces.without_jumps`.
+        """
+        return without_jumps(self.beam, self.ends, self.single)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the six."""
+        return COMPONENTS
+
+    @property
+    def arc(self) -> Array:
+        """Arc length of both ends of each element from the start of its line, shape (m, 2)."""
+        return self.beam.chains.arc
+
+    @cached_property
+    def cut_forces(self) -> Array:
+        """Forces at both ends of each element, global components, shape (T, m, 2, 3)."""
+        return self._in_space(self.ends[..., :3])
+
+    @cached_property
+    def cut_moments(self) -> Array:
+        """Moments there, about the axis, global components, shape (T, m, 2, 3)."""
+        return self._in_space(self.ends[..., 3:])
+
+    def _in_space(self, vectors: Array) -> Array:
+        axes = self.frames[:, self.beam.elements[:, :2], 1:]
+        return np.asarray(np.einsum("tmik,tmikj->tmij", vectors, axes))
+
+    def at_points(self, step: int = -1) -> Array:
+        """Elastic stress ``D ε`` at the points of integration, shape (m, g, 6).
+
+        It does work on the element's own strains. In elements of two nodes it is the mean force and
+        moment of the element, in axes that turn with the section; it differs from :attr:`middle` by
+        a part of the order of the square of the angle between both ends.
+
+        Args:
+            step: Which of the states here.
+        """
+        self.elements.set_eigenstrain(self.strains[step])
+        return self.elements.of_strain(self.frames[step])
+
+    def raw(self, name: str) -> Array:
+        """A quantity at both ends of each element, shape (T, m, 2).
+
+        Args:
+            name: A component, "V" or "M" (the amounts of shear and of bending), "stress max" or
+                "stress min" (largest and smallest axial stress at the corners of the outline, see
+                :meth:`fem_lie.sections.section.Section.axial_stress`).
+
+        Raises:
+            ValueError: There is no such quantity, or no such stress; likewise in the following
+                methods.
+        """
+        return of_forces(name, self.ends, self.beam.sections)
+
+    def mean(self, name: str) -> Array:
+        """A quantity in the middle of each element, shape (T, m)."""
+        return of_forces(name, self.middle[:, :, np.newaxis], self.beam.sections)[:, :, 0]
+
+    def smooth(self, name: str) -> Array:
+        """As :meth:`raw`, of :attr:`smooth_ends`."""
+        return of_forces(name, self.smooth_ends, self.beam.sections)
+
+    def at(self, point: Point, name: str) -> Array:
+        """A quantity at a node of the beam over time, shape (T,): that of the only element there.
+
+        Args:
+            point: An end of a line, or a node where values do not jump.
+            name: As for :meth:`raw`; values are those of :meth:`smooth`.
+
+        Raises:
+            ValueError: The point is not one of the beam, or values jump there.
+        """
+        if point.body is not self.beam:
+            raise ValueError(f"{point.label} is not a point of {self.beam.label}")
+        elements, ends = np.nonzero(self.beam.elements[:, :2] == point.node)
+        joined = len(elements) == 2 and point.node not in self.single
+        if len(elements) != 1 and not joined:
+            raise ValueError(
+                f"values at {point.label} belong to {len(elements)} ends of elements: take them "
+                "from raw(), smooth() or mean()"
+            )
+        return self.smooth(name)[:, elements[0], ends[0]]
+
+    # --- pictures and files ---
+
+    def plot(
+        self,
+        *names: str,
+        steps: Sequence[int] = (-1,),
+        smooth: bool = False,
+        path: str | os.PathLike[str] | None = None,
+        units: Units = SI,
+    ) -> Figure:
+        """Diagrams of quantities over arc length; saved if there is a path.
+
+        Args:
+            names: As for :meth:`raw`; default: the six components.
+            steps: Which of the states here, the later the darker.
+            smooth: Whether to draw :meth:`smooth`; default: :meth:`raw`.
+            path: Name of the picture.
+            units: For the labels.
+
+        Raises:
+            ValueError: See :meth:`raw`.
+        """
+        from fem_lie.results.stresses.force_diagram import diagrams
+
+        return diagrams(self, names or COMPONENTS, steps, smooth, path, units)
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each state.
+
+        Each element is a line with ends of its own. Point data: the six components at its ends, and
+        ``force`` and ``moment`` as vectors in space; cell data: the components in its middle.
+
+        Args:
+            path: Name of the ``.pvd`` file.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``.
+        """
+        from fem_lie.pictures.vtk import write_section_forces
+
+        write_section_forces(path, self)

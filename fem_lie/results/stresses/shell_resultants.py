@@ -1,0 +1,253 @@
+"""Stress resultants of shells: at points of integration, at nodes, as functions, in files.
+
+What they are is said in :mod:`fem_lie.results.stresses.shell_values`::
+
+    found = fl.resultants(result, shell, along=(1, 0, 0))
+    found.raw("M11"), found.mean("M11"), found.smooth("M11")    # points, cells, nodes
+    found.function("M11")                                       # DOLFINx
+    found.write_vtk("shell.vtu")
+    found.picture("shell.png", "M11")
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, SupportsIndex
+
+import dolfinx
+from dolfinx import fem
+
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.shell import Shell
+from fem_lie.mesh.surfaces import KINK_ANGLE
+from fem_lie.pictures.units import SI, Units
+from fem_lie.results.states import require_states
+from fem_lie.results.stresses.cell_functions import (
+    DISCONTINUOUS,
+    LAGRANGE,
+    ElementMaker,
+    cells_function,
+    dolfinx_surface,
+    quadrature,
+)
+from fem_lie.results.stresses.nodal_values import unit
+from fem_lie.results.stresses.shell_quantities import COMPONENTS, QUANTITIES, quantity
+from fem_lie.results.stresses.shell_stress import Along, ShellStress, StressPlaces
+from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
+
+if TYPE_CHECKING:
+    from fem_lie.results.states import States
+
+
+def resultants(
+    result: States,
+    shell: Shell,
+    step: int = -1,
+    *,
+    along: Along | None = None,
+    kink_angle: float = KINK_ANGLE,
+) -> Resultants:
+    """Stress resultants of a shell in one state of a result.
+
+    Args:
+        result: Of statics, of a path or of dynamics, in which the shell was.
+        shell: The shell.
+        step: Which state; default: the last.
+        along: e₁ before projection onto the unloaded surface: one vector, or a function of the
+            place; default: the axes of the sections (``Shell.axes``).
+        kink_angle: Largest angle, rad, between neighbouring cells across which nodal values are
+            averaged.
+
+    Raises:
+        ValueError: The shell is not in that result, there is no such step, or ``along`` is normal
+            to the surface somewhere.
+    """
+    require_states(result)
+    instance(step, SupportsIndex, "step", "the number of a state")
+    count = len(result.frames)
+    if not -count <= step < count:
+        raise ValueError(f"the result has {count} states, got step {step}")
+    (found,) = _of_states(result, shell, [step % count], along, kink_angle)
+    return found
+
+
+def resultant_series(
+    result: States,
+    shell: Shell,
+    *,
+    along: Along | None = None,
+    kink_angle: float = KINK_ANGLE,
+) -> list[Resultants]:
+    """Those of all states of a result; see :func:`resultants`."""
+    require_states(result)
+    return _of_states(result, shell, range(len(result.frames)), along, kink_angle)
+
+
+def _of_states(
+    result: States,
+    shell: Shell,
+    steps: range | list[int],
+    along: Along | None,
+    kink_angle: float,
+) -> list[Resultants]:
+    instance(shell, Shell, "shell", "a Shell")
+    nodes = result.info.body(shell.name).nodes
+    if len(nodes) != len(shell.frames):
+        raise ValueError(
+            f"{shell.label} has {len(shell.frames)} nodes, in that result it has {len(nodes)}"
+        )
+    places = StressPlaces.of(shell, along, kink_angle)
+    stress = ShellStress(shell)
+    return [Resultants.of(shell, places, result.frames[step][nodes], stress) for step in steps]
+
+
+@dataclass(frozen=True, eq=False)
+class Resultants(ResultantValues):
+    """Resultants of a shell in one state; made by :func:`resultants`."""
+
+    @cached_property
+    def mesh(self) -> dolfinx.mesh.Mesh:
+        """The unloaded surface as a DOLFINx mesh, on which the functions are."""
+        return dolfinx_surface(self.shell.own_mesh, self.shell.own_mesh.points)
+
+    @cached_property
+    def deformed_mesh(self) -> dolfinx.mesh.Mesh:
+        """The surface in this state as a DOLFINx mesh."""
+        return dolfinx_surface(self.shell.own_mesh, self.frames[:, 0])
+
+    def function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
+        """Averaged values as a continuous function of the mesh's degree.
+
+        Args:
+            name: A quantity, see :meth:`raw`; default: all eight components as a vector.
+            deformed: Whether it is on :attr:`deformed_mesh`.
+
+        Raises:
+            ValueError: Beside those of :meth:`smooth`: something jumps (take
+                :meth:`cell_function`).
+        """
+        patches, count = self.places.patches, len(self.frames)
+        if len(patches.node) > count:
+            raise ValueError(
+                f"resultants of {self.shell.label} jump at {len(patches.node) - count} nodes, at "
+                "kinks or between sections: use cell_function"
+            )
+        values = self.nodal if name is None else self.smooth(name)
+        return self._function(name, values[patches.number], LAGRANGE, deformed)
+
+    def cell_function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
+        """Values extrapolated in each cell as a discontinuous function of the mesh's degree.
+
+        Args:
+            name: As for :meth:`function`.
+            deformed: Likewise.
+        """
+        return self._function(name, self._of(name, self.in_cells), DISCONTINUOUS, deformed)
+
+    def point_function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
+        """Values at the points of integration, a function of a quadrature element.
+
+        Args:
+            name: As for :meth:`function`.
+            deformed: Likewise.
+        """
+        degree = self.shell.formulation.measures_for(
+            self.shell.own_mesh.cell, self.shell.own_mesh.degree
+        ).quadrature_degree
+        return self._function(name, self._of(name, self.at_points), quadrature(degree), deformed)
+
+    def _function(
+        self, name: str | None, values: Array, element: ElementMaker, deformed: bool
+    ) -> fem.Function:
+        mesh = self.deformed_mesh if deformed else self.mesh
+        return cells_function(mesh, self.shell.own_mesh, values, element, name or "N, M, Q")
+
+    # --- files and pictures ---
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write the deformed surface for ParaView, pyvista or meshio.
+
+        Point data: ``displacement``, ``director`` and the averaged values; cell data: means of the
+        cells, ``e1`` and ``e2`` of the axes, ``thickness``. A point where something jumps is there
+        several times. Components are left out of the point data where axes jump, see
+        :attr:`nodal`.
+
+        Args:
+            path: Name of the ``.vtu`` file.
+
+        Raises:
+            ValueError: The name does not end in ``.vtu``.
+        """
+        from fem_lie.pictures.vtk import write_surface
+
+        node = self.places.patches.node
+        turning = self.places.jump <= LARGEST_JUMP
+        names = [name for name, each in QUANTITIES.items() if self._homogeneous or not each.layer]
+        x = self.frames[node, 0]
+        points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
+        points |= {
+            "displacement": x - self.shell.own_mesh.points[node],
+            "director": self.frames[node, 3],
+        }
+        cells = {name: self.mean(name) for name in names}
+        cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
+        cells["thickness"] = self.shell.thickness
+        write_surface(path, x, self.places.patches.number, self.shell.own_mesh, points, cells)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all values to an HDF5 file; an old file is replaced.
+
+        Data sets: ``places`` (p, 3) of the averaged values, ``cells`` (m, k) of them, ``averaged``
+        (p, 8) along ``axes`` (p, 3, 3); ``in_cells`` (m, k, 8), ``at_points`` (m, g, 8), ``points``
+        (m, g, 3), ``areas`` (m, g), ``cut_forces`` and ``cut_moments`` (m, g, 2, 3); all places and
+        axes of the unloaded shell. The attribute ``components`` names the eight.
+        """
+        import h5py
+
+        patches = self.places.patches
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": "fem_lie resultants", "version": 1})
+            file.attrs["components"] = list(COMPONENTS)
+            file["places"] = self.shell.own_mesh.points[patches.node]
+            file["cells"], file["axes"] = patches.number, self.places.shared
+            file["averaged"] = self.averaged
+            for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
+                file[name] = getattr(self, name)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        name: str,
+        *,
+        magnified: float = 1.0,
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the deformed shell, coloured by a quantity, and the outline of the unloaded one.
+
+        Args:
+            path: Name of the ``.png`` file.
+            name: A quantity, see :meth:`raw`.
+            magnified: Factor of the displacements in the picture.
+            title: Above the picture; default: what is drawn.
+            units: For the axes and the scale of colours.
+
+        Raises:
+            ValueError: The name does not end in ``.png``; or see :meth:`smooth`.
+        """
+        from fem_lie.pictures.contours import draw_values
+
+        node, X = self.places.patches.node, self.shell.own_mesh.points
+        draw_values(
+            path,
+            self.shell.own_mesh,
+            self.places.patches.number,
+            X[node],
+            X[node] + magnified * (self.frames[node, 0] - X[node]),
+            self.smooth(name),
+            f"{name} [{quantity(name).unit(units)}]",
+            title=title or f"{name} of {self.shell.label}",
+            units=units,
+        )

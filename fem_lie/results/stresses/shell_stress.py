@@ -1,0 +1,181 @@
+"""The stress resultants of a shell in given frames, and where they are: points, axes, patches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.bodies.body import vector
+from fem_lie.bodies.shell import Shell
+from fem_lie.bodies.shell_assembly import ShellAssembly
+from fem_lie.results.stresses.nodal_values import (
+    CellPoints,
+    SharedValues,
+    axes_along,
+    shared_values,
+    unit,
+)
+
+Along = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
+
+_SECTION_JUMP = 0.2  # of the stiffness; more is not averaged across
+_SETTLED = 1e-9
+_MOST_ROUNDS = 25
+
+
+class ShellStress:
+    """Resultants at the points of integration, in the axes of the sections."""
+
+    def __init__(self, shell: Shell) -> None:
+        self._assembly = ShellAssembly([shell])
+        rule = integration(shell)[0]
+        self._expression = fem.Expression(self._assembly.stress, rule)
+        self._shape = len(shell.own_mesh.cells), len(rule), 8
+        self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
+
+    def __call__(self, frames: Array) -> Array:
+        """Shape (m, g, 8)."""
+        assembly = self._assembly
+        H = np.empty_like(frames)
+        H[assembly.order] = frames
+        assembly.reset_stress(H)
+        found = self._carried()
+        # fields that the energy is quadratic in have settled at once
+        for _ in range(_MOST_ROUNDS):
+            assembly.reset_stress(H)
+            before, found = found, self._carried()
+            change = np.abs(found - before).max()
+            if change <= _SETTLED * np.abs(found).max() + self._noise:
+                return found
+        raise RuntimeError(
+            f"the stress fields of the cells did not settle in {_MOST_ROUNDS} rounds: the last "
+            f"change is {change:.2e} of {np.abs(found).max():.2e}"
+        )
+
+    def _carried(self) -> Array:
+        mesh, cells = self._assembly.mesh, self._assembly.cell_order.astype(np.int32)
+        values = self._expression.eval(mesh, cells)
+        return np.asarray(values, dtype=np.float64).reshape(self._shape)
+
+
+def integration(shell: Shell) -> tuple[Array, Array]:
+    """Reference coordinates (g, 2) and weights (g,) of the points of integration."""
+    mesh = shell.own_mesh
+    degree = shell.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
+    points, weights = basix.make_quadrature(basix.CellType[mesh.cell], degree)
+    return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class StressPlaces:
+    """What does not change with the state; axes are those of the unloaded shell.
+
+    Attributes:
+        points: The points of integration.
+        areas: What they carry, shape (m, g).
+        section: Axes of the sections there, shape (m, g, 3, 3).
+        asked: Axes asked for there, shape (m, g, 3, 3).
+        section_at_nodes: Axes of the sections at the nodes of the cells, shape (m, k, 3, 3).
+        asked_at_nodes: Those asked for, shape (m, k, 3, 3).
+        patches: Which nodes of cells share a value.
+        shared: Axes of these values, shape (p, 3, 3).
+        jump: Largest angle, rad, at the nodes between ``asked_at_nodes`` and ``shared``.
+    """
+
+    points: CellPoints
+    areas: Array
+    section: Array
+    asked: Array
+    section_at_nodes: Array
+    asked_at_nodes: Array
+    patches: SharedValues
+    shared: Array
+    jump: float
+
+    @classmethod
+    def of(cls, shell: Shell, along: Along | None, kink_angle: float) -> StressPlaces:
+        """Find them.
+
+        Args:
+            shell: The shell.
+            along: e₁ of the axes asked for, see
+                :func:`fem_lie.results.stresses.shell_resultants.resultants`.
+            kink_angle: Largest angle, rad, between cells that share values.
+        """
+        mesh, (rule, weights) = shell.own_mesh, integration(shell)
+        points, x = CellPoints.of(mesh, rule), mesh.points[mesh.cells]
+        across = np.cross(*np.moveaxis(points.tangents(x), 2, 0))
+        given = shell.axes[:, np.newaxis]
+        section = axes_along(unit(across), given)
+        at_nodes = axes_along(mesh.normals, given)
+        groups = shared_values(mesh, _smooth(shell, kink_angle))
+        normals = unit(groups.mean(mesh.normals))
+        if along is None:
+            asked, asked_at_nodes = section, at_nodes
+            shared = axes_along(normals, _mean_direction(groups, at_nodes[:, :, 0]))
+        else:
+            asked = axes_along(unit(across), _directions(along, points.places(x)))
+            nodal = _directions(along, mesh.points)
+            asked_at_nodes = axes_along(mesh.normals, nodal[mesh.cells])
+            shared = axes_along(normals, nodal[groups.node])
+        cosine, sine = between(asked_at_nodes, shared[groups.number])
+        return cls(
+            points,
+            weights * np.linalg.norm(across, axis=-1),
+            section,
+            asked,
+            at_nodes,
+            asked_at_nodes,
+            groups,
+            shared,
+            float(np.abs(np.arctan2(sine, cosine)).max()),
+        )
+
+
+def between(old: Array, new: Array) -> tuple[Array, Array]:
+    """Cosine and sine of the angle from e₁ of one triad to e₁ of another, all (..., 3, 3)."""
+    c, s = np.einsum("...ij,...j->i...", old[..., :2, :], new[..., 0, :])
+    size = np.hypot(c, s)
+    return c / size, s / size
+
+
+def _directions(along: Along, places: Array) -> Array:
+    """The user's direction at places (..., 3)."""
+    if not callable(along):
+        return np.broadcast_to(vector(along, 3, "along"), places.shape)
+    flat = places.reshape(-1, 3)
+    found = [vector(along(place), 3, f"along at {place}") for place in flat]
+    return np.reshape(found, places.shape)
+
+
+def _mean_direction(groups: SharedValues, directions: Array) -> Array:
+    """Mean of unit vectors over patches, one of them where they cancel."""
+    mean = groups.mean(directions)
+    _, first = np.unique(groups.number, return_index=True)
+    weak = np.linalg.norm(mean, axis=1) < 0.1
+    mean[weak] = directions.reshape(-1, 3)[first[weak]]
+    return mean
+
+
+def _smooth(shell: Shell, kink_angle: float) -> Callable[..., Flags]:
+    """Whether normals and sections of two cells at a common node are nearly the same."""
+    normals, D = shell.own_mesh.normals, shell.stiffness
+    A, bending = D[:, :3, :3], D[:, 3:6, 3:6]
+
+    def jumps(part: Array, a: Indices, b: Indices) -> Flags:
+        size = np.linalg.norm(part, axis=(1, 2))
+        change = np.linalg.norm(part[a] - part[b], axis=(1, 2))
+        return np.asarray(change > _SECTION_JUMP * np.maximum(size[a], size[b]))
+
+    def smooth(a: Indices, b: Indices, i: Indices, j: Indices) -> Flags:
+        cosine = np.einsum("pj,pj->p", normals[a, i], normals[b, j])
+        flat = cosine >= np.cos(kink_angle)
+        return np.asarray(flat & ~jumps(A, a, b) & ~jumps(bending, a, b))
+
+    return smooth

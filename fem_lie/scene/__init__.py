@@ -1,0 +1,1 @@
+"""What there is: bodies, joints, loads, supports and choices."""

@@ -1,0 +1,55 @@
+"""Model only what a scene needs: what is left out, by whose choice, and what it costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from fem_lie._arrays import flag
+
+
+class Redundant(Enum):
+    """What to do with constraints that follow from others.
+
+    ``REFUSE``: an error that names them. ``MINIMUM_NORM``: all are kept; of the joint forces that
+    make the same motion, results report those whose sum of squares is least, with moments over the
+    length of the model. What only elasticity can decide is decided by that, not by mechanics.
+    """
+
+    REFUSE = "refuse"
+    MINIMUM_NORM = "minimum norm"
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What goes into the iteration matrix of dynamics; the equations always have everything.
+
+    A term that is left out costs iterations, never accuracy. ``None`` leaves the choice to the
+    scene, which logs it.
+
+    Attributes:
+        gyroscopic: Derivatives of gyroscopic and centrifugal forces. Default: if anything turns
+            by more than :data:`SPIN_PER_STEP` in a step at the start.
+        geometric: Geometric stiffness of elements and joints. Default: yes.
+    """
+
+    gyroscopic: bool | None = None
+    geometric: bool | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if one of them is neither true nor false nor ``None``."""
+        for name in ("gyroscopic", "geometric"):
+            if getattr(self, name) is not None:
+                flag(getattr(self, name), f"Choices: {name}")
+
+    def resolve(self, spin_per_step: float) -> Choices:
+        """The same with nothing left open, for the largest rotation in a step, rad."""
+        gyroscopic, geometric = self.gyroscopic, self.geometric
+        return Choices(
+            spin_per_step > SPIN_PER_STEP if gyroscopic is None else gyroscopic,
+            True if geometric is None else geometric,
+        )
+
+
+SPIN_PER_STEP = 0.01
+"""Turn in a step, rad, from which gyroscopic terms count in the matrix (docs/choices.md)."""

@@ -1,0 +1,56 @@
+"""Which nodes' rotations the items of a scene take hold of.
+
+Such a node of a shell needs a rotation about its director, see
+:mod:`fem_lie.elements.shells.drilling`. That is a property of the scene, not of the body, which
+may be in others, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from fem_lie.bodies.body import Body, HeldRotation, Point, ground
+from fem_lie.joints import Connection, RigidLink
+from fem_lie.scene.load import Load
+from fem_lie.scene.nodal_loads import PointLoad
+from fem_lie.scene.supports import Clamp, PrescribedMotion
+
+Holding: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion
+
+
+def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
+    """Bodies whose nodes an item holds, and how."""
+    if isinstance(item, Connection):
+        yield from _by_connection(item)
+    elif isinstance(item, RigidLink):
+        yield from _by_each_other(item.label, item.a, item.b)
+    elif isinstance(item, PrescribedMotion):
+        yield from _by_each_other(type(item).__name__, item.point, ground())
+    elif isinstance(item, PointLoad) and np.any(item.moment):
+        what = f"the moment at {item.point.label}"
+        yield item.body, HeldRotation(item.point.node, item, what, item.axis())
+
+
+def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
+    # only shells have the choice
+    if not any(body is not None and body.uncoupled for body in item.bodies):
+        return
+    turns = item.turns
+    for tie in item.ties():
+        if turns:
+            yield from _by_each_other(item.label, tie.a, tie.b)
+        elif not tie.reversible:
+            # its axes belong to the frame of a
+            yield from _by_each_other(item.label, tie.a, ground())
+    for rolling in item.velocity_ties():
+        yield from _by_each_other(item.label, rolling.a, rolling.b)
+
+
+def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:
+    """Both points hold each other's rotation."""
+    for point, other in ((a, b), (b, a)):
+        if point.body is not None:
+            yield point.body, HeldRotation(point.node, (other.body, other.node), what)

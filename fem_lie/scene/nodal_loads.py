@@ -1,0 +1,121 @@
+"""Forces and moments on points and lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Body, Point, require_point, vector
+from fem_lie.scene.load import NodalLoad
+
+if TYPE_CHECKING:
+    from fem_lie.scene.load import History
+
+
+@dataclass(frozen=True, eq=False)
+class PointLoad(NodalLoad):
+    """Force and moment at a point.
+
+    Attributes:
+        point: Where.
+        force: Three components: global if fixed in space, of the node's frame if following.
+        moment: Likewise: about axes fixed in space, or about axes that follow the node.
+        following: Whether the load turns with the node's frame.
+        history: Factor as a function of time.
+    """
+
+    point: Point
+    force: npt.ArrayLike = (0.0, 0.0, 0.0)
+    moment: npt.ArrayLike = (0.0, 0.0, 0.0)
+    following: bool = False
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        require_point(self.point, "PointLoad: point")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite or acts on ground."""
+        vector(self.force, 3, f"force at {self.point.label}")
+        vector(self.moment, 3, f"moment at {self.point.label}")
+        if self.point.is_ground:
+            raise ValueError("a load needs a point of a body, got ground")
+
+    def axis(self) -> Array:
+        """Of the moment before anything moves, global components, shape (3,)."""
+        moment = np.asarray(self.moment, dtype=np.float64)
+        return moment @ self.point.frame[1:] if self.following else moment
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        assert self.point.body is not None
+        return self.point.body
+
+    def nodal(self) -> Array:
+        """Force and moment at each node of the body, shape (n, 6)."""
+        values = np.zeros((len(self.body.frames), 6))
+        values[self.point.node, :3] = self.force
+        values[self.point.node, 3:] = self.moment
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class LineLoad(NodalLoad):
+    """Force and moment per reference length on all of a beam or on some of its cells.
+
+    Attributes:
+        beam: What carries it.
+        force: Three components per length: global if fixed in space, local if following.
+        moment: Likewise.
+        cells: Name of a group of cells; default: all.
+        following: Whether the load turns with the nodes' frames.
+        history: Factor as a function of time.
+    """
+
+    beam: Body
+    force: npt.ArrayLike = (0.0, 0.0, 0.0)
+    moment: npt.ArrayLike = (0.0, 0.0, 0.0)
+    cells: str | None = None
+    following: bool = False
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        instance(self.beam, Beam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
+
+    def check(self) -> None:
+        """See the base class."""
+        vector(self.force, 3, f"line force on {self.body.label}")
+        vector(self.moment, 3, f"line moment on {self.body.label}")
+        self.body.cells_of(self.cells)
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.beam
+
+    def nodal(self) -> Array:
+        """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
+        values = np.zeros((len(self.body.frames), 6))
+        nodes, shares = self.body.consistent_shares()
+        chosen = self.body.cells_of(self.cells)
+        density = np.concatenate([self.force, self.moment]).astype(np.float64)
+        np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
+        return values
+
+    def on_directors(self) -> Array:
+        """What the bow of the axis carries to the ends, shape (n, 3, 3)."""
+        values = np.zeros((len(self.body.frames), 3, 3))
+        nodes, _ = self.body.consistent_shares()
+        chosen, levers = self.body.cells_of(self.cells), self.body.consistent_levers()
+        force = np.asarray(self.force, dtype=np.float64)
+        np.add.at(values, nodes[chosen], levers[chosen, :, :, np.newaxis] * force)
+        return values

@@ -1,0 +1,124 @@
+"""Pressure on beams and shells, which follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices, instance, number
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Body, direction, vector
+from fem_lie.bodies.shell import Shell
+from fem_lie.mesh.shapes import FaceRule
+from fem_lie.scene.load import History, Load
+from fem_lie.scene.surface_loads import nodes_of, require_shell, sides_of
+
+
+@dataclass(frozen=True, eq=False)
+class PressureLoad(Load):
+    """Pressure on one face of a beam: always normal to the axis, per *current* length.
+
+    The force per length is ``p x' × w`` with ``w`` the axis across the face, which turns with the
+    section; its load stiffness is in the matrix. It has no potential.
+
+    Attributes:
+        beam: What carries it.
+        pressure: Force per current length (pressure times the width of the face).
+        direction: Local components of the push in the unloaded configuration, across the axis.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    pressure: float
+    direction: npt.ArrayLike = (0.0, 0.0, 1.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        instance(self.beam, Beam, "PressureLoad: beam", "a Beam (on shells: SurfacePressure)")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite, or its direction is zero or along the axis."""
+        push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
+        number(self.pressure, f"pressure on {self.beam.label}")
+        if abs(push[0]) > 1e-9:
+            raise ValueError(
+                f"the direction of the pressure on {self.beam.label} must be across the axis "
+                f"(0, y, z), got {self.direction}"
+            )
+        self.beam.cells_of(self.cells)
+
+    @property
+    def body(self) -> Beam:
+        """The body that carries the load."""
+        return self.beam
+
+    def across(self) -> Array:
+        """``w = m × e₁`` times the pressure, shape (3,)."""
+        push = direction(self.direction, f"direction of the pressure on {self.beam.label}")
+        return self.pressure * np.cross(push, [1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePressure(Load):
+    """Pressure on a shell: normal to its surface, per *current* area.
+
+    A positive pressure pushes towards the side of the directors. Its load stiffness is in the
+    matrix, which is symmetric where the surface is closed or ends on fixed edges and planes of
+    symmetry, the pressure does not jump between cells, and so there is a potential ``−∫ p dV``.
+
+    Attributes:
+        shell: What carries it.
+        pressure: Force per area, or a function of the unloaded centre of a cell, shape (3,).
+        gradient: Increase of the pressure per length, at the current place, global components; with
+            it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    shell: Shell
+    pressure: float | Callable[[Array], float]
+    gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        require_shell(self)
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite or the shell has no such cells."""
+        vector(self.gradient, 3, f"gradient of the pressure on {self.shell.label}")
+        self.shell.cells_of(self.cells)
+        self.on_cells()
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.shell
+
+    def faces(self) -> Indices:
+        """Nodes of the loaded cells, shape (c, k)."""
+        return nodes_of(self.shell)[self.shell.cells_of(self.cells)]
+
+    def rule(self) -> FaceRule:
+        """Points of integration."""
+        return FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
+
+    def on_cells(self) -> Array:
+        """Pressure and its gradient on the loaded cells, to the side of x,₁ × x,₂, shape (c, 4)."""
+        mesh, chosen = self.shell.mesh, self.shell.cells_of(self.cells)
+        values = np.empty((len(chosen), 4))
+        values[:, 1:] = self.gradient
+        for row, cell in enumerate(chosen):
+            centre = mesh.points[mesh.corners[cell]].mean(axis=0)
+            given = self.pressure(centre) if callable(self.pressure) else self.pressure
+            values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
+        return sides_of(self.shell)[chosen, np.newaxis] * values

@@ -1,0 +1,69 @@
+"""Steady rotation: what turns with a constant angular velocity is at rest in a turning frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.body import vector
+from fem_lie.scene.load import NodalLoad
+from fem_lie.scene.scene import Scene, require_scene
+
+_PARALLEL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Rotation:
+    """A constant angular velocity about an axis that does not move.
+
+    Attributes:
+        spin: Angular velocity, global components, rad per time, shape (3,).
+        about: A place on the axis, shape (3,).
+    """
+
+    spin: Array
+    about: Array
+
+    @classmethod
+    def of(cls, spin: npt.ArrayLike, about: npt.ArrayLike) -> Rotation:
+        """From what a user gives.
+
+        Raises:
+            ValueError: It is not finite, or has another shape.
+        """
+        return cls(vector(spin, 3, "spin"), vector(about, 3, "about"))
+
+    def __bool__(self) -> bool:
+        """Whether anything turns."""
+        return bool(self.spin.any())
+
+    def velocities(self, H: Array, factor: float = 1.0) -> Array:
+        """Local velocities of frames that turn ``factor`` times as fast, shape (n, 6)."""
+        v = np.empty((len(H), 6))
+        spin = factor * self.spin
+        v[:, :3] = np.einsum("nij,nj->ni", H[:, 1:], np.cross(spin, H[:, 0] - self.about))
+        v[:, 3:] = H[:, 1:] @ spin
+        return v
+
+    def check(self, scene: Scene) -> None:
+        """Raise ``ValueError`` if a load fixed in space turns as seen from the turning frame."""
+        require_scene(scene)
+        if not self:
+            return
+        self._check_parallel("gravity", scene.gravity)
+        for number, load in enumerate(scene.loads, start=1):
+            if isinstance(load, NodalLoad) and not load.following:
+                nodal = load.nodal().reshape(-1, 2, 3)
+                self._check_parallel(f"load {number}, on {load.body.label},", nodal)
+
+    def _check_parallel(self, what: str, vectors: Array) -> None:
+        axis = self.spin / np.linalg.norm(self.spin)
+        if (np.abs(np.cross(axis, vectors)) > _PARALLEL * np.abs(vectors).max()).any():
+            raise ValueError(
+                f"{what} is fixed in space and must be parallel to the spin {self.spin}: seen from "
+                "the turning frame it turns otherwise, and there is no equilibrium. Loads of "
+                "points that turn, too, take following=True"
+            )

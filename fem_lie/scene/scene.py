@@ -1,0 +1,285 @@
+"""A scene: what there is, in the order in which it was added, with names."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, choice, instance, shown
+from fem_lie.bodies.body import Body, HeldRotation, Holds, vector
+from fem_lie.joints import Connection, Drive, Joint, RigidLink
+from fem_lie.scene.choices import Choices, Redundant
+from fem_lie.scene.held_rotations import Holding, held_by
+from fem_lie.scene.load import Load
+from fem_lie.scene.supports import Clamp, PrescribedMotion
+from fem_lie.system.nodes.numbering import Numbering
+from fem_lie.system.nodes.shared_setup import SharedSetup
+
+if TYPE_CHECKING:
+    from fem_lie.pictures.units import Units
+
+Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
+
+
+def require_scene(value: object) -> None:
+    """Raise ``TypeError`` if it is no scene."""
+    instance(value, Scene, "what is solved", "a Scene")
+
+
+class Scene:
+    """Bodies, joints, loads and supports.
+
+    Attributes:
+        choices: What is forced into or out of the iteration matrix.
+        redundant: What to do with constraints that follow from others.
+        bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
+        connections: Springs, drives and gears.
+    """
+
+    def __init__(
+        self,
+        gravity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        choices: Choices | None = None,
+        redundant: Redundant = Redundant.REFUSE,
+    ) -> None:
+        """Start empty.
+
+        Args:
+            gravity: Acceleration of free fall, global components.
+            choices: What is forced into or out of the iteration matrix; default: nothing.
+            redundant: What to do with constraints that follow from others.
+        """
+        self._gravity = vector(gravity, 3, "gravity")
+        instance(choices, Choices | None, "Scene: choices", "Choices or None")
+        self.choices = Choices() if choices is None else choices
+        self.redundant = choice(redundant, Redundant, "Scene: redundant")
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+        self.connections: list[Connection] = []
+        self.links: list[RigidLink] = []
+        self.loads: list[Load] = []
+        self.clamps: list[Clamp] = []
+        self.motions: list[PrescribedMotion] = []
+        self._known: set[Body] = set()
+        self._names: set[str] = set()
+        self._kinds: Counter[type[Body]] = Counter()
+        self._shared: SharedSetup | None = None
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall, global components, shape (3,)."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: npt.ArrayLike) -> None:
+        self._gravity = vector(value, 3, "gravity")
+
+    def add(self, item: Item) -> Item:
+        """Add a body, joint, spring, drive, load, support and so on, and return it.
+
+        Raises:
+            ValueError: It is bad in itself, or refers to a body that is not in the scene, or its
+                name is taken.
+            TypeError: It is none of these.
+        """
+        if isinstance(item, Body):
+            self._add_body(item)
+        elif isinstance(item, Connection):
+            item.check()
+            self._check_points(item.label, *item.bodies)
+            self._check_coordinates(item)
+            self._check_rotations(item)
+            if isinstance(item, Joint):
+                self.joints.append(item)
+            else:
+                self.connections.append(item)
+        elif isinstance(item, RigidLink):
+            item.check()
+            self._check_points(item.label, item.a.body, item.b.body)
+            self._check_rotations(item)
+            self.links.append(item)
+        elif isinstance(item, Load):
+            item.check()
+            self._check_points(type(item).__name__, item.body)
+            self._check_rotations(item)
+            self.loads.append(item)
+        elif isinstance(item, Clamp | PrescribedMotion):
+            item.check()
+            self._check_points(type(item).__name__, item.point.body)
+            self._check_rotations(item)
+            supports: list = self.clamps if isinstance(item, Clamp) else self.motions
+            supports.append(item)
+        else:
+            raise TypeError(
+                f"a scene takes bodies, joints, links, loads, supports, got {shown(item)}"
+            )
+        return item
+
+    def held_rotations(self) -> Holds:
+        """What takes hold of the rotations of each body's nodes."""
+        holds: dict[Body, list[HeldRotation]] = {}
+        items: list[Holding] = [*self.joints, *self.connections, *self.links]
+        items += [*self.loads, *self.motions]
+        for item in items:
+            for body, hold in held_by(item):
+                holds.setdefault(body, []).append(hold)
+        return holds
+
+    def drills(self, body: Body) -> bool:
+        """Whether the nodes of a body turn about their third directors in this scene.
+
+        Of a shell: whether it has six parameters here.
+
+        Raises:
+            ValueError: The body is not in the scene.
+        """
+        self._check_points("drills", body)
+        return body.drills(self.held_rotations().get(body, ()))
+
+    def with_loads(self, *loads: Load, gravity: npt.ArrayLike | None = None) -> Scene:
+        """The same scene under other loads, for sweeps: nothing else is set up anew.
+
+        Bodies, joints, springs, supports and motions are those of this scene. The nodes' numbering,
+        the assembled forms of the elements and their inertia are shared by all scenes that were
+        made from one; results are to the last bit those of a scene that is built anew. Change
+        nothing of the bodies meanwhile: all would be set up anew.
+
+        Args:
+            loads: All loads of the new scene; those of this one are left out.
+            gravity: Acceleration of free fall, global components; default: that of this scene.
+
+        Raises:
+            ValueError: A load is bad in itself, or on a body that is not in the scene.
+        """
+        scene = self._copy(self.connections)
+        if gravity is not None:
+            scene.gravity = vector(gravity, 3, "gravity")
+        for load in loads:
+            instance(load, Load, "Scene.with_loads", "a load")
+            scene.add(load)
+        return scene
+
+    def with_drives(self, functions: Mapping[Drive, Callable[[float], float] | None]) -> Scene:
+        """The same scene and loads with other functions of drives, see :meth:`with_loads`.
+
+        Args:
+            functions: The new function of each drive that changes; results may be asked for it by
+                the old drive.
+
+        Raises:
+            ValueError: A drive is not in the scene, or its function does not start at the
+                coordinate's value.
+        """
+        strange = [drive for drive in functions if drive not in self.connections]
+        if strange:
+            raise ValueError(f"{strange[0].label} is not in the scene; add it first")
+        changed = [
+            replace(item, function=functions[item])
+            if isinstance(item, Drive) and item in functions
+            else item
+            for item in self.connections
+        ]
+        for item in changed:
+            item.check()
+        scene = self._copy(changed)
+        scene.loads = list(self.loads)
+        return scene
+
+    def _copy(self, connections: Sequence[Connection]) -> Scene:
+        """The same without loads; what is set up is shared."""
+        scene = Scene(self.gravity, choices=self.choices, redundant=self.redundant)
+        scene.bodies, scene.joints = list(self.bodies), list(self.joints)
+        scene._known, scene._names = set(self._known), set(self._names)
+        scene._kinds = Counter(self._kinds)
+        scene.connections, scene.links = list(connections), list(self.links)
+        scene.clamps, scene.motions = list(self.clamps), list(self.motions)
+        self._shared = self._shared or SharedSetup()
+        scene._shared = self._shared
+        return scene
+
+    def numbered(self) -> Numbering:
+        """The numbering of its nodes, with the assembled forms of the elements, made anew.
+
+        Raises:
+            ValueError: Two bodies were given the same name after they were added.
+        """
+        twice = [name for name, count in Counter(b.name for b in self.bodies).items() if count > 1]
+        if twice:
+            raise ValueError(f"the scene has several bodies named {twice[0]!r}")
+        return Numbering(self.bodies, self.links, self.held_rotations())
+
+    def numbering_for(self, user: object) -> Numbering:
+        """The same, shared with scenes that differ in loads and drives alone, if there are any."""
+        return self.numbered() if self._shared is None else self._shared.numbering(self, user)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        frames: bool = False,
+        title: str = "",
+        units: Units | None = None,
+    ) -> None:
+        """Draw the bodies as they are before anything moves.
+
+        Args:
+            path: Name of the ``.png`` file.
+            frames: Draw the nodal frames.
+            title: Above the picture.
+            units: For the axes; default: SI.
+
+        Raises:
+            ValueError: The scene has no body, or the name does not end in ``.png``.
+        """
+        from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
+        from fem_lie.pictures.bodies import draw
+        from fem_lie.pictures.units import SI
+
+        if not self.bodies:
+            raise ValueError("the scene has no body")
+        ends = np.cumsum([len(body.frames) for body in self.bodies])
+        bodies = tuple(
+            BodyInfo.of(body, np.arange(end - len(body.frames), end))
+            for body, end in zip(self.bodies, ends, strict=True)
+        )
+        nodes = np.concatenate([body.frames for body in self.bodies])
+        draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units or SI)
+
+    def _add_body(self, body: Body) -> None:
+        if body in self._known:
+            raise ValueError(f"{body.label} is in the scene already")
+        number = 1 + self._kinds[type(body)]
+        body.name = body.name or f"{type(body).__name__.lower()} {number}"
+        if body.name in self._names:
+            raise ValueError(f"the scene has a body named {body.name!r} already")
+        self._known.add(body)
+        self._names.add(body.name)
+        self._kinds[type(body)] = number
+        self.bodies.append(body)
+
+    def _check_points(self, what: str, *bodies: Body | None) -> None:
+        for body in bodies:
+            if body is not None and body not in self._known:
+                raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
+
+    def _check_coordinates(self, item: Connection) -> None:
+        """Refuse what acts along a coordinate of a joint that holds nothing, as it is not here."""
+        if isinstance(item, Joint):
+            return
+        for coordinate in item.coordinates():
+            if coordinate.binds and coordinate.joint not in self.joints:
+                raise ValueError(
+                    f"{item.label} acts along the {coordinate.label}, which is not in the scene; "
+                    "add the joint first"
+                )
+
+    def _check_rotations(self, item: Holding) -> None:
+        for body, hold in held_by(item):
+            body.drills([hold])

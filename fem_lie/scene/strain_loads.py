@@ -1,0 +1,106 @@
+"""Loads by strains of beams: eigenstrain, temperature, prestress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import vector
+from fem_lie.scene.load import StrainLoad
+
+if TYPE_CHECKING:
+    from fem_lie.scene.load import History
+
+
+@dataclass(frozen=True, eq=False)
+class Eigenstrain(StrainLoad):
+    """A strain without stress, such as that of growth or of an actuator.
+
+    Attributes:
+        beam: What is strained.
+        strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    strain: npt.ArrayLike
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector(self.strain, 6, f"eigenstrain of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6)."""
+        return self._in_cells(self.strain)
+
+
+@dataclass(frozen=True, eq=False)
+class Temperature(StrainLoad):
+    """Change of temperature with a constant gradient over the section.
+
+    A point (y, z) of the section is warmer by ``rise + gradient · (y, z)``.
+
+    Attributes:
+        beam: What is warmed.
+        rise: At the axis.
+        expansion: Coefficient of thermal expansion, per temperature.
+        gradient: Along e₂ and e₃, temperature per length.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    rise: float
+    expansion: float
+    gradient: npt.ArrayLike = (0.0, 0.0)
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
+        vector(self.gradient, 2, f"gradient of temperature of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
+        y, z = np.asarray(self.gradient, dtype=np.float64)
+        strain = self.expansion * np.array([self.rise, 0, 0, 0, z, -y])
+        return self._in_cells(strain)
+
+
+@dataclass(frozen=True, eq=False)
+class PreStress(StrainLoad):
+    """Force and moment that the section has in the unloaded configuration.
+
+    Attributes:
+        beam: What is stressed.
+        resultant: (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    beam: Beam
+    resultant: npt.ArrayLike
+    cells: str | None = None
+    history: History | None = None
+
+    def check(self) -> None:
+        """See the base class."""
+        vector(self.resultant, 6, f"pre-stress of {self.beam.label}")
+        self.beam.cells_of(self.cells)
+
+    def strains(self) -> Array:
+        """Strain of each cell, shape (m, 6): −D⁻¹ times the resultant."""
+        resultant = np.asarray(self.resultant, dtype=np.float64)
+        strain = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
+        return self._in_cells(strain[..., 0])

@@ -1,0 +1,86 @@
+"""Supports: what a scene holds or moves as prescribed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance, numbers
+from fem_lie.bodies.body import Point, require_point
+
+_ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
+
+
+@dataclass(frozen=True, eq=False)
+class Clamp:
+    """The point's frame does not move."""
+
+    point: Point
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no point."""
+        require_point(self.point, "Clamp: point")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the point is ground."""
+        if self.point.is_ground:
+            raise ValueError("a clamp needs a point of a body, got ground")
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedMotion:
+    """The point's frame follows a given motion.
+
+    Attributes:
+        point: What moves.
+        motion: Frame ``H(t)``, shape (4, 3) as in :mod:`fem_lie.lie`, twice differentiable; at the
+            start it must be the point's initial frame. If its velocity or acceleration jumps,
+            :class:`~fem_lie.Jumps` says when.
+    """
+
+    point: Point
+    motion: Callable[[float], Array]
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no point, or the motion no function."""
+        require_point(self.point, "PrescribedMotion: point")
+        instance(self.motion, Callable, "PrescribedMotion: motion", "a function of time")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the motion does not start at the point's frame."""
+        if self.point.is_ground:
+            raise ValueError("a prescribed motion needs a point of a body, got ground")
+        start = numbers(self.motion(0.0), f"the motion of {self.point.label}")
+        gap = np.inf
+        if start.shape == (4, 3):
+            away = np.abs(start - self.point.frame)
+            size = max(self.point.size, np.abs(self.point.position).max())
+            gap = max(away[0].max() / size, away[1:].max())
+        if not gap <= 1e-8:
+            raise ValueError(
+                f"the motion of {self.point.label} must start at its frame\n{self.point.frame},\n"
+                f"got\n{start}"
+            )
+
+    def frame(self, time: float) -> Array:
+        """Where the motion is at ``time``, shape (4, 3).
+
+        Raises:
+            ValueError: That is not a place and three unit vectors, each across the others, of a
+                right-handed system.
+        """
+        frame = numbers(self.motion(time), f"the motion of {self.point.label}")
+        if frame.shape != (4, 3) or not np.isfinite(frame).all():
+            raise ValueError(
+                f"the motion of {self.point.label} must be a finite frame of shape (4, 3); at time "
+                f"{time:g} it is\n{frame}"
+            )
+        axes = frame[1:]
+        if np.abs(axes @ axes.T - np.eye(3)).max() > _ORTHONORMAL or np.linalg.det(axes) < 0.0:
+            raise ValueError(
+                f"the motion of {self.point.label} must be a place and right-handed orthonormal "
+                f"axes; at time {time:g} it is\n{frame}"
+            )
+        return frame

@@ -1,0 +1,250 @@
+"""Loads on shells: along named curves and over the surface, in space or with the shell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.bodies.body import Body, vector
+from fem_lie.bodies.shell import Shell
+from fem_lie.mesh.shapes import FaceRule
+from fem_lie.scene.load import History, NodalLoad
+
+if TYPE_CHECKING:
+    from fem_lie.scene.pressure_loads import SurfacePressure
+
+Field = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
+"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeLoad(NodalLoad):
+    """Force and moment per reference length on a named curve of a shell.
+
+    Attributes:
+        shell: What carries it.
+        curve: Name of the curve.
+        force: Three components per length: global if fixed in space; if following, along the edge
+            with the shell on its left, seen against the directors, outward across the edge, and
+            along the director, all in the unloaded configuration.
+        moment: Likewise; five parameters do not feel what is along the director.
+        history: Factor as a function of time.
+        following: Whether the load turns with the nodes' frames. Those of five parameters turn with
+            the directors and not about them.
+    """
+
+    shell: Shell
+    curve: str
+    force: npt.ArrayLike = (0.0, 0.0, 0.0)
+    moment: npt.ArrayLike = (0.0, 0.0, 0.0)
+    history: History | None = None
+    following: bool = False
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        require_shell(self)
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
+        vector(self.force, 3, f"edge force on {self.shell.label}")
+        vector(self.moment, 3, f"edge moment on {self.shell.label}")
+        edges = self.shell.mesh.curve(self.curve)
+        if self.following and not _senses(self.shell, edges).all():
+            raise ValueError(
+                f"a following load needs edges of one cell each, those of {self.curve!r} of "
+                f"{self.shell.label} are between cells and have no outside"
+            )
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.shell
+
+    def nodal(self) -> Array:
+        """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
+        nodes, lengths = self.shell.edges(self.curve)
+        density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
+        at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
+        if self.following:
+            # components in the nodes' frames, which carry the axes of the edge along
+            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], self._axes(nodes))
+            at_nodes = np.einsum("eaik,hk->eahi", local, density)
+        values = np.zeros((len(self.shell.frames), 6))
+        shares = lengths[..., np.newaxis] * at_nodes.reshape(*nodes.shape, 6)
+        np.add.at(values, nodes, shares)
+        return values
+
+    def _axes(self, edges: Indices) -> Array:
+        """Along, outward and director at the nodes of each edge, shape (e, 3, 2 or 3, 3)."""
+        director = self.shell.frames[edges, 3]
+        chord = self.shell.frames[edges[:, 1], 0] - self.shell.frames[edges[:, 0], 0]
+        chord = chord * _senses(self.shell, edges)[:, np.newaxis]
+        outward = np.cross(chord[:, np.newaxis], director)
+        outward /= np.linalg.norm(outward, axis=2, keepdims=True)
+        return np.stack([np.cross(director, outward), outward, director], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceLoad(NodalLoad):
+    """What forces that are spread over a shell have in common; use one of the subclasses.
+
+    Attributes:
+        shell: What carries it.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    shell: Shell
+    force: Field
+    cells: str | None = None
+    history: History | None = None
+
+    following = False
+
+    def __post_init__(self) -> None:
+        """See the base class."""
+        super().__post_init__()
+        require_shell(self)
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
+        self.shell.cells_of(self.cells)
+        self._shares()
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.shell
+
+    def nodal(self) -> Array:
+        """Consistent nodal forces of the interpolation, shape (n, 6)."""
+        values = np.zeros((len(self.shell.frames), 6))
+        chosen = self.shell.cells_of(self.cells)
+        np.add.at(values[:, :3], nodes_of(self.shell)[chosen], self._scaled(self._factors()))
+        return values
+
+    def _factors(self) -> Array:
+        """What a unit of the load is on each cell of the shell per area, shape (m,)."""
+        return np.ones(len(self.shell.mesh.cells))
+
+    def _scaled(self, factors: Array) -> Array:
+        """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
+        return factors[self.shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares()
+
+    def _shares(self) -> Array:
+        """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
+        shell, rule = self.shell, FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
+        cells = nodes_of(shell)[shell.cells_of(self.cells)]
+        x, what = shell.frames[:, 0], f"{type(self).__name__} on {self.shell.label}"
+        if callable(self.force):
+            density = _evaluated(self.force, rule.places(x, cells), what)
+        else:
+            density = vector(self.force, 3, what)
+        areas = np.linalg.norm(rule.normals(x, cells), axis=2)
+        density = np.broadcast_to(density, (*areas.shape, 3))
+        return np.einsum("gk,mg,mgj->mkj", rule.values, areas, density)
+
+
+@dataclass(frozen=True, eq=False)
+class AreaLoad(SurfaceLoad):
+    """Force per reference area on all of a shell or on some of its cells, fixed in space.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per area, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeLoad(SurfaceLoad):
+    """Force per reference volume, fixed in space; it acts at the reference surface.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per volume, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    def _factors(self) -> Array:
+        return self.shell.thickness
+
+
+@dataclass(frozen=True, eq=False)
+class MassLoad(SurfaceLoad):
+    """Force per mass, fixed in space: gravity on a part, or in a frame that is accelerated.
+
+    It is that of the whole thickness, with the lever of a centre of mass off the reference surface.
+
+    Attributes:
+        shell: What carries it.
+        force: Three components per mass, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    def check(self) -> None:
+        """See the base class; the shell must have mass."""
+        super().check()
+        if not self.shell.has_mass:
+            raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")
+
+    def _factors(self) -> Array:
+        return self.shell.density[:, 0, 0]
+
+    def on_directors(self) -> Array:
+        """Force on d₃ of each node by the first moment of mass, shape (n, 3, 3)."""
+        values = np.zeros((len(self.shell.frames), 3, 3))
+        chosen = self.shell.cells_of(self.cells)
+        levers = self._scaled(self.shell.density[:, 0, 1])
+        np.add.at(values[:, 2], nodes_of(self.shell)[chosen], levers)
+        return values
+
+
+def require_shell(load: EdgeLoad | SurfaceLoad | SurfacePressure) -> None:
+    """Raise ``TypeError`` if what carries a load is no shell."""
+    instance(load.shell, Shell, f"{type(load).__name__}: shell", "a Shell")
+
+
+def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:
+    """A user's function at places (m, g, 3), checked."""
+    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
+    return np.array(values).reshape(places.shape)
+
+
+def nodes_of(shell: Shell) -> Indices:
+    """Nodes of each cell, shape (m, k)."""
+    return shell.connectivity
+
+
+def sides_of(shell: Shell) -> Array:
+    """1 for cells whose x,₁ × x,₂ is on the directors' side, else -1, shape (m,)."""
+    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), nodes_of(shell)
+    normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
+    directors = shell.frames[cells, 3].sum(axis=1)
+    return np.sign(np.einsum("mj,mj->m", normals, directors))
+
+
+def _senses(shell: Shell, edges: Indices) -> Array:
+    """1 or -1 for edges that run with their cell on the left or right, 0 between cells, (e,)."""
+    round_, count = shell.mesh.corners, len(shell.frames)
+    pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
+
+    def keys(ends: Indices) -> tuple[Indices, Array]:
+        forward = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
+        return count * ends.min(axis=1) + ends.max(axis=1), forward
+
+    key, forward = keys(pairs)
+    known, number = np.unique(key, return_inverse=True)
+    sense = np.repeat(sides_of(shell), round_.shape[1]) * forward
+    total = np.bincount(number.ravel(), weights=sense)
+    wanted, forward = keys(edges[:, :2])
+    return np.asarray(forward * total[np.searchsorted(known, wanted)])

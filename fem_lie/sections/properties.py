@@ -1,0 +1,105 @@
+"""Area, moments, torsion constant and so on of beam sections, from their reference point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import cos, pi, sin
+
+import numpy as np
+
+from fem_lie._arrays import Array
+
+_ROUNDING = 1e-13
+_ISOTROPY = 1e-7  # of principal moments: between rounding and the errors of a mesh
+
+
+@dataclass(frozen=True, eq=False)
+class SectionProperties:
+    """Geometric properties of a section, in the axes and from the reference point of its owner.
+
+    A composite has the moduli ``E`` and ``G`` averaged over its area, so that ``E A``, ``E I``,
+    ``G J`` and ``G A k`` are its stiffnesses whatever it is made of.
+
+    Attributes:
+        E: Young's modulus, mean over the area, force per area.
+        G: Shear modulus, mean over the area, force per area.
+        area: Length².
+        centroid: Where an axial force does not bend, (y, z).
+        second_moments: ``∫r ⊗ r dA`` about the centroid, [[∫y², ∫yz], [∫yz, ∫z²]], length⁴;
+            weighted by E in a composite.
+        torsion_constant: Saint-Venant's, length⁴; weighted by G in a composite.
+        shear_centre: Where a shear force does not twist, (y, z).
+        shear_factors: Effective over true shear area, symmetric, shape (2, 2).
+    """
+
+    E: float
+    G: float
+    area: float
+    centroid: Array
+    second_moments: Array
+    torsion_constant: float
+    shear_centre: Array
+    shear_factors: Array
+
+    @property
+    def principal_moments(self) -> Array:
+        """Second moments ``∫η²``, ``∫ζ²`` in the principal axes (η, ζ), the larger one first."""
+        return np.asarray(np.linalg.eigvalsh(self.second_moments)[::-1], dtype=np.float64)
+
+    @property
+    def principal_angle(self) -> float:
+        """Angle from e₂ to the principal axis η of the larger ``∫η²``, in (-π/2, π/2].
+
+        It is 0 where all axes are principal ones.
+        """
+        (yy, yz), (_, zz) = self.second_moments
+        if np.hypot(0.5 * (yy - zz), yz) < _ISOTROPY * (yy + zz):
+            return 0.0
+        if abs(yz) < _ROUNDING * (yy + zz):
+            return 0.0 if yy > zz else 0.5 * pi
+        return float(0.5 * np.arctan2(2.0 * yz, yy - zz))
+
+    def offset(self, y: float, z: float) -> SectionProperties:
+        """As seen from a reference point at (y, z)."""
+        r = np.array([y, z])
+        return replace(self, centroid=self.centroid - r, shear_centre=self.shear_centre - r)
+
+    def rotated(self, angle: float) -> SectionProperties:
+        """Of the section turned about its reference point, from e₂ to e₃ by ``angle``."""
+        R = rotation(angle)
+        return replace(
+            self,
+            centroid=R @ self.centroid,
+            second_moments=R @ self.second_moments @ R.T,
+            shear_centre=R @ self.shear_centre,
+            shear_factors=R @ self.shear_factors @ R.T,
+        )
+
+    def __str__(self) -> str:
+        (yy, yz), (_, zz) = self.second_moments
+        (k2, k23), (_, k3) = self.shear_factors
+        large, small = self.principal_moments
+        rows = [
+            ("area", f"{self.area:.6g}"),
+            ("centroid (y, z)", "{:.6g}, {:.6g}".format(*self.centroid)),
+            ("∫y², ∫z², ∫yz", f"{yy:.6g}, {zz:.6g}, {yz:.6g}"),
+            ("principal moments", f"{large:.6g}, {small:.6g}"),
+            ("principal angle", f"{np.degrees(self.principal_angle):.4f}°"),
+            ("torsion constant", f"{self.torsion_constant:.6g}"),
+            ("shear centre (y, z)", "{:.6g}, {:.6g}".format(*self.shear_centre)),
+            ("shear factors 22, 33, 23", f"{k2:.6g}, {k3:.6g}, {k23:.6g}"),
+        ]
+        return "\n".join(f"{name:<26}{value}" for name, value in rows)
+
+
+def rotation(angle: float) -> Array:
+    """From components in axes turned by ``angle`` to those in the axes they were turned from.
+
+    A quarter turn is exact: it leaves no couplings of rounding size.
+    """
+    quarters = angle / (0.5 * pi)
+    if quarters == round(quarters):
+        c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
+    else:
+        c, s = cos(angle), sin(angle)
+    return np.array([[c, -s], [s, c]])

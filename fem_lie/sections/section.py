@@ -1,0 +1,362 @@
+"""Beam sections: stiffness and inertia per length, from a shape and a material.
+
+The section lies in the plane of e₂ and e₃, with coordinates y along e₂ and z along e₃; e₁ is the
+beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
+curvatures. Inertia is the Gram matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
+is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
+``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.system.nodes.inertia`).
+
+The section's matrices belong to its reference point, where the beam's axis runs, and to its axes:
+:meth:`Section.offset` and :meth:`Section.rotated` change them by exact congruences. Sections of any
+shape come from :class:`fem_lie.sections.shape.SectionShape`.
+
+Shear factors: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. Torsion of the
+rectangle: S. Timoshenko & J. N. Goodier, *Theory of Elasticity* (1970), §109.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, number, numbers, positive
+from fem_lie.sections.inertia import section_gram
+from fem_lie.sections.material import require_material
+from fem_lie.sections.properties import SectionProperties, rotation
+
+if TYPE_CHECKING:
+    from fem_lie.sections.material import Material
+
+_ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
+_SYMMETRY = 1e-8  # tables of stiffness are given with at least as many digits
+_CIRCLE_POINTS = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Stiffness and inertia of a beam per length, in the local frame of its points.
+
+    Attributes:
+        stiffness: Symmetric positive definite, shape (6, 6), on (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
+        inertia: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` if the section
+            is for statics only.
+        outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing; or ``None``.
+        properties: Area, moments and so on, if they are known: ``print(section.properties)``.
+
+    Raises:
+        ValueError: A matrix has the wrong shape, is not symmetric or not positive.
+    """
+
+    stiffness: Array
+    inertia: Array | None = None
+    outline: Array | None = None
+    properties: SectionProperties | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stiffness", definite(self.stiffness, 6, "stiffness"))
+        if self.inertia is not None:
+            object.__setattr__(self, "inertia", _inertia(self.inertia))
+        if self.outline is not None:
+            object.__setattr__(self, "outline", _outline(self.outline))
+
+    @classmethod
+    def rectangle(
+        cls,
+        width: float,
+        height: float,
+        material: Material,
+        *,
+        shear_factor: float | None = None,
+        torsion_constant: float | None = None,
+    ) -> Section:
+        """Solid rectangle.
+
+        Args:
+            width: Side along e₂.
+            height: Side along e₃.
+            material: What it is made of.
+            shear_factor: Effective over true shear area; default: Cowper's
+                10 (1 + ν) / (12 + 11 ν), which is 5/6 for ν = 0.
+            torsion_constant: Length⁴; default: Saint-Venant's solution, 0.140577 b⁴ for a square.
+
+        Raises:
+            ValueError: A size or factor is not positive.
+        """
+        positive(width, "width")
+        positive(height, "height")
+        require_material(material)
+        if shear_factor is None:
+            shear_factor = 10.0 * (1.0 + material.nu) / (12.0 + 11.0 * material.nu)
+        if torsion_constant is None:
+            torsion_constant = rectangle_torsion_constant(width, height)
+        y, z = 0.5 * width, 0.5 * height
+        return _from_shape(
+            material,
+            area=width * height,
+            second_moments=(height * width**3 / 12.0, width * height**3 / 12.0),
+            shear_factor=shear_factor,
+            torsion_constant=torsion_constant,
+            outline=np.array([[-y, -z], [y, -z], [y, z], [-y, z]]),
+        )
+
+    @classmethod
+    def circle(
+        cls, radius: float, material: Material, *, shear_factor: float | None = None
+    ) -> Section:
+        """Solid circle; default shear factor: Cowper's 6 (1 + ν) / (7 + 6 ν).
+
+        Raises:
+            ValueError: The radius or factor is not positive.
+        """
+        positive(radius, "radius")
+        return _round(0.0, radius, material, shear_factor)
+
+    @classmethod
+    def tube(
+        cls,
+        inner_radius: float,
+        outer_radius: float,
+        material: Material,
+        *,
+        shear_factor: float | None = None,
+    ) -> Section:
+        """Circular tube; default shear factor: Cowper's for a hollow circle of any thickness.
+
+        With m the ratio of the radii it is
+        ``6 (1 + ν)(1 + m²)² / ((7 + 6ν)(1 + m²)² + (20 + 12ν) m²)``.
+
+        Raises:
+            ValueError: Not 0 < inner_radius < outer_radius, or the factor is not positive.
+        """
+        positive(inner_radius, "inner_radius")
+        positive(outer_radius, "outer_radius")
+        if inner_radius >= outer_radius:
+            raise ValueError(
+                f"inner_radius must be less than outer_radius, got {inner_radius!r} and "
+                f"{outer_radius!r}"
+            )
+        return _round(inner_radius, outer_radius, material, shear_factor)
+
+    @classmethod
+    def from_stiffness(
+        cls,
+        stiffness: npt.ArrayLike,
+        gram: npt.ArrayLike | None = None,
+        *,
+        mass: float | None = None,
+        polar: float | None = None,
+        rotary: npt.ArrayLike | None = None,
+        outline: npt.ArrayLike | None = None,
+    ) -> Section:
+        """Any section of which the numbers are known; without inertia it is for statics only.
+
+        Args:
+            stiffness: Symmetric positive definite, shape (6, 6), or its diagonal, shape (6,).
+            gram: Gram matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive semidefinite
+                with a positive mass. A section of mass m per length with the inertia J about its
+                centroid ``centre`` has ``fl.gram_from_rigid(m, J, centre)``.
+            mass: Or mass per length, on the axis.
+            polar: With it, moment of inertia per length about e₁, of which e₂ and e₃ have half
+                each; default: no rotary inertia.
+            rotary: Or moments of inertia per length about e₂ and e₃, shape (2,); about e₁ it is
+                their sum.
+            outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing.
+
+        Raises:
+            ValueError: A matrix has the wrong shape, is not symmetric or not positive; inertia is
+                given in two ways, or without mass.
+        """
+        D = numbers(stiffness, "stiffness")
+        return cls(
+            np.diag(D) if D.ndim == 1 else D,
+            section_gram(gram, mass, polar, rotary),
+            None if outline is None else numbers(outline, "outline"),
+        )
+
+    def offset(self, y: float, z: float) -> Section:
+        """The same section with its reference point, where the beam's axis runs, at (y, z).
+
+        With ``r = (0, y, z)`` the strains there are ``Γ + κ × r`` and κ, and stiffness and inertia
+        follow by congruence; ``section.offset(y, z).offset(-y, -z)`` is the section again.
+
+        Raises:
+            ValueError: A coordinate is not finite.
+        """
+        r = np.array([number(y, "y"), number(z, "z")])
+        # strains at the old point from those at the new one
+        T = np.eye(6)
+        T[:3, 3:] = [[0.0, -z, y], [z, 0.0, 0.0], [-y, 0.0, 0.0]]
+        S = np.eye(4)
+        S[2:, 0] = -r
+        return Section(
+            T.T @ self.stiffness @ T,
+            None if self.inertia is None else S @ self.inertia @ S.T,
+            None if self.outline is None else self.outline - r,
+            None if self.properties is None else self.properties.offset(y, z),
+        )
+
+    def rotated(self, angle: float) -> Section:
+        """The section turned about its reference point by ``angle``, from e₂ to e₃.
+
+        Raises:
+            ValueError: The angle is not finite.
+        """
+        R = np.eye(3)
+        R[1:, 1:] = rotation(number(angle, "angle"))
+        T, S = np.eye(6), np.eye(4)
+        T[:3, :3] = T[3:, 3:] = S[1:, 1:] = R
+        return Section(
+            T @ self.stiffness @ T.T,
+            None if self.inertia is None else S @ self.inertia @ S.T,
+            None if self.outline is None else self.outline @ R[1:, 1:].T,
+            None if self.properties is None else self.properties.rotated(angle),
+        )
+
+    def axial_stress(self, points: npt.ArrayLike | None = None) -> Array:
+        """Axial stress at points of a homogeneous section by unit N, M_y and M_z, shape (k, 3).
+
+        ``σ = N/A + (y, z)·I⁻¹ (−M_z, M_y)``, with ``I = ∫r⊗r dA`` and all of it about the centroid;
+        moments are about the reference point. In a composite it is the axial strain times the mean
+        of Young's modulus.
+
+        Args:
+            points: (y, z) from the reference point, shape (k, 2); default: corners of the outline.
+
+        Raises:
+            ValueError: The section has no properties, or points are wanted and there is no outline.
+        """
+        p = self.properties
+        if p is None:
+            raise ValueError("axial stress needs a section that knows its properties")
+        if points is None and self.outline is None:
+            raise ValueError("the section has no outline: give points (y, z)")
+        given = np.asarray(self.outline if points is None else points, dtype=np.float64)
+        bending = (given.reshape(-1, 2) - p.centroid) @ np.linalg.inv(p.second_moments)
+        y, z = p.centroid
+        extension = 1.0 / p.area - bending @ [y, z]
+        return np.column_stack([extension, bending[:, 1], -bending[:, 0]])
+
+
+def rectangle_torsion_constant(width: float, height: float) -> float:
+    """Saint-Venant torsion constant of a rectangle, length⁴, to machine precision.
+
+    ``J = a b³/3 (1 − 192 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵)`` over odd n, with a ≥ b. The slowly
+    converging part ``Σ 1/n⁵ = 31/32 ζ(5)`` is summed in closed form; the rest falls by e⁻²π a term.
+    """
+    positive(width, "width")
+    positive(height, "height")
+    a, b = max(width, height), min(width, height)
+    # exp overflows for very flat rectangles, where the term is nothing anyway
+    rest = sum(2.0 / (n**5 * (1.0 + exp(min(n * pi * a / b, 700.0)))) for n in range(1, 15, 2))
+    series = 31.0 / 32.0 * _ZETA_5 - rest
+    return a * b**3 / 3.0 * (1.0 - 192.0 * b / (pi**5 * a) * series)
+
+
+def _round(inner: float, outer: float, material: Material, shear_factor: float | None) -> Section:
+    require_material(material)
+    nu, m2 = material.nu, (inner / outer) ** 2
+    if shear_factor is None:
+        q = (1.0 + m2) ** 2
+        shear_factor = 6.0 * (1.0 + nu) * q / ((7.0 + 6.0 * nu) * q + (20.0 + 12.0 * nu) * m2)
+    # factored so that thin walls lose no digits
+    area = pi * (outer - inner) * (outer + inner)
+    second = 0.25 * area * (outer**2 + inner**2)
+    angle = 2.0 * pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
+    return _from_shape(
+        material,
+        area=area,
+        second_moments=(second, second),
+        shear_factor=shear_factor,
+        torsion_constant=2.0 * second,
+        outline=outer * np.column_stack([np.cos(angle), np.sin(angle)]),
+    )
+
+
+def _from_shape(
+    material: Material,
+    *,
+    area: float,
+    second_moments: tuple[float, float],
+    shear_factor: float,
+    torsion_constant: float,
+    outline: Array,
+) -> Section:
+    """Section with its centroid on the axis; ``second_moments`` are ∫y² and ∫z²."""
+    positive(shear_factor, "shear_factor")
+    positive(torsion_constant, "torsion_constant")
+    E, G, rho = material.E, material.G, material.density
+    yy, zz = second_moments
+    shear = G * shear_factor * area
+    # curvature about e₂ stretches along z, about e₃ along y
+    stiffness = np.diag([E * area, shear, shear, G * torsion_constant, E * zz, E * yy])
+    properties = SectionProperties(
+        E=E,
+        G=G,
+        area=area,
+        centroid=np.zeros(2),
+        second_moments=np.diag([yy, zz]),
+        torsion_constant=torsion_constant,
+        shear_centre=np.zeros(2),
+        shear_factors=shear_factor * np.eye(2),
+    )
+    return Section(stiffness, np.diag([rho * area, 0.0, rho * yy, rho * zz]), outline, properties)
+
+
+def _symmetric(value: Array, size: int, what: str) -> Array:
+    matrix = numbers(value, what)
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise ValueError(
+            f"{what} must be a finite matrix of shape ({size}, {size}), got\n{value!r}"
+        )
+    scale = np.sqrt(np.abs(np.diag(matrix)))
+    if (np.abs(matrix - matrix.T) > _SYMMETRY * np.outer(scale, scale)).any():
+        raise ValueError(f"{what} must be symmetric, got\n{matrix}")
+    return 0.5 * (matrix + matrix.T)
+
+
+def _scaled_eigenvalues(matrix: Array) -> Array:
+    """Eigenvalues after scaling the diagonal to one: entries differ in units."""
+    scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
+    return np.asarray(np.linalg.eigvalsh(matrix / np.outer(scale, scale)), dtype=np.float64)
+
+
+def definite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive definite matrix, shape (size, size), that cannot be written to.
+
+    Raises:
+        ValueError: It has another shape, is not finite, not symmetric or not positive definite.
+        TypeError: It is no array of numbers.
+    """
+    matrix = _symmetric(value, size, what)
+    if not (np.diag(matrix) > 0).all() or not _scaled_eigenvalues(matrix)[0] > 1e-14:
+        raise ValueError(f"{what} must be positive definite, got\n{matrix}")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def semidefinite(value: Array, size: int, what: str) -> Array:
+    """A symmetric positive semidefinite matrix of inertia; errors as of :func:`definite`."""
+    matrix = _symmetric(value, size, what)
+    if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
+        raise ValueError(f"{what} must be positive semidefinite, got\n{matrix}")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def _inertia(value: Array) -> Array:
+    matrix = semidefinite(value, 4, "inertia")
+    if not matrix[0, 0] > 0:
+        raise ValueError(f"inertia must have a positive mass per length, got {matrix[0, 0]!r}")
+    return matrix
+
+
+def _outline(value: Array) -> Array:
+    points = numbers(value, "outline")
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3 or not np.isfinite(points).all():
+        raise ValueError(f"outline must be at least 3 finite points (y, z), got\n{value!r}")
+    points.setflags(write=False)
+    return points

@@ -1,0 +1,182 @@
+"""Shell sections: stiffness and inertia per area, from plies of isotropic or orthotropic material.
+
+Stiffness acts on the strains of :mod:`fem_lie.elements.shells.strains`, ``(E₁₁, E₂₂, 2E₁₂, K₁₁,
+K₂₂, 2K₁₂, γ₁, γ₂)``, of the reference surface; at the height ``z`` along the director the strain is
+``E + z K``, in plane stress. Inertia is the Gram matrix of ``(x, t)`` per area: a point is
+``x + z t``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with ``G = ∫ρ (1, z) ⊗ (1, z) dz``.
+
+Lamination theory: R. M. Jones, *Mechanics of Composite Materials* (1999), ch. 2 and 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, radians, sin
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance, number, positive
+from fem_lie.sections.material import Material
+from fem_lie.sections.section import definite, semidefinite
+
+SHEAR_FACTOR = 5.0 / 6.0
+
+
+@dataclass(frozen=True)
+class Orthotropic:
+    """Material of a ply with fibres along its axis 1.
+
+    Attributes:
+        E1: Young's modulus along the fibres, force per area.
+        E2: Young's modulus across them.
+        nu12: Contraction across for stretch along; nu12² < E1/E2.
+        G12: Shear modulus in the plane.
+        G13: Transverse shear modulus along the fibres.
+        G23: Transverse shear modulus across them.
+        density: Mass per volume.
+
+    Raises:
+        ValueError: A modulus or the density is not positive, or nu12 is too large.
+    """
+
+    E1: float
+    E2: float
+    nu12: float
+    G12: float
+    G13: float
+    G23: float
+    density: float
+
+    def __post_init__(self) -> None:
+        for name in ("E1", "E2", "G12", "G13", "G23", "density"):
+            positive(getattr(self, name), name)
+        if not number(self.nu12, "nu12") ** 2 < self.E1 / self.E2:
+            raise ValueError(
+                f"nu12 must satisfy nu12² < E1/E2 = {self.E1 / self.E2:g}, got {self.nu12!r}"
+            )
+
+
+@dataclass(frozen=True)
+class Ply:
+    """A layer of a laminate.
+
+    Attributes:
+        thickness: Length.
+        material: What it is made of.
+        angle: From e₁ of the section to the fibres, about the director, in degrees.
+    """
+
+    thickness: float
+    material: Material | Orthotropic
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive(self.thickness, "thickness of a ply")
+        number(self.angle, "angle of a ply")
+        wanted = "a Material or Orthotropic"
+        instance(self.material, Material | Orthotropic, "material of a ply", wanted)
+
+    def stiffness(self) -> tuple[Array, Array]:
+        """Plane stress on ``(E₁₁, E₂₂, 2E₁₂)`` and shear on ``(γ₁, γ₂)``, in the section's axes."""
+        m = _orthotropic(self.material)
+        nu21 = m.nu12 * m.E2 / m.E1
+        factor = 1.0 / (1.0 - m.nu12 * nu21)
+        Q = np.array(
+            [
+                [m.E1 * factor, nu21 * m.E1 * factor, 0.0],
+                [nu21 * m.E1 * factor, m.E2 * factor, 0.0],
+                [0.0, 0.0, m.G12],
+            ]
+        )
+        c, s = cos(radians(self.angle)), sin(radians(self.angle))
+        # strains along the fibres from those of the section
+        T = np.array(
+            [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+        )
+        R = np.array([[c, s], [-s, c]])
+        return T.T @ Q @ T, R.T @ np.diag([m.G13, m.G23]) @ R
+
+
+@dataclass(frozen=True, eq=False)
+class ShellSection:
+    """Stiffness and inertia of a shell per area.
+
+    Attributes:
+        stiffness: Symmetric positive definite, shape (8, 8).
+        inertia: Gram matrix of (x, t) per area, shape (2, 2).
+        thickness: Of all plies.
+    """
+
+    stiffness: Array
+    inertia: Array
+    thickness: float
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if a matrix or the thickness cannot be."""
+        object.__setattr__(self, "stiffness", definite(self.stiffness, 8, "stiffness"))
+        object.__setattr__(self, "inertia", semidefinite(self.inertia, 2, "inertia"))
+        positive(self.thickness, "thickness")
+
+    @classmethod
+    def layer(
+        cls, thickness: float, material: Material, *, shear_factor: float = SHEAR_FACTOR
+    ) -> ShellSection:
+        """A homogeneous isotropic shell.
+
+        Args:
+            thickness: Length.
+            material: What it is made of.
+            shear_factor: Effective over true transverse shear stiffness.
+
+        Raises:
+            ValueError: A number is not positive, or Poisson's ratio is 1/2.
+        """
+        return cls.laminate([Ply(thickness, material)], shear_factor=shear_factor)
+
+    @classmethod
+    def laminate(
+        cls,
+        plies: Sequence[Ply],
+        *,
+        reference: float = 0.5,
+        shear_factor: float = SHEAR_FACTOR,
+    ) -> ShellSection:
+        """Plies from the bottom to the top, along the director.
+
+        Args:
+            plies: At least one.
+            reference: Height of the reference surface over the thickness: 0 bottom, 1 top.
+            shear_factor: Effective over true transverse shear stiffness.
+
+        Raises:
+            ValueError: No ply, or a number is out of its range.
+        """
+        if not plies:
+            raise ValueError("a laminate needs at least one ply")
+        for ply in plies:
+            instance(ply, Ply, "a layer of a laminate", "a Ply")
+        if not 0.0 <= number(reference, "reference") <= 1.0:
+            raise ValueError(f"reference must lie between 0 and 1, got {reference!r}")
+        positive(shear_factor, "shear_factor")
+        heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
+        thickness = float(heights[-1])
+        heights = heights - reference * thickness
+        D, G = np.zeros((8, 8)), np.zeros((2, 2))
+        for ply, low, high in zip(plies, heights[:-1], heights[1:], strict=True):
+            # ∫ z^n dz
+            moments = [(high ** (n + 1) - low ** (n + 1)) / (n + 1) for n in range(3)]
+            plane, shear = ply.stiffness()
+            powers = np.array([[moments[0], moments[1]], [moments[1], moments[2]]])
+            D[:6, :6] += np.kron(powers, plane)
+            D[6:, 6:] += shear_factor * moments[0] * shear
+            G += ply.material.density * powers
+        return cls(D, G, thickness)
+
+
+def _orthotropic(m: Material | Orthotropic) -> Orthotropic:
+    if isinstance(m, Orthotropic):
+        return m
+    if not m.nu < 0.5:
+        raise ValueError(f"a shell needs a Poisson's ratio below 1/2, got {m.nu!r}")
+    return Orthotropic(m.E, m.E, m.nu, m.G, m.G, m.G, m.density)

@@ -1,0 +1,283 @@
+"""Generalised-α for rigid bodies that nothing holds: one compiled loop, no matrix of the scene.
+
+Every body has its own six equations and its own iteration
+(:mod:`fem_lie.solve.alpha.step.free_body`), which does not depend on what else is in the scene:
+each of a thousand bodies moves bit for bit as alone.
+
+Scheme, start, stopping rule and results are those of :mod:`fem_lie.solve.alpha.generalised_alpha`.
+Iterations are those of the body that takes most in a step; factorisations count those of all.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.rigid import RigidBody
+from fem_lie.lie.motions import from_local, move_all
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.results.history import Result
+from fem_lie.scene.load import History as LoadHistory
+from fem_lie.scene.load import NodalLoad, amplitudes, histories
+from fem_lie.scene.scene import Scene
+from fem_lie.solve.alpha.step import free_body
+from fem_lie.solve.alpha.step import node as scheme
+from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.system import refuse_ranks
+
+if TYPE_CHECKING:
+    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+
+_CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
+
+
+def applies(scene: Scene, policy: Policy) -> bool:
+    """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
+    held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
+    rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
+    return bool(scene.bodies) and rigid and not held and policy.rule() is not None
+
+
+class _Bodies(NamedTuple):
+    """What a body is.
+
+    Attributes:
+        mass: Shape (n,).
+        J: Inertia tensors about the centre of mass, shape (n, 3, 3).
+        size: Length of the tolerance, shape (n,).
+        group: Of each, see :class:`fem_lie.lie.motions.Group`, shape (n,).
+    """
+
+    mass: Array
+    J: Array
+    size: Array
+    group: Indices
+
+
+class _Loads(NamedTuple):
+    """Forces and moments, fixed in space and then following, 12 numbers.
+
+    Attributes:
+        constant: Those without history, shape (n, 12).
+        first: First of the loads with history of each body, shape (n + 1,).
+        vary: Those, shape (k, 12).
+        column: Their columns in the amplitudes, shape (k,).
+    """
+
+    constant: Array
+    first: Indices
+    vary: Array
+    column: Indices
+
+
+class _State(NamedTuple):
+    """Start of a step and what is kept between steps.
+
+    Attributes:
+        memory: Last ratio of increments, largest motion, fewest iterations with the kept matrix,
+            iterations beyond those; shape (n, 4).
+        kept: Rows of the inverse block of the rotation, columns of the block that couples it to the
+            translation, rows of the inverse block of the translation; shape (n, 9, 3).
+        rates: Power of the loads on each body, force and moment about the origin, shape (n, 7).
+        booked: Their work and impulses so far, shape (n, 7).
+    """
+
+    H: Array
+    v: Array
+    vdot: Array
+    a: Array
+    memory: Array
+    kept: Array
+    rates: Array
+    booked: Array
+
+
+class _Options(NamedTuple):
+    """Of the iteration; ``patience`` and ``cost`` as of :class:`policies.Automatic`."""
+
+    tolerance: float
+    limit: int
+    patience: int
+    cost: float
+    rescue: bool
+
+
+class Run:
+    """One integration.
+
+    Attributes:
+        p: Parameters of the scheme.
+        s: State at the start of the next step.
+    """
+
+    def __init__(
+        self,
+        options: GeneralisedAlpha,
+        scene: Scene,
+        step: float,
+    ) -> None:
+        """Collect bodies and loads.
+
+        Args:
+            options: Of the scheme.
+            scene: One that :func:`applies`.
+            step: Step size.
+        """
+        refuse_ranks()
+        rule = options.policy.rule()
+        assert rule is not None
+        self.options = _Options(
+            float(options.tolerance),
+            options.max_iterations,
+            rule[0],
+            float(rule[1]),
+            options.policy.rescue,
+        )
+        self.scene, self.numbering = scene, scene.numbered()
+        n = self.numbering.count
+        self.blocks = np.empty((n, 4, 4))
+        size = np.empty(n)
+        for body, nodes in self.numbering.nodes.items():
+            assert isinstance(body, RigidBody)
+            self.blocks[nodes], size[nodes] = body.gram, body.size
+        trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
+        J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
+        self.bodies = _Bodies(self.blocks[:, 0, 0].copy(), J, size, self.numbering.groups)
+        self.loads, self.histories = self._collect(scene)
+        self.p = scheme.parameters(options.radius, step, 1.0)
+        self.s = _State(
+            self.numbering.frames.copy(),
+            np.zeros((n, 6)),
+            np.zeros((n, 6)),
+            np.zeros((n, 6)),
+            # no ratio and no matrix yet: the first step makes one, whatever it costs
+            np.tile([1.0, 0.0, 0.0, np.inf], (n, 1)),
+            np.zeros((n, 9, 3)),
+            np.zeros((n, 7)),
+            np.zeros((n, 7)),
+        )
+
+    def _collect(self, scene: Scene) -> tuple[_Loads, dict[int, LoadHistory]]:
+        constant = np.zeros((self.numbering.count, 12))
+        constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
+        vary, owner, varying = [], [], histories(scene.loads)
+        for k, given in enumerate(scene.loads):
+            assert isinstance(given, NodalLoad)  # all others need beams
+            (node,) = self.numbering.nodes[given.body]
+            twelve, at = np.zeros(12), 6 if given.following else 0
+            twelve[at : at + 6] = given.nodal()[0]
+            if k in varying:
+                vary.append(twelve)
+                owner.append(node)
+            else:
+                constant[node] += twelve
+        nodes = np.array(owner, dtype=np.int64)
+        order = np.argsort(nodes, kind="stable")
+        first = np.searchsorted(nodes[order], np.arange(self.numbering.count + 1))
+        table = np.array(vary).reshape(-1, 12)[order]
+        return _Loads(constant, first, table, order), varying
+
+    def start(self) -> None:
+        """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
+        s, ahead = self.s, self.p.ahead
+        bodies, loads = tuple(self.bodies), tuple(self.loads)
+        amplitude = amplitudes(self.histories, [0.0, ahead])
+        group, twists = self.bodies.group, self.numbering.velocities
+        from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
+        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
+        d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
+        move_all(group, s.H, d, H1)
+        v1 = s.v + ahead * s.vdot
+        free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
+        s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
+        free_body.start_books(loads, amplitude[0], s.H, twists, s.rates)
+
+    def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
+        """All steps; see :meth:`GeneralisedAlpha.run`."""
+        info = SceneInfo(self.numbering.bodies(), (), float(self.bodies.mass.sum()))
+        history = History(info, steps, self.p.h, saving, progress)
+        self.start()
+        history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
+        start = np.zeros(1, dtype=np.int64)
+        self._keep(history, start, start)
+        failed, count, factorisations = np.zeros(3), 0, 0
+        self._advance(history, range(1, 1), failed)  # compilation is not integration
+        watch = Stopwatch()
+        chunk = max(1, min(history.refresh, _CHUNK // self.numbering.count))
+        chunk = min(chunk, history.room or chunk)
+        with history:
+            for first in range(1, steps + 1, chunk):
+                wanted = range(first, min(first + chunk, steps + 1))
+                if history.room:
+                    history.make_room(len(wanted))
+                last, count, made = self._advance(history, wanted, failed, count)
+                factorisations += made
+                if last and history.show:
+                    history.update_bar(last, count)
+                if last < wanted[-1]:
+                    result = history.result(factorisations, watch.seconds)
+                    raise ConvergenceError(self._failure(last + 1, steps, failed), result)
+        return history.result(factorisations, watch.seconds)
+
+    def _advance(
+        self, history: History, wanted: range, failed: Array, before: int = 0
+    ) -> tuple[int, int, int]:
+        """Make the steps ``wanted``, after ``before`` iterations: last step, iterations, matrices.
+
+        Counts are of all steps so far and of these steps.
+        """
+        indices = np.arange(wanted.start, wanted.stop)
+        amplitude = amplitudes(self.histories, indices * self.p.h)
+        taken = np.zeros(len(indices), dtype=np.int64)
+        wanted_rows = (indices % history.every == 0) | (indices == history.steps)
+        done = np.zeros((int(wanted_rows.sum()), 7))
+        last, factorisations = free_body.advance(
+            tuple(self.p),
+            tuple(self.options),
+            tuple(self.bodies),
+            tuple(self.loads),
+            amplitude,
+            tuple(self.s),
+            (wanted.start, wanted.stop - 1, history.row),
+            (history.steps, history.every),
+            (history.frames, history.velocities, done),
+            taken,
+            failed,
+        )
+        count = before + np.cumsum(taken)
+        kept = (indices <= last) & wanted_rows
+        count_kept = int(kept.sum())
+        rows = slice(history.row, history.row + count_kept)
+        history.balance[rows, 0] = done[:count_kept, 0]
+        history.impulses[rows, 0] = done[:count_kept, 1:]
+        self._keep(history, indices[kept], count[kept])
+        made = last - wanted.start + 1
+        return last, int(count[made - 1]) if made else before, factorisations
+
+    def _keep(self, history: History, indices: Indices, iterations: Indices) -> None:
+        """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
+        rows = slice(history.row, history.row + len(indices))
+        free_body.observe(
+            history.frames[rows],
+            history.velocities[rows],
+            self.blocks,
+            self.loads.constant,
+            history.invariants[rows],
+            history.potential[rows],
+        )
+        history.keep(indices, iterations)
+
+    def _failure(self, index: int, steps: int, failed: Array) -> str:
+        name = self.scene.bodies[int(failed[0])].label
+        limit, tolerance = self.options.limit, self.options.tolerance
+        rescued = self.options.rescue
+        reached = index, steps, self.p.h, limit, failed[1], failed[2]
+        text = failure(*reached, tolerance, rescued)
+        return f"{name}: {text}"

@@ -1,0 +1,101 @@
+"""Generalised-α in local frames, index 3, with a kept iteration matrix.
+
+Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121. With ``d`` the increment of a step::
+
+    d = h v + h² ((½ − β) a + β a₁)            H₁ = H exp(d)
+    v₁ = v + h ((1 − γ) a + γ a₁)              (1 − α_m) a₁ + α_m a = (1 − α_f) v̇₁ + α_f v̇
+
+and the equations of motion at the end of the step. Each body moves on SE(3), as written here, or on
+R³×SO(3) (:mod:`fem_lie.lie.motions`). Constraints are scaled as in Bottasso, Bauchau & Cardona,
+SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of h.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, field
+
+from fem_lie._arrays import choice, number
+from fem_lie.lie.motions import Parametrisation
+from fem_lie.results.history import Result
+from fem_lie.scene.scene import Scene
+from fem_lie.solve.alpha import free_bodies, variable
+from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.motion.integrator import Integrator, check_kinds
+from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class GeneralisedAlpha(Integrator):
+    """Options of the scheme; :meth:`run` integrates.
+
+    Scenes of rigid bodies alone, without joints, clamps and motions, need no matrix of the scene:
+    they go through one compiled loop, see :mod:`fem_lie.solve.alpha.free_bodies`.
+
+    Attributes:
+        radius: Spectral radius at infinite frequency, in [0, 1]: 1 conserves, 0 damps at once.
+        tolerance: Predicted error of the iteration in each step over the largest motion in a step
+            so far: the relative error of velocities, which is what energy and momentum feel.
+        policy: When to factorise.
+        max_iterations: More in one step are a failure.
+        parametrisation: The map from increments to rotations.
+        components: In which components the iteration matrix is kept.
+        index: Which constraints hold at the end of each step.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+    """
+
+    radius: float = 0.8
+    tolerance: float = 2e-8
+    policy: Policy = field(default_factory=Automatic)
+    max_iterations: int = 30
+    parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
+    components: Components = Components.LOCAL
+    index: Index = Index.THREE
+    petsc_options_prefix: str = "fem_lie_dynamics_"
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
+        number(self.radius, "radius")
+        if not 0.0 <= self.radius <= 1.0:
+            raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+        # plain numbers are welcome
+        choice(self.parametrisation, Parametrisation, "parametrisation")
+        choice(self.components, Components, "components")
+        choice(self.index, Index, "index")
+        if not self.tolerance > 0 or self.max_iterations < 1:
+            raise ValueError(
+                "wanted tolerance > 0 and max_iterations ≥ 1, got "
+                f"{self.tolerance}, {self.max_iterations}"
+            )
+
+    def _system(self, scene: Scene) -> System:
+        return System(scene, dynamics=True, parametrisation=self.parametrisation)
+
+    def _integration(self, system: System, step: float) -> Run:
+        return Run(self, system, step)
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        return variable.run(self, self._system(scene), duration, choice, saving, progress)
+
+    def _compiled(
+        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
+    ) -> Result | None:
+        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
+        if not (exponential and free_bodies.applies(scene, self.policy)):
+            return None
+        _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
+        return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)

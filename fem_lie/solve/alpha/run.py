@@ -1,0 +1,346 @@
+"""A run of generalised-α with constant steps: prediction, iteration with a kept matrix.
+
+Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.lie.motions import turn_all, turn_all_back, twists
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.results.history import Result
+from fem_lie.solve.alpha.books import Books
+from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.alpha.projection import project
+from fem_lie.solve.alpha.staleness import back_to_local, staleness
+from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.step.node import parameters
+from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY, State, accept, correct, predict
+from fem_lie.solve.methods import methods_in_time
+from fem_lie.solve.motion.contradiction import contradiction, contradicts
+from fem_lie.solve.motion.convergence import (
+    DIVERGED,
+    ROTATION,
+    ROUND_OFF,
+    UNMEASURED,
+    estimate,
+    failure,
+)
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Decisions, EveryIteration, Update
+from fem_lie.solve.motion.start import check_velocities
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
+
+if TYPE_CHECKING:
+    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+
+_log = logging.getLogger(__name__)
+
+_STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
+
+
+class Run(Integration[Recorder]):
+    """State of one integration.
+
+    Attributes:
+        options: Of the scheme.
+        p: Its parameters.
+        s: Start and end of a step.
+        weights: Multipliers.
+        solver: Of the iteration.
+        books: What loads, drives and supports have done.
+    """
+
+    _refreshes: ClassVar[bool] = True
+    """Whether the border of the kept matrix may be made anew by itself."""
+
+    def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            system: The equations.
+            step: Step size.
+        """
+        super().__init__(options.policy, system, step, bound=self._refreshes and system.m > 0)
+        self.options, self.p = options, parameters(options.radius, step, system.length)
+        system.velocity_factor = 1.0 / self.p.damping
+        self.s = State.start(system.frames, system.kinds)
+        self._guided = bool(system.supports)
+        self._projects = options.index == Index.STABILISED_TWO and system.m > 0
+        self._turned = options.components == Components.INERTIAL
+        if self._turned and system.supports:
+            raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
+        self._plain = tuple(self.p), tuple(self.s)
+        self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
+        self._accepted = self.s.H, self.s.twist1, self.s.rate1, self.weights
+        turns = system.connections.angular
+        self.measure = np.where(turns, ROTATION, 1.0 / system.length)
+        self._sizes = self.scale, self.measure, system.connections.joined
+        methods = methods_in_time(system)
+        self.solver = DirectSolver(system.kkt, options.petsc_options_prefix, methods)
+        self.r, self.dx = self.solver.right_hand_side, self.solver.solution
+        self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
+        self._end, self._iterations, self._made = 0.0, 0, 0
+        self.books = Books(system)
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return Recorder(self.system, steps, self.h, saving, progress, store)
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._index
+
+    # --- start ---
+
+    def start(self) -> None:
+        """Consistent accelerations and multipliers; scaling of the constraints."""
+        system, p, s = self.system, self.p, self.s
+        check_velocities(system, p.h)
+        self.weights[:] = set_start(system, self.solver, p, s)
+        system.set_time(0.0)
+        system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
+        self._fill(s.H, s.H, turned=False)
+        self.scale[:] = system.tangent.constraint_scale(s.H)
+        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
+        self._warm_up()
+        self.solver.factorisations = self.solver.refreshes = 0
+
+    def _warm_up(self) -> None:
+        """Compile what a step needs on a copy of the state: compilation is not integration."""
+        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
+        predict(scheme, state)
+        zero, weights = np.zeros_like(self.dx), self.weights.copy()
+        correct(scheme, state, zero, *self._sizes, weights)
+        accept(scheme, state)
+        estimate(1.0, np.inf, 1.0)
+        # the first iteration makes the matrix that counts
+        s, d, turned = self.s, state[2][3], self._turned
+        given = s.H1, s.twist1, s.rate1, self.weights, self.scale, d, self.p.mass, self.p.damping
+        self.system.fill_matrix(*given, self._ahead(), inertial=turned)
+        if turned:
+            turn_all(s.H, zero, self.system.count)
+            turn_all_back(s.H, zero, self.system.count)
+        else:
+            self.system.tangent.refill_border(self._ahead(), s.kinds, d, self.scale)
+
+    # --- steps ---
+
+    def _advance(self, history: Recorder) -> bool:
+        system, s = self.system, self.s
+        self._index += 1
+        self._end = self._index * self.h
+        if system.time_dependent:
+            system.set_time(self._end)
+            s.H1[system.count + 1 :] = system.prescribed_frames(self._end)
+        self._iterations = self._step()
+        if self._iterations:
+            system.connections.accept(s.H)
+            self._book(self._end)
+        return self._iterations > 0
+
+    def _book(self, end: float) -> None:
+        self.books.add(self.h, end, *self._accepted)
+
+    def _record(self, history: Recorder) -> bool:
+        return history.record(self._index, *self._accepted, self._iterations, self.books.total)
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        numbers = [self._last_ratio, self._motion, self._index, self._born]
+        counts = [self.solver.factorisations, self.solver.refreshes]
+        kept = {"H": self.s.H, "H1": self.s.H1, "motion": self.s.motion, "weights": self.weights}
+        kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
+        kept |= {"blocks": self.system.tangent.A, "counts": np.array(counts)}
+        return super().memory() | self.books.memory() | kept
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        s, system = self.s, self.system
+        s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
+        self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self.books.restore(kept)
+        self._last_ratio, self._motion = (float(x) for x in kept["numbers"][:2])
+        self._index, self._born = (int(x) for x in kept["numbers"][2:])
+        if system.time_dependent:
+            system.set_time(self._index * self.h)
+        system.tangent.A[:] = kept["blocks"]
+        super().restore(kept)
+        system.kkt.matrix.stateIncrease()
+        system.kkt.matrix.assemble()
+        self.solver.factorise()
+        self.solver.factorisations, self.solver.refreshes = (int(x) for x in kept["counts"])
+
+    def _failure(self, steps: int) -> str:
+        limit, tolerance = self.options.max_iterations, self.options.tolerance
+        residual = float(np.abs(self.r).max())
+        if self.reason:
+            return f"step {self._index} of {steps} (time {self._end:g}) failed: {self.reason}"
+        rescued, reached = self.options.policy.rescue, self._increment
+        return failure(self._index, steps, self.p.h, limit, reached, residual, tolerance, rescued)
+
+    def _step(self) -> int:
+        """One step; returns its iterations, those that failed, too; 0 if all has failed.
+
+        A step that diverges with the kept matrix is done again with a new one in every iteration
+        and with the stress as an iterate.
+        """
+        weights, self.reason = self.weights.copy(), ""
+        count = self._iterate(self.decisions, carried=False)
+        if count == 0 and self.options.policy.rescue:
+            in_vain = self._made
+            _log.info("step %d: kept matrix diverges, full iteration", self._index)
+            self.weights[:] = weights
+            # the predicted end of the step may be far off: its stress is no start
+            self.system.elastic.reset_stress(self.s.H)
+            count = self._iterate(EveryIteration().begin(bound=False), carried=True)
+            count += in_vain if count else 0
+        return count
+
+    def _iterate(self, decisions: Decisions, *, carried: bool) -> int:
+        """Predict, and correct until it converges; returns the iterations, 0 on failure."""
+        try:
+            return self._newton(decisions, carried)
+        except SingularMatrixError:
+            self._increment = np.inf
+            return 0
+
+    def _newton(self, decisions: Decisions, carried: bool) -> int:
+        system, s = self.system, self.s
+        self._motion = max(predict(*self._plain), self._motion)
+        tolerance = self._tolerance()
+        previous, ratio = np.inf, self._last_ratio
+        end = s.H1, *self._accepted[1:], self.scale, self.r
+        for iteration in range(1, self.options.max_iterations + 1):
+            self._made = iteration
+            if not carried:
+                system.elastic.settle(s.H1)
+            system.residual(*end)
+            update = decisions.before_iteration(iteration)
+            if self.solver.factorisations == 0 or update == Update.ALL or update is True:
+                self._factorise(None if carried else s.H1)
+            elif update == Update.CONSTRAINTS:
+                self._refresh()
+            self._solve()
+            if carried:
+                h = np.empty_like(s.d)
+                twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
+                system.elastic.carry(s.H1, h.ravel())
+            scale, measure, joined = self._sizes
+            self._increment = correct(*self._plain, self.dx, scale, measure, joined, self.weights)
+            ratio, remaining = estimate(self._increment, previous, ratio)
+            stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
+            if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
+                if system.kkt.redundant and self._contradicts(tolerance, stagnant):
+                    return 0
+                self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
+                decisions.after_step(iteration)
+                if decisions.asks and not self._turned:
+                    decisions.answer(iteration, ratio, self._staleness())
+                if self._projects:
+                    project(system, self.solver, s, self.scale, self._end, self.p.h)
+                accept(*self._plain)
+                if system.carried_drilling:
+                    system.carried_drilling.turn_motion(s.H, s.motion, s.kinds, WRITTEN_LOCALLY)
+                return iteration
+            if not self._increment < DIVERGED:
+                return 0
+            previous = self._increment
+        return 0
+
+    def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
+        """Whether what is left of the constraints' violation is not the iteration's."""
+        values = self.r[6 * self.system.count :] / self.scale
+        # increments of an iteration that goes nowhere explain nothing
+        allowed = tolerance if stagnant else max(tolerance, self._increment)
+        if not contradicts(values, self.measure, allowed):
+            return False
+        self.reason = contradiction(self.system, self.s.H1, values)
+        return True
+
+    def _staleness(self) -> float:
+        """See :mod:`fem_lie.solve.alpha.staleness`; in the direction of the last correction."""
+        x = self.dx.copy()
+        back_to_local(self.s.H1, self.s.kinds, x)
+        return staleness(
+            self.system, self.solver, self._plain[0], self.s, self.weights, *self._sizes, x
+        )
+
+    def _tolerance(self) -> float:
+        """Error that the iteration of a step may leave, see :data:`~.convergence.ROTATION`."""
+        return max(self.options.tolerance * self._motion, ROUND_OFF)
+
+    def _solve(self) -> None:
+        """Solve; the residual and the solution are in local components."""
+        H1, n = self.s.H1, self.system.count
+        if self._turned:
+            turn_all(H1, self.r, n)
+        self.solver.solve()
+        if self._turned:
+            turn_all_back(H1, self.dx, n)
+        if self._guided:
+            self.system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
+
+    def _factorise(self, stressed: Array | None) -> None:
+        """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
+        self._fill(stressed, self._ahead(), turned=self._turned)
+        self.solver.factorise()
+
+    def _refresh(self) -> None:
+        """The constraints anew in the kept matrix."""
+        if self._turned:
+            self._factorise(self.s.H1)
+            return
+        tangent, s = self.system.tangent, self.s
+        tangent.refill_border(self._ahead(), s.kinds, s.d, self.scale)
+        self.solver.refresh()
+
+    def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
+        if not self.system.choices.geometric:
+            self.system.elastic.clear_stress()
+        elif stressed is not None:
+            self.system.elastic.reset_stress(stressed)
+        s = self.s
+        self.system.fill_matrix(
+            s.H1,
+            s.twist1,
+            s.rate1,
+            self.weights,
+            self.scale,
+            s.d,
+            self.p.mass,
+            self.p.damping,
+            joint_frames,
+            inertial=turned,
+        )
+
+    def _ahead(self) -> Array:
+        """Frames in the middle of the time for which the matrix is likely to be kept.
+
+        Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
+        """
+        steps = (self._index - self._born) // 2
+        self._born = self._index
+        s, frames = self.s, self.s.H1.copy()
+        n = len(s.kinds)
+        # along a screw motion on either group: joints stay closed
+        frames[:n] = lie.se3_retract(s.H1[:n], steps * self.p.h * s.twist1)
+        return frames

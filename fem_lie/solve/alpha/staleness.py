@@ -1,0 +1,89 @@
+"""What kept mass and stiffness cost the iteration, found out without making them anew.
+
+A Newton correction ``x`` with a kept matrix leaves ``(S_kept − S) x`` of mass and stiffness, which
+the next correction has to undo: ``|J⁻¹ (S_kept − S) x| / |x|`` is the rate at which the iteration
+would converge if nothing but ``S`` were old. ``S x`` is a difference of two residuals with the same
+multipliers, so that constraints have no part in it, and what is not linear in ``x`` cancels.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.alpha.step.nodes import State, correct
+from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.system.system import System
+
+PROBE = 1e-6
+"""Size of the differences, see :data:`~.convergence.ROTATION`: far above round-off, and small."""
+
+TINY = float(np.finfo(float).tiny)
+
+
+def staleness(
+    system: System,
+    solver: DirectSolver,
+    scheme: tuple[float, ...],
+    state: State,
+    weights: Array,
+    scale: Array,
+    measure: Array,
+    joined: Flags,
+    direction: Array,
+) -> float:
+    """Rate at which the iteration would converge if only mass and stiffness were old.
+
+    Costs two residuals and a solution.
+
+    Args:
+        system: The equations; its matrix is the one that was factorised, in local components.
+        solver: With the kept factors; what is in it is overwritten.
+        scheme: Parameters, as for :func:`~.nodes.correct`, likewise the others.
+        state: In an iteration; not changed.
+        weights: Multipliers.
+        scale: Of the constraints.
+        measure: Of the multipliers.
+        joined: Which of them are one vector with the one before.
+        direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
+    """
+    nodes, x = 6 * system.count, direction
+    size = _size(system, x, measure, joined)
+    x[nodes:] = 0.0
+    probe = PROBE / max(_size(system, x, measure, joined), TINY)
+
+    def moved(factor: float) -> Array:
+        there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
+        held, r = weights.copy(), np.empty_like(x)
+        correct(scheme, tuple(there), -factor * x, scale, measure, joined, held)
+        system.elastic.settle(there.H1)
+        system.residual(there.H1, there.twist1, there.rate1, held, scale, r)
+        return r
+
+    change = (moved(probe) - moved(-probe)) / (2.0 * probe)
+    values, columns, pointers = system.kkt.csr
+    if system.supports:
+        system.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
+    solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
+    solver.right_hand_side[nodes:] = 0.0
+    solver.solve()
+    return _size(system, solver.solution, measure, joined) / max(size, TINY)
+
+
+def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
+    """A correction (6 n + m,) as :func:`~.nodes.correct` leaves it, in the nodes' frames again."""
+    flat = np.flatnonzero(kinds & 1)
+    moves = x[: 6 * len(kinds)].reshape(-1, 6)
+    moves[flat, :3] = np.einsum("nij,nj->ni", H[flat, 1:], moves[flat, :3])
+
+
+def _size(system: System, x: Array, measure: Array, joined: Flags) -> float:
+    """The size of a correction as :func:`~.nodes.correct` has it."""
+    nodes = 6 * system.count
+    parts = x[:nodes].reshape(-1, 6)
+    moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
+    group = np.cumsum(~joined) - 1
+    held = np.sqrt(np.bincount(group, (x[nodes:] * measure) ** 2)).max(initial=0.0)
+    return float(max(moved / system.length, ROTATION * turned, held))

@@ -1,0 +1,187 @@
+"""One step of generalised-α on all nodes: prediction, correction, acceptance, compiled.
+
+Each node moves on its own group, see :mod:`fem_lie.lie.motions`. Velocities and accelerations are
+those of the group; their twists in the nodes' frames, which the equations of motion want, follow
+them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
+from fem_lie.lie.motions import from_local, global_components, move, to_local
+from fem_lie.lie.tuples import load, store
+from fem_lie.solve.alpha.step import node
+
+WRITTEN_LOCALLY = np.isin(np.arange(8), (6, 7))
+"""Which of :attr:`State.motion` are twists on any group, shape (8,)."""
+
+
+class State(NamedTuple):
+    """Start of a step, and its end with index 1.
+
+    Attributes:
+        H: Frames of all rows, and those of the end.
+        motion: Shape (8, n, 6), in the order of the properties; one array, because a compiled
+            function takes the longer to call the more there are.
+        kinds: Group and parametrisation of each node, shape (n,).
+    """
+
+    H: Array
+    H1: Array
+    motion: Array
+    kinds: Indices
+
+    @classmethod
+    def start(cls, frames: Array, kinds: Indices) -> State:
+        """At rest at ``frames``."""
+        return cls(frames.copy(), frames.copy(), np.zeros((8, len(kinds), 6)), kinds)
+
+    @property
+    def v(self) -> Array:
+        """Velocities of the group."""
+        return self.motion[0]
+
+    @property
+    def vdot(self) -> Array:
+        """Accelerations."""
+        return self.motion[1]
+
+    @property
+    def a(self) -> Array:
+        """Algorithmic accelerations."""
+        return self.motion[2]
+
+    @property
+    def d(self) -> Array:
+        """Increment of the step."""
+        return self.motion[3]
+
+    @property
+    def v1(self) -> Array:
+        """Velocities at the end of the step."""
+        return self.motion[4]
+
+    @property
+    def twist1(self) -> Array:
+        """Twists in the nodes' frames at the end of the step, or of the last one accepted."""
+        return self.motion[6]
+
+    @property
+    def rate1(self) -> Array:
+        """Rates of the twists at the end of the step."""
+        return self.motion[7]
+
+    def set_start(self, twist: Array, rate: Array) -> None:
+        """Set ``v`` and ``v̇ = a`` from twists and their rates in the frames ``H``, (n, 6)."""
+        from_local(self.kinds, self.H, twist, rate, self.v, self.vdot)
+        self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
+
+
+@compiled
+def extrapolate(
+    time: float, H: Array, motion: Array, kinds: Indices, later: Array, twist: Array
+) -> None:
+    """Frames and twists after ``time`` at constant accelerations, shapes (≥ n, 4, 3), (≥ n, 6)."""
+    v, vdot = motion[0], motion[1]
+    d, w, rate = np.empty(6), np.empty(6), np.empty(6)
+    for i in range(kinds.shape[0]):
+        for k in range(6):
+            d[k] = time * v[i, k] + 0.5 * time * time * vdot[i, k]
+            w[k] = v[i, k] + time * vdot[i, k]
+        move(kinds[i], H[i], d, later[i])
+        to_local(kinds[i], later[i], w, vdot[i], twist[i], rate)
+
+
+# Compiled functions take these records as plain tuples: numba is three times as fast to call so.
+
+
+@compiled
+def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
+    """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
+    H, H1, motion, kinds = state
+    v, vdot, a, d, v1, vdot1, twist, rate = _parts(motion)
+    largest = 0.0
+    for i in range(d.shape[0]):
+        size = node.predict(
+            scheme, kinds[i], H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i]
+        )
+        largest = max(largest, size)
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+    return largest
+
+
+@compiled
+def correct(
+    scheme: tuple[float, ...],
+    state: tuple[Any, ...],
+    dx: Array,
+    scale: Array,
+    measure: Array,
+    joined: Flags,
+    weights: Array,
+) -> float:
+    """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
+    H, H1, motion, kinds = state
+    _, _, _, d, v1, vdot1, twist, rate = _parts(motion)
+    largest = 0.0
+    for i in range(d.shape[0]):
+        x = dx[6 * i : 6 * i + 6]
+        if kinds[i] & 1:
+            store(x, 0, global_components(H1[i], load(x, 0)))
+        size = node.correct(scheme, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
+        if size > largest or size != size:  # nan stays
+            largest = size
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+    at, squares = 6 * d.shape[0], 0.0
+    for c in range(weights.shape[0]):
+        weights[c] -= scale[c] * dx[at + c]
+        # scaled multipliers are displacements that the matrix turns into the joint's force
+        part = dx[at + c] * measure[c]
+        squares = part * part + (squares if joined[c] else 0.0)
+        size = np.sqrt(squares)
+        if size > largest or size != size:
+            largest = size
+    return largest
+
+
+@compiled
+def change_velocities(state: tuple[Any, ...], dx: Array) -> None:
+    """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
+    _, H1, motion, kinds = state
+    _, _, _, _, v1, vdot1, twist, rate = _parts(motion)
+    for i in range(v1.shape[0]):
+        x = dx[6 * i : 6 * i + 6]
+        if kinds[i] & 1:
+            store(x, 0, global_components(H1[i], load(x, 0)))
+        for k in range(6):
+            v1[i, k] -= x[k]
+        to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
+
+
+@compiled
+def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
+    """Make the end of the step the start of the next."""
+    H, H1, motion, _ = state
+    v, vdot, a, _, v1, vdot1, _, _ = _parts(motion)
+    for i in range(v.shape[0]):
+        node.accept(scheme, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
+    H[:] = H1  # with the prescribed frames
+
+
+@compiled
+def _parts(motion):  # type: ignore[no-untyped-def]
+    return (
+        motion[0],
+        motion[1],
+        motion[2],
+        motion[3],
+        motion[4],
+        motion[5],
+        motion[6],
+        motion[7],
+    )

@@ -1,0 +1,287 @@
+"""Generalised-α with a step that changes.
+
+What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
+before its end, and velocities carry what is of the order h² across the joints
+(:mod:`fem_lie.solve.motion.start`). When h becomes ``r h``::
+
+    a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
+
+with ``N B v`` the part of the velocities across the joints. Without the first the scheme is of
+first order with variable steps (O. Brüls & M. Arnold, J. Comput. Nonlinear Dyn. 3 (2008) 041007).
+
+After a step that did not resolve fast waves ``v̇`` has their part of it, which means nothing. A
+much smaller step would feel it, have a large error, and be rejected for ever: when two steps in
+sequence are rejected, accelerations are made consistent anew, as at the start.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.linear.levels import KeptFactors
+from fem_lie.results.history import Result
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.step.node import parameters
+from fem_lie.solve.alpha.time_error import TimeError
+from fem_lie.solve.motion.convergence import ROTATION, ROUND_OFF
+from fem_lie.solve.motion.events import events
+from fem_lie.solve.motion.growing import GrowingRecorder
+from fem_lie.solve.motion.policies import Decisions
+from fem_lie.solve.motion.start import (
+    allowed_velocities,
+    check_velocities,
+    constraint_rates,
+    with_driven,
+)
+from fem_lie.solve.motion.step_control import Control, StepChoice
+from fem_lie.solve.motion.step_error import StepError
+from fem_lie.solve.motion.variable_steps import VariableSteps, side
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
+
+if TYPE_CHECKING:
+    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+
+ORDER = 2
+
+ITERATION = 0.01
+"""Part of the tolerance that the iteration of a step may leave."""
+
+SWEEPS = 3
+"""Iterations for the part of velocities across the joints."""
+
+
+def run(
+    options: GeneralisedAlpha,
+    system: System,
+    duration: float,
+    choice: StepChoice,
+    saving: Saving,
+    progress: bool | None,
+) -> Result:
+    """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
+    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
+    recorder = GrowingRecorder(system, duration, saving, progress)
+    stepper, finer = AlphaSteps(options, system, control), None
+    if choice.refinement > 1:
+        finer = AlphaSteps(options, system, control)
+    return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
+
+
+class _Saved(NamedTuple):
+    """What a step changes; see :class:`~.nodes.State`."""
+
+    H: Array
+    H1: Array
+    motion: Array
+    weights: Array
+    books: dict[str, Array]
+
+
+class AlphaSteps(Run):
+    """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+
+    # factors are kept whole
+    _refreshes = False
+
+    def __init__(self, options: GeneralisedAlpha, system: System, control: Control) -> None:
+        """Nothing is computed yet; ``control`` says on which level steps are."""
+        super().__init__(options, system, control.size)
+        self.control = control
+        self._starter = self.solver
+        self.factors = KeptFactors(self._starter, rigid=not system.numbering.assemblies)
+        self.solver = self.factors
+        self.r, self.dx = self.solver.right_hand_side, self.solver.solution
+        self.decisions = OrMissing(self.decisions, self.factors)
+        self._speed, self._scales = 0.0, dict[int, Array]()
+        self._error, self._warm = TimeError(system), False
+
+    @property
+    def frames(self) -> Array:
+        """See the protocol, likewise the following."""
+        return self.s.H
+
+    @property
+    def increment(self) -> float:
+        """See the protocol."""
+        return self._increment
+
+    @property
+    def factorisations(self) -> int:
+        """See the protocol."""
+        return self.factors.factorisations + self._starter.factorisations
+
+    # --- the size of the step ---
+
+    def begin(self, h: float) -> None:
+        """See the protocol."""
+        s = self.s
+        check_velocities(self.system, h)
+        s.H[:], s.H1[:], s.motion[:] = self.system.frames, self.system.frames, 0.0
+        self._set_parameters(h)
+        self.weights[:] = set_start(self.system, self._starter, self.p, s)
+        self.factors.levels.use(self.p.mass)
+        self._starter.factorisations = 0
+        self.system.set_time(0.0)
+        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
+        if not self._warm:
+            self._warm_up()
+            self._warm = True
+
+    def _set_parameters(self, h: float) -> None:
+        self.h, self.p = h, parameters(self.options.radius, h, self.system.length)
+        self._plain = tuple(self.p), tuple(self.s)
+        self.system.velocity_factor = 1.0 / self.p.damping
+
+    def set_step(self, time: float, h: float) -> None:
+        """See the protocol."""
+        s, r, levels = self.s, h / self.h, self.factors.levels
+        if abs(r - 1.0) > 1e-12:
+            s.a[:] = s.vdot + r * (s.a - s.vdot)
+            if self.system.m and self.factors.usable:
+                s.v[:] -= self._across(time, 1.0 - r * r)
+            self._set_parameters(h)
+        levels.use(self.p.mass)
+        if self.factors.usable:
+            self.scale[:] = levels.scale()
+
+    def _across(self, time: float, share: float) -> Array:
+        """``share`` of the velocities of the groups that is across the joints, shape (n, 6).
+
+        With the kept matrix, whose Jacobian is old: by iteration.
+        """
+        system, s, n = self.system, self.s, self.system.count
+        v = system.velocities.copy()
+        v[:n] = s.twist1
+        v, _ = with_driven(system, v, time, self.h)
+        wanted = constraint_rates(system, s.H, v)
+        wanted -= system.connections.target_rates(time, self.h)[0]
+        across = np.zeros_like(v)
+        self.r[: 6 * n] = 0.0
+        for _ in range(SWEEPS):
+            found = constraint_rates(system, s.H, across)
+            # the rows of the kept matrix are scaled as they were when it was made
+            scale = self.factors.levels.scale() * self.factors.levels.factor
+            self.r[6 * n :] = scale * (share * wanted - found)
+            super()._solve()
+            across[:n] += self.dx[: 6 * n].reshape(n, 6)
+        flat = (s.kinds & 1) == 1
+        R = lie.rotation(s.H[:n])[flat]
+        across[:n][flat, :3] = np.einsum("nij,nj->ni", R, across[:n][flat, :3])
+        return across[:n]
+
+    def pass_event(self, time: float) -> None:
+        """Make accelerations and velocities at ``time`` consistent."""
+        s = self.s
+        self._make_consistent(time)
+        self.books.jump(time, s.H, s.twist1, s.rate1, self.weights)
+
+    def _make_consistent(self, time: float) -> None:
+        system, s = self.system, self.s
+        s.H[system.count + 1 :] = system.prescribed_frames(time)
+        v = system.velocities.copy()
+        v[: system.count] = s.twist1
+        v = allowed_velocities(system, self._starter, s.H, v, time, self.h)
+        self.weights[:] = set_start(system, self._starter, self.p, s, v, time)
+        system.set_time(time)
+
+    def calm(self, time: float, h: float) -> None:
+        """Find accelerations anew."""
+        s = self.s
+        self.set_step(time, h)
+        self._make_consistent(time)
+        self.books.look(time, s.H, s.twist1, s.rate1, self.weights)
+
+    # --- steps ---
+
+    def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
+        """See the protocol."""
+        system, s = self.system, self.s
+        self._index, self._end = index, end
+        seen = end - side(end, self.h) if lands else end
+        if system.time_dependent:
+            system.set_time(seen)
+            s.H1[system.count + 1 :] = system.prescribed_frames(seen)
+        self._motion = self._speed * self.h
+        iterations = self._step()
+        if iterations:
+            self._speed = max(self._speed, self._motion / self.h)
+            self._book(seen)
+        return iterations
+
+    def saved(self) -> _Saved:
+        """See the protocol."""
+        s, books = self.s, self.books.memory()
+        return _Saved(s.H.copy(), s.H1.copy(), s.motion.copy(), self.weights.copy(), books)
+
+    def take_back(self, state: _Saved) -> None:
+        """See the protocol."""
+        s = self.s
+        s.H[:], s.H1[:], s.motion[:] = state.H, state.H1, state.motion
+        self.weights[:] = state.weights
+        self.books.restore(state.books)
+
+    def follow(self, other: AlphaSteps, state: _Saved) -> None:
+        """See the protocol."""
+        self.take_back(state)
+        self.h, self._index, self._speed = other.h, other._index, other._speed
+
+    def estimate(self, before: _Saved, start: float, end: float) -> StepError:
+        """See the protocol."""
+        s, m = self.s, self.factors.levels.mass
+        self._error.load(self.h, before.motion, s.H, s.d, s.vdot, m, self.r)
+        super()._solve()
+        return self._error.of(self.dx)
+
+    def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
+        """See the protocol."""
+        recorder.fill(0.0, *self._accepted, self.books.total)
+
+    # --- what changes in a step ---
+
+    def _tolerance(self) -> float:
+        control = self.control
+        allowed = min(control.tolerance / self.system.length, ROTATION * control.rotation_tolerance)
+        return max(min(super()._tolerance(), ITERATION * self.h * allowed), ROUND_OFF)
+
+    def _solve(self) -> None:
+        super()._solve()
+        if self.factors.levels.factor != 1.0:
+            self.dx *= self.factors.levels.factor
+
+    def _refresh(self) -> None:
+        """The matrix may belong to another level: it is made whole."""
+        self._factorise(self.s.H1)
+
+    def _factorise(self, stressed: Array | None) -> None:
+        level, m = self.control.level, self.system.m
+        if level not in self._scales:
+            self._fill(stressed, self.s.H1, turned=False)
+            self._scales[level] = self.system.tangent.constraint_scale(self.s.H1)
+        scale = self._scales[level]
+        if m:
+            self.r[-m:] *= scale / self.scale
+        self.scale[:] = scale
+        self._fill(stressed, self._ahead(), turned=self._turned)
+        self.factors.keep(scale)
+
+
+class OrMissing(Decisions):
+    """Those of a policy, and a matrix where none serves."""
+
+    def __init__(self, inner: Decisions, factors: KeptFactors) -> None:
+        """Ask ``inner`` where ``factors`` has one."""
+        self._inner, self._factors = inner, factors
+
+    def before_iteration(self, iteration: int) -> bool:
+        """When one of both wants it."""
+        return bool(self._inner.before_iteration(iteration)) or not self._factors.usable
+
+    def after_step(self, iterations: int) -> None:
+        """Pass it on."""
+        self._inner.after_step(iterations)

@@ -1,0 +1,1 @@
+"""Schemes that conserve energy and momenta, or dissipate."""

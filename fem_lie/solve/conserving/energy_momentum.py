@@ -1,0 +1,144 @@
+r"""Energy, momentum and angular momentum to round-off, for beams, shells, rigid bodies and joints.
+
+With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
+and increments ``Δq`` that come from a translation and a Cayley rotation of each node
+(:mod:`fem_lie.solve.conserving.step.cayley`)::
+
+    V₁ = 2 Δq/h − V
+    L(q̄)ᵀ [G (V₁ − V)/h − dead] + elastic forces + joint forces − loads = 0,      Φ(q₁) = 0
+
+``L(q̄)`` turns motions of the nodes into those of the *mean* ``q̄ = ½(q + q₁)``, so that the work
+of every force is that on ``Δq`` without any error:
+
+- *inertia:* ``(V₁ − V)·G Δq/h = ½ V₁·G V₁ − ½ V·G V``, and the angular momentum ``Σ q × G V``
+  changes by ``Σ q̄ × (forces)`` alone;
+- *elements:* forces that do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
+  objective energy (:mod:`fem_lie.solve.conserving.step.discrete_gradient`);
+- *joints:* ``Φ`` is bilinear in ``q``, and its gradient at ``q̄`` does the work ``λ (Φ₁ − Φ) = 0``
+  (:mod:`fem_lie.solve.conserving.step.joints`);
+- *loads* at the middle of the step: gravity and constant forces have a potential, the work of all
+  others is counted, and so is what viscous forces take.
+
+The scheme is of second order. It damps nothing: what a step does not resolve stays. Multipliers act
+over a step; joint forces are reported at its end (:mod:`fem_lie.solve.conserving.end_forces`). The
+iteration goes on until nothing but round-off changes, with a matrix in local frames that is kept
+as the policy says. Bodies' groups have no meaning for it.
+
+Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
+Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fem_lie._arrays import number
+from fem_lie.results.history import Result
+from fem_lie.scene.choices import Redundant
+from fem_lie.scene.scene import Scene
+from fem_lie.scene.surface_pressure import SurfacePushes
+from fem_lie.solve.conserving import variable
+from fem_lie.solve.conserving.run import Options, Run
+from fem_lie.solve.motion.integrator import Integrator, check_kinds
+from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
+
+
+@dataclass(frozen=True)
+class EnergyMomentum(Integrator):
+    """Options of the scheme; :meth:`run` integrates.
+
+    ``result.balance`` follows the work of loads and drives, and the loss by damping;
+    ``result.balance_error`` says how well energy, work and loss close.
+
+    Attributes:
+        tolerance: 0: iterate until only round-off changes, which conserves to round-off. Otherwise
+            the predicted error of the iteration in each step over the largest motion in a step;
+            energy and momenta are then kept to some hundred times that, and
+            ``result.balance_error`` and the errors of momenta say how well.
+        policy: When to factorise.
+        max_iterations: More in one step are a failure.
+    """
+
+    tolerance: float = 0.0
+    policy: Policy = field(default_factory=Automatic)
+    max_iterations: int = 100
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
+        if not self.tolerance >= 0 or self.max_iterations < 1:
+            raise ValueError(
+                "wanted tolerance ≥ 0 and max_iterations ≥ 1, got "
+                f"{self.tolerance}, {self.max_iterations}"
+            )
+
+    def _system(self, scene: Scene) -> System:
+        system = System(scene, dynamics=True)
+        _refuse(system)
+        return system
+
+    def _integration(self, system: System, step: float) -> Run:
+        return Run(self._told(), system, step)
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        system, options = self._system(scene), self._told()
+        return variable.run(options, system, duration, choice, saving, progress)
+
+    def _told(self) -> Options:
+        return Options(self.tolerance, self.policy, self.max_iterations)
+
+
+def _refuse(system: System) -> None:
+    """Raise ``ValueError`` for what these schemes cannot do."""
+    connections = system.connections
+    drills = system.numbering.drills
+    drilling = [body.label for body, six in drills.items() if body.uncoupled and six]
+    reasons = {
+        "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
+        "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,
+        "supports along axes fixed in space (Shell.guide)": bool(system.supports),
+        "redundant constraints": system.scene.redundant is not Redundant.REFUSE,
+        "pressure on shells": any(isinstance(p, SurfacePushes) for p in system.pressures),
+        f"shells with six parameters ({', '.join(drilling)})": bool(drilling),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")
+
+
+@dataclass(frozen=True)
+class EnergyDecaying(EnergyMomentum):
+    """:class:`EnergyMomentum` with dissipation at high frequencies.
+
+    Kinetic and elastic energy, less the work of loads, does not increase in any step, whatever the
+    scene and the step. Momenta are conserved as by :class:`EnergyMomentum`. Linear problems are
+    integrated by an A-stable two-step method of second order, between the trapezoidal rule
+    (``radius`` 1) and BDF2 (``radius`` 0); see :mod:`fem_lie.solve.conserving.step.dissipation`.
+    What was dissipated is the third column of ``result.balance``.
+
+    Attributes:
+        radius: Spectral radius at infinite frequency, in [0, 1]; 1 conserves.
+    """
+
+    radius: float = 0.8
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        super().__post_init__()
+        number(self.radius, "radius")
+        if not 0.0 <= self.radius <= 1.0:
+            raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+
+    def _told(self) -> Options:
+        loss = (1.0 - self.radius) / (3.0 + self.radius)
+        return Options(self.tolerance, self.policy, self.max_iterations, loss, 1.0 - loss)

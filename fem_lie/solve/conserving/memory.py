@@ -1,0 +1,100 @@
+"""Memory of a run of a conserving scheme, and what of the scene its steps see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.forms.cells import Cells
+from fem_lie.results.balances import TOTAL
+from fem_lie.scene.pressure import Pressure
+from fem_lie.solve.conserving.step.balance import Model, State, Step
+from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.system.acting import supported
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.system import System
+
+
+def start_state(system: System, cells: Cells) -> State:
+    """At rest at the frames of the start."""
+    z = np.zeros
+    n, m = system.count, system.m
+    return State(
+        H=system.frames.copy(),
+        rest=z((n, 4, 3)),
+        V=z((n, 4, 3)),
+        weights=z(m),
+        gap=z(m),
+        F=z((cells.places, 6)),
+        W=z(cells.count),
+        account=z(cells.count),
+        w=z((n, 4, 3)),
+        w_F=z((cells.places, 6)),
+        lag=z(11),
+        carry=z((n, 6)),
+        books=z(TOTAL),
+        trend=z((n, 6)),
+        earlier=z((2, m)),
+        sizes=z(3),
+    )
+
+
+def room_for_step(system: System, cells: Cells) -> Step:
+    """Memory of a step."""
+    z = np.zeros
+    n, m, total = system.count, system.m, system.numbering.total
+    return Step(
+        step=z((n, 6)),
+        rows=np.stack([*[system.frames] * 3, z(system.frames.shape)]),
+        V1=z((n, 4, 3)),
+        F1=z((cells.places, 6)),
+        energies=z((2, cells.count)),
+        change=z(m),
+        losses=z(TOTAL),
+        nodes=z((6, total, 4, 3)),
+        steps=z((3, total, 6)),
+        forces=z((n, 6)),
+        q=z((2, n, 4, 3)),
+        F_viscous=z((cells.places, 6)),
+        r=z((3, 6 * n + m)),
+        weights=z(m),
+        filtered=z((2, total, 6)),
+    )
+
+
+def model_of(
+    system: System, cells: Cells, pressures: Sequence[Pressure], scheme: tuple[float, float, float]
+) -> Model:
+    """What a step sees of the scene; ``scheme``: see :class:`~.balance.Model`."""
+    attachment = system.numbering.attachment
+    turns = system.connections.angular
+    lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
+    pieces = [pressure.pairs for pressure in pressures]
+    return Model(
+        cells=cells.table,
+        joints=system.connections.packed,
+        inertia=tuple(system.inertia),
+        damping=tuple(system.mass_damping or Inertia.none()),
+        attachment=(attachment.leader, attachment.offset, attachment.trivial),
+        held=system.held,
+        measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),
+        scale=np.ones(system.m),
+        loads=(*(array.copy() for array in system.loads), system.conservative),
+        pressure=(
+            np.concatenate([np.zeros((0, 2), dtype=np.int64), *pieces]),
+            across(pressures),
+        ),
+        viscous=system.elastic.viscous,
+        scheme=scheme,
+        probes=system.connections.packed_probes,
+        driven=np.zeros(system.m),
+        supported=supported(system),
+    )
+
+
+def across(pressures: Sequence[Pressure]) -> Array:
+    """Axes across the pieces under pressure, times the present pressure, shape (s, 3)."""
+    parts = [pressure.across for pressure in pressures]
+    return np.concatenate([np.zeros((0, 3)), *parts])

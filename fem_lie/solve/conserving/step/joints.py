@@ -1,0 +1,149 @@
+"""Joints over a step: constraints by their increments, forces at the mean configuration.
+
+``z = (Δ, Q)``, the relative motion of the joint's frames, is bilinear in positions and directors
+``q`` of its nodes, so ``z₁ − z₀ = z'(q̄)(q₁ − q₀)`` with the mean ``q̄``, exactly. Forces
+``z'(q̄)ᵀ p`` therefore do the work ``p·(z₁ − z₀)``, which is zero for ``p = Sᵀλ`` and ``S z = 0`` at
+both ends, and no net force or moment but that on the ground: ``z`` does not feel rigid motion. The
+constraints are followed by their increments, with all digits. (Gonzalez, J. Nonlinear Sci. 6 (1996)
+449, section 4; Betsch & Steinmann, Multibody Syst. Dyn. 8 (2002) 367.)
+
+Of terms that are functions of ``z`` the gradient is replaced by a secant ``g`` in its direction at
+the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at both ends.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined
+from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.relative_motion import relative_motion
+from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
+from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.conserving.step.copies import put
+
+
+@inlined
+def _joint_frame(A: Array, C: Array, out: Array) -> None:
+    """Rows (x, d₁, d₂, d₃) of a joint's frame from those of its node."""
+    for k in range(4):
+        for j in range(3):
+            value = C[k, 0] * A[1, j] + C[k, 1] * A[2, j] + C[k, 2] * A[3, j]
+            out[k, j] = value + A[0, j] if k == 0 else value
+
+
+@inlined
+def _increment(a: Array, b: Array, da: Array, db: Array, dz: Array) -> None:
+    """``z'(q̄) Δq`` of two frames with means ``a``, ``b`` and increments ``da``, ``db``."""
+    gap = minus(load_row(b, 0), load_row(a, 0))
+    widening = minus(load_row(db, 0), load_row(da, 0))
+    for k in range(3):
+        axis, turn = load_row(a, 1 + k), load_row(da, 1 + k)
+        dz[k] = dot(turn, gap) + dot(axis, widening)
+        for n in range(3):
+            other, its = load_row(b, 1 + n), load_row(db, 1 + n)
+            dz[3 + 3 * k + n] = dot(turn, other) + dot(axis, its)
+
+
+@inlined
+def _forces(a: Array, b: Array, p: Array) -> tuple[Vector, Vector, Vector]:
+    """Force on B's origin, and moments on A and B about their origins, of ``p`` on z."""
+    gap = minus(load_row(b, 0), load_row(a, 0))
+    force, on_a, on_b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(3):
+        axis = load_row(a, 1 + k)
+        force = plus(force, scaled(p[k], axis))
+        on_a = plus(on_a, scaled(p[k], cross(axis, gap)))
+        for n in range(3):
+            moment = scaled(p[3 + 3 * k + n], cross(axis, load_row(b, 1 + n)))
+            on_a = plus(on_a, moment)
+            on_b = minus(on_b, moment)
+    return force, on_a, on_b
+
+
+@compiled
+def add_joints(
+    mean: Array,
+    delta: Array,
+    packed: PackedJoints,
+    weights: Array,
+    driven: Array,
+    h: float,
+    change: Array,
+    out: Array,
+    ground: Array,
+) -> tuple[float, float]:
+    """Add the forces of all joints to ``out`` and set ``change``, the increments of constraints.
+
+    Args:
+        mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
+        delta: Increments.
+        packed: See :class:`~fem_lie.joints.equations.table.JointTable`.
+        weights: Multipliers, shape (m,).
+        driven: Increments of the constraints' targets, shape (m,).
+        h: Step size.
+        change: Increments ``Σ g·z'(q̄) Δq`` without those of the targets, shape (m,), overwritten.
+        out: Forces and moments on the moving nodes, global components, shape (n, 6), updated.
+        ground: What ground and prescribed frames do, force and moment about the origin, shape
+            (≥ 6,), updated.
+
+    Returns:
+        The work of prescribed frames and drives on the nodes, and the loss in dampers.
+    """
+    table = joint_table(packed)
+    work, loss, m = 0.0, 0.0, weights.shape[0]
+    p, z, dz, g, f = np.empty(12), np.empty(12), np.empty(12), np.empty(12), np.zeros(3)
+    both, moved = np.empty((2, 4, 3)), np.empty((2, 4, 3))
+    for c in range(m):
+        change[c] = -driven[c]
+        work -= weights[c] * driven[c]
+    for j in range(table.nodes.shape[0]):
+        for side in range(2):
+            _joint_frame(mean[table.nodes[j, side]], table.frames[j, side], both[side])
+            _joint_frame(delta[table.nodes[j, side]], table.frames[j, side], moved[side])
+        _increment(both[0], both[1], moved[0], moved[1], dz)
+        if table.curved[j] or table.rows[table.first[j]] >= m:
+            relative_motion(both[0] - 0.5 * moved[0], both[1] - 0.5 * moved[1], z)
+            functions.values(z, table.angle[j], table.turned[j], f)
+        p[:] = 0.0
+        for t in range(table.first[j], table.first[j + 1]):
+            put(table.selection[t], g)
+            if table.curved[j]:
+                functions.add_secants(z, dz, table.angle[j], table.functions[t], g)
+            gain, row = 0.0, table.rows[t]
+            for k in range(12):
+                gain += g[k] * dz[k]
+            if row < m:
+                change[row] += gain
+                weight = weights[row]
+            else:
+                stiffness, damping, rest = table.springs[row - m]
+                start = 0.0
+                for k in range(12):
+                    start += table.selection[t, k] * z[k]
+                for k in range(3):
+                    start += table.functions[t, k] * f[k]
+                weight = stiffness * (start + 0.5 * gain - rest) + damping * gain / h
+                loss += damping * gain * gain / h
+            for k in range(12):
+                p[k] += weight * g[k]
+        force, on_a, on_b = _forces(both[0], both[1], p)
+        for side in range(2):
+            f_side = force if side == 1 else scaled(-1.0, force)
+            moment = on_b if side == 1 else on_a
+            node = table.nodes[j, side]
+            if node < out.shape[0]:
+                arm = minus(load_row(both[side], 0), load_row(mean[node], 0))
+                store(out[node], 0, plus(load(out[node], 0), f_side))
+                moment = plus(moment, cross(arm, f_side))
+                store(out[node], 3, plus(load(out[node], 3), moment))
+            else:
+                add_wrench(ground, 0, load_row(both[side], 0), f_side, moment)
+            if node > out.shape[0]:
+                moved[1 - side] = 0.0
+                _increment(both[0], both[1], moved[0], moved[1], dz)
+                for k in range(12):
+                    work += p[k] * dz[k]
+    return work, loss

@@ -1,0 +1,240 @@
+"""Conserving schemes with a step that changes.
+
+Energy and momenta are numbers of the frames and velocities at one time, and each step conserves
+them, whatever its size and that of the step before. So nothing of the state may be touched where
+the size changes, but for what belongs to a size and not to the motion: the memory of changes
+(:mod:`.filtered`), which is of the order h, and the force that round-off has left over, whose
+impulse is what counts. When h becomes ``r h``::
+
+    w ← r w          carry ← carry / r
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.frames import push
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.factors import Factors, solve
+from fem_lie.linear.levels import Levels
+from fem_lie.results.balances import BY_REACTIONS
+from fem_lie.results.history import Result
+from fem_lie.solve.conserving.end_rates import EndRates, spatial
+from fem_lie.solve.conserving.mean_error import End, MeanError
+from fem_lie.solve.conserving.run import PREFIX, Options, Run, local
+from fem_lie.solve.conserving.step import stopping
+from fem_lie.solve.conserving.step.balance import State
+from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
+from fem_lie.solve.motion.events import events
+from fem_lie.solve.motion.growing import GrowingHistory
+from fem_lie.solve.motion.start import accelerations, allowed_velocities
+from fem_lie.solve.motion.step_control import Control, StepChoice
+from fem_lie.solve.motion.step_error import StepError
+from fem_lie.solve.motion.variable_steps import VariableSteps, side
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.nodes.sums import report_rates
+from fem_lie.system.system import System
+
+ORDER = 2
+_USUAL = 4
+"""Iterations of a step with a matrix that is young enough for an estimate of the error, too."""
+
+
+def run(
+    options: Options,
+    system: System,
+    duration: float,
+    choice: StepChoice,
+    saving: Saving,
+    progress: bool | None,
+) -> Result:
+    """Integrate with the steps of ``choice``; see :meth:`~fem_lie.EnergyMomentum.run`."""
+    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
+    recorder = GrowingHistory(system.info(), duration, saving, progress)
+    stepper, finer = ConservingSteps(options, system, control), None
+    if choice.refinement > 1:
+        finer = ConservingSteps(options, system, control)
+    return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
+
+
+class _Saved(NamedTuple):
+    """What a step may change.
+
+    Attributes:
+        s: See :class:`~fem_lie.solve.conserving.step.balance.State`.
+        counters: Of the loop, likewise ``numbers``.
+        joints: Memory of the connections.
+        fields: Of the cells.
+        rates: Accelerations of the last steps.
+    """
+
+    s: State
+    counters: Indices
+    numbers: Array
+    joints: Array
+    fields: list[Array]
+    rates: EndRates
+
+
+class ConservingSteps(Run):
+    """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
+
+    endures = (
+        False  # the estimate is solved for with the same matrix, and needs present constraints
+    )
+
+    def __init__(self, options: Options, system: System, control: Control) -> None:
+        """Nothing is computed yet; ``control`` says on which level steps are."""
+        super().__init__(options, system, control.size)
+        self.control = control
+        self.levels = Levels[Factors](rigid=not system.numbering.assemblies)
+        self._scales, self._error = dict[int, Array](), MeanError(system)
+        self._solution = np.zeros((3, system.size))
+
+    @property
+    def frames(self) -> Array:
+        """See the protocol, likewise the following."""
+        return self.s.H
+
+    @property
+    def increment(self) -> float:
+        """See the protocol."""
+        return float(self.numbers[stopping.INCREMENT])
+
+    @property
+    def factorisations(self) -> int:
+        """See the protocol."""
+        return int(self.counts[0])
+
+    # --- the size of the step ---
+
+    def begin(self, h: float) -> None:
+        """See the protocol."""
+        self._set_size(h)
+        self.start()
+
+    def _set_size(self, h: float) -> None:
+        self.h = h
+        self.model = self.model._replace(scheme=(h, *self.model.scheme[1:]))
+        self._plain = tuple(self.model), *self._plain[1:]
+
+    def set_step(self, time: float, h: float) -> None:
+        """See the protocol."""
+        s, r = self.s, h / self.h
+        if abs(r - 1.0) > 1e-12:
+            s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
+            s.lag[LENGTH] *= r * r
+            self.numbers[stopping.MOTION] *= r
+            # round-off of a larger step is none of a smaller one
+            self.numbers[stopping.FLOOR] = 0.0
+            self._set_size(h)
+        self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
+        self._factors = self.levels.present
+        if self._factors is not None:
+            self.model.scale[:] = self.levels.scale()
+            factor = self.levels.factor
+            self._factors = self._factors._replace(diagonal=factor * self._factors.diagonal)
+
+    def _factorise(self) -> None:
+        level = self.control.level
+        if level not in self._scales:
+            self._fill_here()
+            self._scales[level] = self.system.tangent.constraint_scale(self.s.H)
+        self.model.scale[:] = self._scales[level]
+        self.levels.make_room()
+        super()._factorise()
+        self.counters[stopping.BEST] = _USUAL
+        assert self._factors is not None
+        self.levels.keep(self._factors, self.model.scale)
+
+    def pass_event(self, time: float) -> None:
+        """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
+        system, s = self.system, self.s
+        s.lag[REMEMBERS], s.lag[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0, 0.0
+        if system.connections.driven or len(s.H) > system.count + 1:
+            self._kick(time)
+        if len(system.supported):
+            self._restart_rates(time)
+
+    def _restart_rates(self, time: float) -> None:
+        """Accelerations after a jump, for reactions."""
+        system, s, n = self.system, self.s, self.system.count
+        self._end, v = time, system.velocities.copy()
+        v[:n] = local(s.H[:n], s.V)
+        solver = DirectSolver(system.kkt, PREFIX)
+        found = accelerations(system, solver, s.H, v, time, self.h)[0]
+        self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
+
+    def _kick(self, time: float) -> None:
+        """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
+        system, s, n = self.system, self.s, self.system.count
+        v, change = system.velocities.copy(), np.empty_like(s.V)
+        v[:n] = local(s.H[:n], s.V)
+        solver = DirectSolver(system.kkt, PREFIX)
+        after = allowed_velocities(system, solver, s.H, v, time, self.h)
+        push(s.H[:n], after[:n] - v[:n], change)
+        before = self._invariants()
+        s.V[:] += change
+        gain = self._invariants() - before
+        s.books[0] += gain[0]
+        s.books[BY_REACTIONS:] += gain[1:]
+
+    def _invariants(self) -> Array:
+        """Kinetic energy and momenta, shape (7,)."""
+        found, work = np.empty(7), np.empty_like(self.this.q)
+        report_rates(self.s.H, self.s.V, self.model.inertia, self.system.conservative, work, found)
+        return found
+
+    def calm(self, time: float, h: float) -> None:
+        """Nothing: waves have energy, which is conserved."""
+
+    # --- steps ---
+
+    def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
+        """See the protocol."""
+        done = self._go_to(self.index + 1, start, end)
+        self._note_rates()
+        return int(self.counters[stopping.LAST]) if done else 0
+
+    def saved(self) -> _Saved:
+        """See the protocol."""
+        s = State(*(array.copy() for array in self.s))
+        joints, fields = self.system.connections.memory, self.cells.local_fields
+        counts = self.counters.copy(), self.numbers.copy()
+        return _Saved(s, *counts, joints.copy(), fields, self.rates)
+
+    def take_back(self, state: _Saved) -> None:
+        """See the protocol."""
+        for own, kept in zip(self.s, state.s, strict=True):
+            own[:] = kept
+        for counter in (stopping.STEPS, stopping.TOTAL):
+            self.counters[counter] = state.counters[counter]
+        self.counters[stopping.ITERATION] = self.counters[stopping.ASKED] = 0
+        self.numbers[stopping.MOTION] = state.numbers[stopping.MOTION]
+        self.system.connections.memory = state.joints
+        self.cells.restore(state.fields)
+        self.rates = state.rates
+
+    def follow(self, other: ConservingSteps, state: _Saved) -> None:
+        """See the protocol."""
+        self.take_back(state)
+        self._set_size(other.h)
+
+    def estimate(self, before: _Saved, start: float, end: float) -> StepError:
+        """See the protocol."""
+        s, old, h = self.s, before.s, self.h
+        delta = self.this.rows[3, : self.system.count]
+        ends = End(old.H, old.V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
+        r, y, x = self._solution
+        self._error.load(h, *ends, delta, s.weights, self.levels.mass, r)
+        factors = self.levels.present
+        assert factors is not None
+        solve(tuple(factors), r, y, x)
+        return self._error.of(x)
+
+    def record(self, recorder: GrowingHistory, index: int, iterations: int) -> None:
+        """See the protocol."""
+        self.keep(recorder)

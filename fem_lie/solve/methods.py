@@ -1,0 +1,53 @@
+"""Which factorisation is the fastest for a scene."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRIC
+
+if TYPE_CHECKING:
+    from fem_lie.linear.bordered import KKT
+    from fem_lie.linear.direct import Method
+    from fem_lie.system.system import System
+
+
+def methods_in_time(system: System) -> tuple[Method, ...]:
+    """What is fastest for the equations of motion of a scene, whose matrix is not symmetric."""
+    return MOTION if system.uncoupled.any() or meshed(system.kkt) else CHAINS
+
+
+def meshed(kkt: KKT) -> bool:
+    """Whether nodes are left when all with at most two neighbours are eliminated one by one.
+
+    Of chains, trees and single loops none is left, of a truss or a net its knots.
+    """
+    ends, columns = kkt.indptr.tolist(), kkt.indices.tolist()
+    near = [set(columns[a:b]) - {i} for i, (a, b) in enumerate(pairwise(ends))]
+    due = [i for i, others in enumerate(near) if len(others) <= 2]
+    gone = set[int]()
+    while due:
+        i = due.pop()
+        if i in gone:
+            continue
+        gone.add(i)
+        for j in near[i]:
+            near[j] = (near[j] | near[i]) - {i, j}
+            if len(near[j]) <= 2:
+                due.append(j)
+    return len(gone) < len(near)
+
+
+def methods_for(system: System) -> tuple[Method, ...]:
+    """What is fastest for the static equations of a scene."""
+    if not system.uncoupled.any():
+        return CHAINS
+    if not system.symmetric:
+        return SURFACES
+    return SYMMETRIC if system.m == 0 else INDEFINITE
+
+
+def methods_on_paths(system: System) -> tuple[Method, ...]:
+    """Those whose factors tell the number of negative pivots, where the matrix is symmetric."""
+    return INDEFINITE if system.symmetric else methods_for(system)

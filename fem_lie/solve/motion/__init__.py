@@ -1,0 +1,1 @@
+"""What all schemes in time share."""

@@ -1,0 +1,55 @@
+"""When an iteration of a step has converged, and what to say where it does not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._jit import inlined
+
+ROTATION = 0.1
+"""A rotation counts in the size of an increment as a displacement of this part of the model."""
+
+ROUND_OFF = 1e-15
+"""Increments below are round-off, whatever their ratio."""
+
+DIVERGED = 1e3
+"""Increments above, in lengths of the model, are not those of an iteration that converges."""
+
+UNMEASURED = 0.8
+"""Power of the ratio of increments from a step that has none: trust it less and less."""
+
+
+def failure(
+    index: int,
+    steps: int,
+    step: float,
+    limit: int,
+    increment: float,
+    residual: float,
+    tolerance: float,
+    rescued: bool,
+) -> str:
+    """What to say of a step that failed; ``rescued``: in spite of full iteration."""
+    looser = "a larger tolerance" if tolerance > 0.0 else "a tolerance such as 1e-10 for round-off"
+    remedies = ["Try a smaller step", looser]
+    if not rescued:
+        remedies.append("a policy that may make new matrices (Automatic())")
+    return (
+        f"step {index} of {steps} (time {index * step:g}) did not converge in {limit} iterations: "
+        f"last increment {increment:.2e}, residual {residual:.2e}, tolerance {tolerance:g}. "
+        f"{', or '.join(remedies)}"
+    )
+
+
+@inlined
+def estimate(increment: float, previous: float, ratio: float) -> tuple[float, float]:
+    """Ratio of successive increments, and the sum of all that would follow.
+
+    ``previous`` is inf in the first iteration, and ``ratio`` that of the iterations before.
+    """
+    if previous < np.inf:
+        # one lucky ratio must not end the next steps too early: forget slowly
+        ratio = max(increment / previous, 0.7 * ratio)
+    # of a linearly converging iteration
+    remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
+    return ratio, remaining

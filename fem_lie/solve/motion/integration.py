@@ -1,0 +1,134 @@
+"""The steps of one run with a constant step, and what the next ones depend on.
+
+What all schemes have in common: the clock, results, checkpoints. How a step is made is theirs.
+"""
+
+from __future__ import annotations
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.results.history import Result
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.nodes.element_turns import FoldedElementError
+from fem_lie.system.system import System
+
+_log = logging.getLogger(__name__)
+
+Kept = TypeVar("Kept", bound=History)
+
+
+class Integration(ABC, Generic[Kept]):
+    """State of one integration, whose results go into a history of the kind ``Kept``.
+
+    Attributes:
+        system: The equations.
+        h: Step size.
+        decisions: When to factorise.
+        reason: Why the last step failed, where more is known than that it did not converge.
+    """
+
+    def __init__(self, policy: Policy, system: System, step: float, *, bound: bool = False) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            policy: When to factorise.
+            system: The equations.
+            step: Step size.
+            bound: Whether the constraints may be refreshed by themselves.
+        """
+        self.system, self.h, self.decisions = system, float(step), policy.begin(bound)
+        self.reason = ""
+        spin = float(np.abs(system.velocities[:, 3:]).max())
+        system.choices = system.scene.choices.resolve(spin * step)
+        _log.info("%s; matrix: %s", system.describe(), type(policy).__name__)
+
+    @abstractmethod
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Kept:
+        """Where results go; see :class:`~fem_lie.solve.recording.recorder.History`."""
+
+    @abstractmethod
+    def start(self) -> None:
+        """Make the state consistent at time 0."""
+
+    @property
+    @abstractmethod
+    def index(self) -> int:
+        """Steps made, and the one that is being made."""
+
+    @abstractmethod
+    def _advance(self, history: Kept) -> bool:
+        """Go on to the next step at which there is something to do; whether it was reached."""
+
+    @abstractmethod
+    def _record(self, history: Kept) -> bool:
+        """Keep the present state, if it is one to be kept; whether it was."""
+
+    @abstractmethod
+    def _result(self, history: Kept) -> Result:
+        """What was kept so far."""
+
+    @abstractmethod
+    def _failure(self, steps: int) -> str:
+        """What to say when the present one of ``steps`` has failed."""
+
+    def integrate(self, history: Kept) -> Result:
+        """All steps from the present one on.
+
+        Raises:
+            ConvergenceError: A step failed; its ``result`` holds what was computed.
+        """
+        if history.fresh:
+            self.start()
+            self._keep(history)
+        watch = Stopwatch(history.seconds)
+        with history:
+            while self.index < history.steps:
+                done = self._advance(history)
+                history.seconds = watch.seconds
+                if not done:
+                    raise ConvergenceError(self._failure(history.steps), self._result(history))
+                self._keep(history)
+                if history.checkpoint_due(self.index):
+                    history.write_checkpoint(self.index, self.memory())
+        return self._result(history)
+
+    def _keep(self, history: Kept) -> None:
+        """Keep the present state, if it is one to be kept; its elements must not have folded."""
+        if not self._record(history):
+            return
+        row = history.row - 1
+        try:
+            self.system.turns.judge(history.turn, float(history.times[row]))
+        except FoldedElementError as error:
+            raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        system = self.system
+        kept = {"matrix": system.kkt.csr[0], "joints": system.connections.memory}
+        carried = system.elastic.carried()
+        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
+        learned = self.decisions.memory()
+        return kept | {f"policy.{name}": value for name, value in learned.items()}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        system = self.system
+        system.connections.memory = kept["joints"]
+        self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})
+        carried = range(len(system.elastic.carried()))
+        system.elastic.restore([kept[f"carried.{k}"] for k in carried])
+        system.kkt.csr[0][:] = kept["matrix"]

@@ -1,0 +1,173 @@
+"""What the schemes in time offer: a run, and to go on with one that was interrupted.
+
+Arguments are checked here, before any work; how steps are made is in the modules of the schemes.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import instance, number, positive
+from fem_lie.results.history import Result
+from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.solve.motion.events import events
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.step_control import ConstantStep, StepChoice
+from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
+from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.system import System
+
+
+class Integrator(ABC):
+    """Options of a scheme; :meth:`run` integrates."""
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        duration: float,
+        step: float | StepChoice,
+        save_every: int = 1,
+        save_at: float | npt.ArrayLike | None = None,
+        progress: bool | None = None,
+        file: str | os.PathLike[str] | None = None,
+        checkpoint_every: int | None = None,
+    ) -> Result:
+        """Integrate from the bodies' initial frames and velocities.
+
+        Args:
+            scene: What there is.
+            duration: End time; a multiple of ``step``.
+            step: Step size h; or :class:`~fem_lie.AdaptiveStep`, which chooses it by a tolerance,
+                or :class:`~fem_lie.ConstantStep`, which estimates the error of each step, too. It
+                is taken, whose steps end where something jumps, if a load, drive or motion says
+                that it does (:mod:`fem_lie.joints.histories`).
+            save_every: Keep every so many steps, and the last one.
+            save_at: Keep instead the states at these times, increasing, or at all multiples of an
+                interval and at the end, whatever the steps are. Between two steps they are as
+                :meth:`~fem_lie.Result.resampled` has them: frames and velocities by cubics on
+                SE(3), of fourth order in the step; forces, energies and momenta linearly. Where
+                something jumps at a named event, that of the side after it counts.
+            progress: Show a bar; default: if standard error is a terminal.
+            file: Where results go as they are made, instead of into memory; the result reads them
+                from there. With it :meth:`resume` can go on after an interruption.
+            checkpoint_every: Steps between two checkpoints; default: a hundredth of all.
+
+        Raises:
+            ValueError: Bad options or scene, before anything is computed.
+            ConvergenceError: A step failed; its ``result`` holds what was computed.
+            OSError: Results cannot be written, as on a full disk; the message names the file and
+                the time that was reached. What was written before can be read.
+        """
+        require_scene(scene)
+        positive(duration, "duration")
+        instance(save_every, int | np.integer, "save_every", "a whole number")
+        if isinstance(step, StepChoice):
+            if file is not None or checkpoint_every is not None:
+                raise ValueError("results go to a file as they are made with constant steps only")
+            step.check(duration)
+            saving = Saving.chosen(save_every, save_at, duration)
+            return self._follow(scene, duration, step, saving, progress)
+        steps = _number_of_steps(duration, step)
+        saving = Saving.chosen(save_every, save_at, steps * step)
+        if file is None and checkpoint_every is not None:
+            raise ValueError("checkpoint_every needs a file to which results go")
+        if jumps := events(scene, duration):
+            if file is not None:
+                raise ValueError(
+                    f"something in the scene jumps at the times {list(jumps)}, where steps are to "
+                    "end; results go to a file as they are made with constant steps only"
+                )
+            return self._follow(scene, duration, ConstantStep(step), saving, progress)
+        if file is None:
+            result = self._compiled(scene, steps, step, saving, progress)
+            if result is not None:
+                return result
+        system, store = self._system(scene), None
+        if file is not None:
+            every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
+            plan = Plan(steps, step, saving)
+            store = Checkpoints(file, every, plan, Fingerprint(system, self))
+        run = self._integration(system, step)
+        return run.integrate(run.history(steps, saving, progress, store))
+
+    def resume(
+        self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
+    ) -> Result:
+        """Go on from the last checkpoint of an interrupted run, to the same end.
+
+        Args:
+            scene: The scene as it was given to :meth:`run`.
+            file: The file that was given.
+            progress: Show a bar; default: if standard error is a terminal.
+
+        Returns:
+            To the last bit what :meth:`run` would have returned, but for the seconds.
+
+        Raises:
+            FileNotFoundError: There is no such file, or no checkpoint yet.
+            ValueError: The checkpoint belongs to another scene or other options; the message says
+                what differs. Functions of time are compared by their values on the steps made.
+        """
+        require_scene(scene)
+        require_files(Path(file))
+        system = self._system(scene)
+        store = Checkpoints.resume(file, Fingerprint(system, self))
+        steps, step, saving = store.plan
+        run = self._integration(system, step)
+        history = run.history(steps, saving, progress, store)
+        run.restore(store.memory)
+        return run.integrate(history)
+
+    @abstractmethod
+    def _system(self, scene: Scene) -> System:
+        """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
+
+    @abstractmethod
+    def _integration(self, system: System, step: float) -> Integration[Any]:
+        """The state of a run with constant steps."""
+
+    @abstractmethod
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        """A run with the steps of ``choice``."""
+
+    def _compiled(
+        self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
+    ) -> Result | None:
+        """The result for a scene that needs no matrix, if the scheme has a loop for such."""
+        return None
+
+
+def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
+    """Refuse options of an iteration that are of another kind than wanted.
+
+    Raises:
+        TypeError: One of them is.
+        ValueError: The tolerance is not finite.
+    """
+    number(tolerance, "tolerance")
+    instance(max_iterations, int | np.integer, "max_iterations", "a whole number")
+    instance(policy, Policy, "policy", "a Policy such as Automatic()")
+
+
+def _number_of_steps(duration: float, step: float) -> int:
+    positive(step, "step")
+    steps = round(duration / step)
+    if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
+        raise ValueError(f"duration {duration} is not a multiple of the step {step}")
+    return steps

@@ -1,0 +1,291 @@
+"""When to build and factorise the iteration matrix anew: the gift of local frames is that it keeps.
+
+A policy is a frozen record; what decides in a run is made by it, sees the iterations of every step
+and has the memory. Decisions depend on iteration counts and sizes of corrections only, never on
+measured time, so that a run repeats bit for bit.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from math import inf, log
+from typing import ClassVar
+
+import numpy as np
+
+from fem_lie._arrays import Array
+
+NEVER = 2**31
+"""More iterations than any step is given."""
+
+GAIN = 1.0
+"""Iterations per step, of which new mass and stiffness must be expected to save more."""
+
+
+class Update(IntEnum):
+    """What of the iteration matrix is made anew.
+
+    ``CONSTRAINTS``: their Jacobian Φ_q, which turns with the bodies, while mass and stiffness,
+    which hardly change in local frames, stay with their factorisation. ``ALL``: both.
+    """
+
+    NONE = 0
+    CONSTRAINTS = 1
+    ALL = 2
+
+
+class Decisions(ABC):
+    """Those of a policy in one run: what it has learned there is here, and nowhere else.
+
+    The numbers and arrays among the attributes are its memory, which goes into checkpoints.
+    """
+
+    @abstractmethod
+    def before_iteration(self, iteration: int) -> Update | bool:
+        """What to make anew before the given iteration (counted from 1) of a step.
+
+        ``True`` stands for all, ``False`` for nothing.
+        """
+
+    def after_step(self, iterations: int) -> None:  # noqa: B027 - most have no memory
+        """Learn how many iterations the step took."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether it wants to know what old mass and stiffness cost before it makes all anew."""
+        return False
+
+    def answer(  # noqa: B027 - most do not ask
+        self, iterations: int, rate: float, staleness: float
+    ) -> None:
+        """Learn it, at the end of a step after :meth:`after_step`.
+
+        Args:
+            iterations: Of the step.
+            rate: At which the iteration has converged.
+            staleness: At which it would converge if only mass and stiffness were old, see
+                :mod:`fem_lie.solve.alpha.staleness`.
+        """
+
+    def memory(self) -> dict[str, Array]:
+        """Copies of all numbers and arrays among the attributes, by their names."""
+        kinds = bool, int, float, np.ndarray
+        return {name: np.array(x) for name, x in vars(self).items() if isinstance(x, kinds)}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name in self.memory():
+            given = getattr(self, name)
+            array = isinstance(given, np.ndarray)
+            setattr(self, name, kept[name].copy() if array else type(given)(kept[name]))
+
+
+class Policy(ABC):
+    """What decides on factorisations: a record of options without any memory.
+
+    Attributes:
+        rescue: Whether a step that fails may be done again with full iteration.
+    """
+
+    rescue: ClassVar[bool] = True
+
+    @abstractmethod
+    def begin(self, bound: bool) -> Decisions:
+        """Those of one run; ``bound``: whether there are constraints to refresh by themselves."""
+
+    def rule(self) -> tuple[int, float] | None:
+        """Patience and cost as of :class:`Automatic` that decide likewise, for compiled loops.
+
+        ``None``: there are none, this policy must be asked.
+        """
+        return None
+
+
+class _Always(Decisions):
+    """The same before any iteration."""
+
+    def __init__(self, update: Update) -> None:
+        self._update = update
+
+    def before_iteration(self, iteration: int) -> Update:
+        return self._update
+
+
+class _Patient(Decisions):
+    """Each time that a step took as many more iterations, and at most ``most``."""
+
+    def __init__(self, iterations: int, bound: bool, most: Update) -> None:
+        self._iterations, self._bound, self._most = iterations, bound, most
+
+    def before_iteration(self, iteration: int) -> Update:
+        return min(_within_step(iteration, self._iterations, self._bound), self._most)
+
+
+@dataclass(frozen=True)
+class EveryIteration(Policy):
+    """Full Newton."""
+
+    def begin(self, bound: bool) -> Decisions:
+        """Always all."""
+        return _Always(Update.ALL)
+
+    def rule(self) -> tuple[int, float]:
+        """Always due."""
+        return 1, 0.0
+
+
+@dataclass(frozen=True)
+class Limit(Policy):
+    """When a step reaches ``iterations``: the paper's NNI ≥ k.
+
+    The constraints are refreshed first, and the rest only if that does not help in this step; all
+    again each time that as many more iterations were needed.
+
+    Attributes:
+        iterations: The limit, at least 2.
+    """
+
+    iterations: int = 4
+
+    def __post_init__(self) -> None:
+        """Check the limit."""
+        if self.iterations < 2:
+            raise ValueError(f"the limit must be at least 2 iterations, got {self.iterations}")
+
+    def begin(self, bound: bool) -> Decisions:
+        """See the base class."""
+        return _Patient(self.iterations, bound, Update.ALL)
+
+    def rule(self) -> tuple[int, float]:
+        """Only within a step."""
+        return self.iterations, inf
+
+
+@dataclass(frozen=True)
+class ConstraintsOnly(Limit):
+    """As :class:`Limit`, but mass and stiffness are factorised once for the whole run."""
+
+    rescue: ClassVar[bool] = False
+
+    def begin(self, bound: bool) -> Decisions:
+        """Never more than the constraints."""
+        return _Patient(self.iterations, bound, Update.CONSTRAINTS)
+
+    def rule(self) -> tuple[int, float]:
+        """At the start of the run only: loops that ask have no constraints."""
+        return NEVER, inf
+
+
+@dataclass(frozen=True)
+class Never(Policy):
+    """One factorisation for the whole run; a step that fails with it is an error."""
+
+    rescue: ClassVar[bool] = False
+
+    def begin(self, bound: bool) -> Decisions:
+        """Always nothing."""
+        return _Always(Update.NONE)
+
+    def rule(self) -> tuple[int, float]:
+        """At the start of the run only."""
+        return NEVER, inf
+
+
+@dataclass(frozen=True)
+class Automatic(Policy):
+    """When keeping the matrix has cost as much as a new one.
+
+    The iterations that steps take beyond those of the first steps with fresh constraints add up;
+    when they reach the cost of a refreshment, that is made at the start of the next step. What is
+    lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
+    stiffness would bring: they are made anew if they are to blame, see
+    :meth:`AutomaticDecisions.answer`. Within a step that converges badly the constraints are
+    refreshed, and if that does not help all is made anew.
+
+    Attributes:
+        cost: Time of building and factorising the matrix, in iterations.
+        patience: Iterations of one step after which the matrix is renewed at once.
+        refresh: Time of building and factorising the border of constraints, in iterations.
+    """
+
+    cost: float = 40.0
+    patience: int = 8
+    refresh: float = 40.0
+
+    def __post_init__(self) -> None:
+        """Check the costs."""
+        if not min(self.cost, self.refresh) > 0 or self.patience < 1:
+            raise ValueError(
+                "cost and refresh must be positive and patience at least 1, got "
+                f"{self.cost}, {self.refresh}, {self.patience}"
+            )
+
+    def begin(self, bound: bool) -> Decisions:
+        """See the base class."""
+        return AutomaticDecisions(self, bound)
+
+    def rule(self) -> tuple[int, float]:
+        """Its own."""
+        return self.patience, self.cost
+
+
+class AutomaticDecisions(Decisions):
+    """Those of :class:`Automatic`."""
+
+    def __init__(self, policy: Automatic, bound: bool) -> None:
+        """Nothing was lost yet."""
+        self._policy, self._bound = policy, bound
+        self._best = self._base = 0
+        self._excess = self._lost = 0.0
+
+    def before_iteration(self, iteration: int) -> Update:
+        """At the start of a step if it pays, or in the middle of a bad one."""
+        policy = self._policy
+        if iteration > 1:
+            due = _within_step(iteration, policy.patience, self._bound)
+        elif not self._bound:
+            due = Update.ALL if self._excess >= policy.cost else Update.NONE
+        elif self._lost >= policy.cost:
+            due = Update.ALL
+        else:
+            due = Update.CONSTRAINTS if self._excess >= policy.refresh else Update.NONE
+        if due:
+            self._best, self._excess = 0, 0.0
+        if due is Update.ALL:
+            self._base, self._lost = 0, 0.0
+        return due
+
+    def after_step(self, iterations: int) -> None:
+        """Add up what the kept matrix costs."""
+        # one iteration is luck of the prediction, and says nothing of the matrix
+        counted = max(iterations, 2)
+        self._best = counted if self._best == 0 else min(self._best, counted)
+        self._base = self._best if self._base == 0 else min(self._base, self._best)
+        self._excess += counted - self._best
+        self._lost += self._best - self._base
+
+    @property
+    def asks(self) -> bool:
+        """When it would make all anew at the next step, and might do with the constraints."""
+        return self._bound and self._lost >= self._policy.cost
+
+    def answer(self, iterations: int, rate: float, staleness: float) -> None:
+        """Keep all, and be content with the iterations of late, if age is not to blame.
+
+        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
+        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
+        """
+        fresh = max(rate - staleness, rate**2)
+        saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
+        if saved <= GAIN:
+            self._base, self._lost = 0, 0.0
+
+
+def _within_step(iteration: int, patience: int, bound: bool) -> Update:
+    """Constraints first, if there are any, then all each time that patience is at an end."""
+    if iteration == 1 or (iteration - 1) % patience:
+        return Update.NONE
+    return Update.CONSTRAINTS if bound and iteration - 1 == patience else Update.ALL

@@ -1,0 +1,49 @@
+"""The local error of one step, and where in the scene it is largest."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled
+from fem_lie.lie.tuples import dot, load
+
+
+class StepError(NamedTuple):
+    """Largest errors of one step over all nodes.
+
+    Attributes:
+        translation: Of positions, length.
+        rotation: Of rotations, rad.
+        translation_node: The moving node with the first; ``rotation_node``: with the second.
+    """
+
+    translation: float
+    rotation: float
+    translation_node: int
+    rotation_node: int
+
+
+@compiled
+def largest(e: Array) -> tuple[float, float, int, int]:
+    """Largest norms of the translations and rotations of errors (n, 6), and their nodes."""
+    translation = rotation = -1.0
+    first = second = 0
+    for i in range(e.shape[0]):
+        u, θ = load(e[i], 0), load(e[i], 3)
+        size, angle = dot(u, u), dot(θ, θ)
+        if size > translation or size != size:  # nan stays
+            translation, first = size, i
+        if angle > rotation or angle != angle:
+            rotation, second = angle, i
+    return np.sqrt(translation), np.sqrt(rotation), first, second
+
+
+def largest_gaps(H: Array, other: Array) -> tuple[float, float]:
+    """Largest distances and angles between frames of the same nodes, shape (n, 4, 3)."""
+    gap = np.linalg.norm(other[:, 0] - H[:, 0], axis=1).max()
+    turned = lie.se3_relative(H, other)[:, 3:]
+    return float(gap), float(np.linalg.norm(turned, axis=1).max())

@@ -1,0 +1,93 @@
+"""Collects the steps of a run whose steps change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fem_lie.results.history import Result
+from fem_lie.results.steps import StepHistory
+from fem_lie.solve.motion.step_control import Control
+from fem_lie.solve.motion.step_error import StepError
+from fem_lie.system.system import System
+
+
+@dataclass
+class StepLog:
+    """Collects :class:`~fem_lie.results.steps.StepHistory`."""
+
+    system: System
+    times: list[float] = field(default_factory=list)
+    sizes: list[float] = field(default_factory=list)
+    errors: list[StepError] = field(default_factory=list)
+    measured: list[tuple[float, float]] = field(default_factory=list)
+    rejected: list[float] = field(default_factory=list)
+
+    def add(
+        self, time: float, size: float, error: StepError, measured: tuple[float, float]
+    ) -> None:
+        """A step that was accepted."""
+        self.times.append(time)
+        self.sizes.append(size)
+        self.errors.append(error)
+        self.measured.append(measured)
+
+    def history(self) -> StepHistory:
+        """All of them."""
+        errors = np.array(self.errors, dtype=np.float64).reshape(-1, 4)
+        measured = np.array(self.measured, dtype=np.float64).reshape(-1, 2)
+        leaders = self.system.numbering.attachment.leaders
+        return StepHistory(
+            times=np.array(self.times),
+            sizes=np.array(self.sizes),
+            translation=errors[:, 0],
+            rotation=errors[:, 1],
+            nodes=leaders[errors[:, 2:].astype(np.int64)],
+            measured_translation=measured[:, 0],
+            measured_rotation=measured[:, 1],
+            rejected=np.array(self.rejected),
+        )
+
+    def body(self, node: int) -> str:
+        """Label of the body of a moving node."""
+        numbering = self.system.numbering
+        for body, nodes in numbering.nodes.items():
+            if node in numbering.attachment.leader[nodes]:
+                return body.label
+        raise AssertionError("a node without a body")
+
+    def underflow(
+        self, control: Control, time: float, h: float, error: StepError | None, increment: float
+    ) -> str:
+        """What to say when the step becomes too small.
+
+        Args:
+            control: Of the steps.
+            time: Where the run stands.
+            h: Size of the last step that was tried.
+            error: Its error, ``None`` if it did not converge.
+            increment: Its last increment.
+        """
+        text = f"at time {time:.9g} a step of {h:.3g} "
+        if error is None:
+            return (
+                f"{text}did not converge, and smaller ones than {control.smallest:.3g} are not "
+                f"allowed: last increment {increment:.2e}"
+            )
+        moved = error.translation / control.tolerance >= error.rotation / control.rotation_tolerance
+        size, tolerance, unit, node = (
+            (error.translation, control.tolerance, "length", error.translation_node)
+            if moved
+            else (error.rotation, control.rotation_tolerance, "rad", error.rotation_node)
+        )
+        return (
+            f"{text}has an estimated error of {size / h:.3e} {unit} per time, wanted at most "
+            f"{tolerance:.3e}, and steps below {control.smallest:.3g} are not allowed; "
+            f"{self.body(node)} limits it. Name the times of jumps as events, or give a larger "
+            "tolerance or a smaller `smallest`"
+        )
+
+    def complete(self, result: Result) -> Result:
+        """The result with the history of its steps."""
+        return replace(result, steps=self.history())

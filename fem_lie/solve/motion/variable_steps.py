@@ -1,0 +1,227 @@
+"""Steps that change, with the local error of every step, for any scheme.
+
+A step is tried; its error is estimated; it is accepted, or taken back and tried anew with a smaller
+size. What that means for the state of a scheme is said by its :class:`Stepper`.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.results.history import Result
+from fem_lie.solve.motion.growing import Growing
+from fem_lie.solve.motion.step_control import Control
+from fem_lie.solve.motion.step_error import StepError, largest_gaps
+from fem_lie.solve.motion.step_log import StepLog
+from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.nodes.element_turns import FoldedElementError
+from fem_lie.system.system import System
+
+SIDE = 1e-9
+"""How far from an event its two sides are, in steps."""
+
+Kept = TypeVar("Kept", bound=Growing, contravariant=True)
+
+
+class Stepper(Protocol[Kept]):
+    """State of one integration with steps that change; results go into a ``Kept``.
+
+    Attributes:
+        system: The equations.
+        h: Size of the present step.
+        reason: Why the last step failed, where more is known than that it did not converge.
+    """
+
+    system: System
+    h: float
+    reason: str
+
+    @property
+    def frames(self) -> Array:
+        """Of all rows, (≥ n, 4, 3)."""
+
+    @property
+    def increment(self) -> float:
+        """The last one of the iteration."""
+
+    @property
+    def factorisations(self) -> int:
+        """How many there were."""
+
+    @abstractmethod
+    def begin(self, h: float) -> None:
+        """Start at time 0 with steps of size ``h``."""
+
+    @abstractmethod
+    def set_step(self, time: float, h: float) -> None:
+        """Make the state at ``time`` that of the start of a step of size ``h``."""
+
+    @abstractmethod
+    def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
+        """Make step ``index``; its iterations, 0 if it failed. ``lands``: it ends at an event."""
+
+    @abstractmethod
+    def estimate(self, before: Any, start: float, end: float) -> StepError:
+        """The error of the step that was made from the state ``before``."""
+
+    @abstractmethod
+    def saved(self) -> Any:
+        """The state."""
+
+    @abstractmethod
+    def take_back(self, state: Any) -> None:
+        """Be as when it was saved."""
+
+    @abstractmethod
+    def follow(self, other: Any, state: Any) -> None:
+        """Be as another stepper of the same scene was when it saved ``state``."""
+
+    @abstractmethod
+    def calm(self, time: float, h: float) -> None:
+        """Forget fast waves: two steps in sequence were rejected, and ``h`` is the next size."""
+
+    @abstractmethod
+    def pass_event(self, time: float) -> None:
+        """Make the state consistent with what is after an event just before ``time``."""
+
+    @abstractmethod
+    def record(self, recorder: Kept, index: int, iterations: int) -> None:
+        """Keep the present state in the next row."""
+
+
+def side(time: float, h: float) -> float:
+    """How far to look past a time to see what is after it."""
+    return float(max(SIDE * h, 8.0 * np.spacing(time)))
+
+
+REJECTIONS = 2
+"""Steps rejected one after the other after which a scheme forgets fast waves."""
+
+
+class VariableSteps:
+    """The steps of one run."""
+
+    def __init__(
+        self,
+        stepper: Stepper[Any],
+        control: Control,
+        recorder: Growing,
+        finer: Stepper[Any] | None = None,
+        parts: int = 1,
+    ) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            stepper: Makes the steps.
+            control: Chooses their sizes.
+            recorder: Where results go.
+            finer: Another stepper, which makes each step once more in many parts to measure errors.
+            parts: In how many.
+        """
+        self._stepper, self._control, self._recorder = stepper, control, recorder
+        self._finer, self._parts, self._rejections = finer, parts, 0
+        self._log = StepLog(stepper.system)
+        self._watch = Stopwatch()
+        self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
+
+    def integrate(self) -> Result:
+        """All steps to the end.
+
+        Raises:
+            ConvergenceError: The step became too small; its ``result`` holds what was computed.
+        """
+        stepper, control = self._stepper, self._control
+        stepper.begin(control.size)
+        self._watch, index, time = Stopwatch(), 0, 0.0
+        self._keep(0.0, 0, 0, event=True)
+        with self._recorder:
+            while not control.finished:
+                ended, iterations = self._attempt(time, index)
+                if control.size < control.smallest * (1.0 - 1e-9):
+                    text = self._log.underflow(control, time, *self._last)
+                    text += f". {stepper.reason}" if stepper.reason else ""
+                    raise ConvergenceError(text, self._completed(self._watch.seconds))
+                if not iterations:
+                    continue
+                index, time = index + 1, ended
+                stepper.system.connections.accept(stepper.frames)
+                lands = time == control.next_event
+                self._keep(time, index, iterations, event=lands)
+                if lands:
+                    control.pass_event()
+                if lands and not control.finished:
+                    stepper.pass_event(time + side(time, stepper.h))
+                    self._keep(time, index, 0, event=True)
+        return self._completed(self._watch.seconds)
+
+    def _keep(self, time: float, index: int, iterations: int, *, event: bool) -> None:
+        control = self._control
+        ahead = 0.0 if control.finished else control.fitted(time)
+        if self._recorder.due(time, ahead, index, iterations, event):
+            self._stepper.record(self._recorder, index, iterations)
+            self._recorder.stamp(time)
+            try:
+                self._stepper.system.turns.judge(self._recorder.turn, time)
+            except FoldedElementError as error:
+                result = self._completed(self._watch.seconds)
+                raise ConvergenceError(f"an element folds: {error}", result) from None
+
+    def _completed(self, seconds: float) -> Result:
+        return self._log.complete(self._recorder.result(self._stepper.factorisations, seconds))
+
+    def _attempt(self, time: float, index: int) -> tuple[float, int]:
+        """Try one step; its end and its iterations, 0 if it was rejected."""
+        control, stepper = self._control, self._stepper
+        h, event = control.fitted(time), control.next_event
+        lands = abs(time + h - event) <= 1e-6 * h
+        end = event if lands else time + h
+        stepper.set_step(time, h)
+        before = stepper.saved()
+        iterations = stepper.step_to(time, end, index + 1, lands)
+        error = stepper.estimate(before, time, end) if iterations else None
+        e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
+        if error is None or e > 1.0:
+            self._last = h, error, stepper.increment
+            self._log.rejected.append(end)
+            stepper.take_back(before)
+            control.reject(e)
+            self._try_again(time, index)
+            return time, 0
+        self._rejections = 0
+        self._log.add(end, h, error, self._measure(before, time, end, index, lands))
+        control.accept(e)
+        return end, iterations
+
+    def _try_again(self, time: float, index: int) -> None:
+        """After a rejected step."""
+        self._rejections += 1
+        h = self._control.size
+        if h < self._control.smallest:
+            return
+        if index == 0:
+            self._stepper.begin(h)
+        elif self._rejections >= REJECTIONS:
+            self._stepper.calm(time, h)
+
+    def _measure(
+        self, before: Any, time: float, end: float, index: int, lands: bool
+    ) -> tuple[float, float]:
+        """Errors of positions and rotations against the same step in many parts."""
+        finer, parts = self._finer, self._parts
+        if finer is None:
+            return np.nan, np.nan
+        finer.follow(self._stepper, before)
+        h, start = (end - time) / parts, time
+        finer.set_step(time, h)
+        for k in range(1, parts + 1):
+            last = k == parts
+            stop = end if last else time + k * h
+            if not finer.step_to(start, stop, index + 1, lands and last):
+                return np.nan, np.nan
+            start = stop
+        return largest_gaps(self._stepper.frames, finer.frames)

@@ -1,0 +1,224 @@
+"""Results that go to a file as they are made, and the state from which a run can go on.
+
+The file of results is created whole, with room for all rows, and written row by row; whatever ends
+the process, what was written can be read. Beside it stands the last checkpoint, replaced in
+one piece: all numbers on which the following steps depend. What a resumed run computes is therefore
+the same to the last bit as if it had never been interrupted.
+"""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from io import BytesIO
+from math import prod
+from pathlib import Path
+from shutil import disk_usage
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.results import file as results_file
+from fem_lie.results.rows import ResultRows, write_all
+from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.saving import Saving
+
+_log = logging.getLogger(__name__)
+
+
+class Plan(NamedTuple):
+    """What a run is to do.
+
+    Attributes:
+        steps: Number of steps.
+        step: Step size.
+        saving: What is kept.
+    """
+
+    steps: int
+    step: float
+    saving: Saving
+
+
+class Checkpoints:
+    """Where a run writes its results and checkpoints.
+
+    Attributes:
+        every: Steps between two checkpoints.
+        row: Rows of results that belong to the checkpoint from which the run goes on.
+        memory: State there, or empty.
+        plan: What is to be done.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], every: int, plan: Plan, fingerprint: Fingerprint
+    ) -> None:
+        """Start anew.
+
+        Args:
+            path: File of results.
+            every: Steps between two checkpoints.
+            plan: What is to be done.
+            fingerprint: Of scene and scheme.
+
+        Raises:
+            ValueError: ``every`` is not positive.
+        """
+        if every < 1:
+            raise ValueError(f"checkpoint_every must be at least 1, got {every}")
+        self._path, self.every, self.plan, self._fingerprint = Path(path), every, plan, fingerprint
+        self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
+        self._until, self._at = 0.0, 0.0
+
+    @classmethod
+    def resume(cls, path: str | os.PathLike[str], fingerprint: Fingerprint) -> Checkpoints:
+        """Go on from the last checkpoint beside a file of results.
+
+        Raises:
+            FileNotFoundError: There is no file of results or no checkpoint.
+            ValueError: The checkpoint belongs to another scene or other options, which are named,
+                or is of another version.
+        """
+        file = Path(path)
+        require_files(file)
+        with np.load(_beside(file), allow_pickle=False) as stored:
+            kept = {name: stored[name] for name in stored.files}
+        if "fingerprint" not in kept:
+            raise ValueError(f"{str(_beside(file))!r} is not a checkpoint of this version")
+        steps, every_row, every, index = (int(number) for number in kept.pop("plan"))
+        saving = Saving(every_row, kept.pop("save_at", None))
+        plan = Plan(steps, float(kept.pop("step")), saving)
+        found = fingerprint.differences(kept.pop("fingerprint"), plan.step, index)
+        if found:
+            raise ValueError(
+                f"cannot resume from {str(_beside(file))!r}: it belongs to another scene or to "
+                f"other options of the scheme; what differs: {_listed(found)}"
+            )
+        store = cls(file, every, plan, fingerprint)
+        store.row, store.seconds = int(kept.pop("row")), float(kept.pop("seconds"))
+        store.memory, store._at = kept, index * plan.step
+        return store
+
+    def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
+        """Make the file, with room for rows of these shapes, if it is a new run.
+
+        Raises:
+            OSError: It cannot be made; the message names it.
+        """
+        if not self.memory:
+            size = 8 * rows * sum(prod(shape) for shape in shapes.values())
+            with self._writing("the file of results cannot be made"):
+                free = disk_usage(self._path.parent).free
+                if size > free:
+                    _log.warning("%s will have %d bytes, and %d are free", self._path, size, free)
+                results_file.create(self._path, info, shapes, rows)
+            _beside(self._path).unlink(missing_ok=True)
+        self._file = ResultRows(self._path)
+
+    def append(self, first: int, rows: Mapping[str, Array], reached: float) -> None:
+        """Write rows of results from ``first`` on.
+
+        Args:
+            first: Number of rows before.
+            rows: The same number of each array.
+            reached: Time of the run.
+
+        Raises:
+            OSError: The disk is full, or there is another reason; the message names file and times.
+        """
+        with self._writing(self._lost(reached)):
+            self._file.write(first, rows)
+        self._until = float(rows["times"][-1])
+
+    def rows(self, count: int) -> dict[str, Array]:
+        """The first rows of all results, mapped into memory."""
+        return self._file.read(count)
+
+    def write(self, index: int, row: int, seconds: float, memory: dict[str, Array]) -> None:
+        """Replace the checkpoint.
+
+        Args:
+            index: Steps made.
+            row: Rows of results up to here.
+            seconds: Wall time up to here.
+            memory: All that the next steps depend on.
+
+        Raises:
+            OSError: As of :meth:`append`; the last checkpoint stays.
+        """
+        plan = self.plan
+        own: dict[str, Any] = {
+            "plan": np.array([plan.steps, plan.saving.every, self.every, index]),
+            "step": np.array(plan.step),
+            "fingerprint": self._fingerprint.packed(plan.step, index),
+            "row": np.array(row),
+            "seconds": np.array(seconds),
+        }
+        if plan.saving.times is not None:
+            own["save_at"] = plan.saving.times
+        packed = BytesIO()
+        np.savez(packed, **(own | memory))
+        with self._writing(self._lost(index * plan.step)):
+            self._file.sync()
+            self._replace(packed.getbuffer())
+        self._at = index * plan.step
+
+    def _replace(self, data: memoryview) -> None:
+        """Write the checkpoint under another name first: one of them is whole at any time."""
+        target = _beside(self._path)
+        unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            with unfinished.open("wb", buffering=0) as file:
+                write_all(file.fileno(), data, 0)
+                os.fsync(file.fileno())
+            os.replace(unfinished, target)
+        finally:
+            unfinished.unlink(missing_ok=True)
+
+    def _lost(self, reached: float) -> str:
+        text = (
+            f"the run has reached time {reached:g}, and results up to time {self._until:g} can be "
+            "read from the file"
+        )
+        more = f"; resume goes on from time {self._at:g}" if self._at else ""
+        return text + more
+
+    @contextmanager
+    def _writing(self, what: str) -> Iterator[None]:
+        """Say of an error which file it was, and ``what`` is lost."""
+        try:
+            yield
+        except OSError as error:
+            number = error.errno or errno.EIO
+            text = f"{os.strerror(number)}: {what}"
+            raise OSError(number, text, str(self._path)) from error
+
+    def finish(self, numbers: dict[str, float]) -> None:
+        """Say in the file what the run took."""
+        with self._writing("counts and seconds of the run cannot be written"):
+            results_file.finish(self._path, numbers)
+
+
+_NAMED = 6
+"""Most differences that an error lists."""
+
+
+def _listed(names: list[str]) -> str:
+    others = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {others} others" if others > 0 else "")
+
+
+def require_files(path: Path) -> None:
+    """Raise ``FileNotFoundError`` if there is no file of results, or no checkpoint beside it."""
+    for wanted in (path, _beside(path)):
+        if not wanted.is_file():
+            raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(path.name + ".checkpoint")

@@ -1,0 +1,147 @@
+"""Of what a run is about: everything that its equations depend on, part by part, with names.
+
+Numbers are compared as they enter the equations. Of a function of time nothing is known but its
+values: those at the ends and in the middle of all steps made so far. What things are called does
+not matter.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie.bodies.told import Told, attributes, told_of_body
+from fem_lie.scene.scene import Scene
+from fem_lie.system.system import System
+
+_DIGEST = "digest "
+_SHORT = 60
+"""Longest text that is kept as it is; of longer ones the digest is."""
+
+
+class Fingerprint:
+    """What a checkpoint must agree with.
+
+    Attributes:
+        parts: Text or digest of each part of scene and scheme, by its place there.
+    """
+
+    def __init__(self, system: System, scheme: Any) -> None:
+        """Take it of the equations as they are at the start.
+
+        Args:
+            system: The equations, from which nothing was computed yet.
+            scheme: Its options are attributes.
+        """
+        self.parts: dict[str, str] = {}
+        self._shown: dict[str, str] = {}
+        self._told = Told(system.scene.bodies)
+        self._add("scheme", type(scheme))
+        for name, value in vars(scheme).items():
+            self._add(f"option {name}", value)
+        self._add_scene(system.scene)
+        self._sums = len(self.parts)
+        self._add_sums(system)
+        self._functions: dict[str, Callable[[float], Any]] = {}
+        for name, shown, function in _functions(system.scene):
+            self._functions[name], self._shown[name] = function, shown
+        self._values = {name: hashlib.sha256() for name in self._functions}
+        self._made = -1
+
+    def _add(self, name: str, value: Any, shown: str = "") -> None:
+        self.parts[name] = _brief(self._told.of(value))
+        self._shown[name] = shown or name
+
+    def _add_scene(self, scene: Scene) -> None:
+        for name in ("gravity", "redundant", "choices"):
+            self._add(name, getattr(scene, name))
+        for k, body in enumerate(scene.bodies, start=1):
+            for name, value in told_of_body(body):
+                self._add(f"{name} of body {k}", value, f"{name} of {body.label}")
+            self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
+        for k, item in enumerate((*scene.joints, *scene.connections), start=1):
+            for name, value in (
+                ("ties", (type(item), item.size, item.ties())),
+                ("stiffness, damping and rest", item.spring),
+                ("sliding", item.sliding_tie()),
+                ("rolling", item.velocity_ties()),
+            ):
+                self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
+        for kind in ("links", "loads", "clamps", "motions"):
+            for k, item in enumerate(getattr(scene, kind), start=1):
+                for name, value in attributes(item):
+                    what = f"{name} of {kind[:-1]} {k}"
+                    self._add(what, value, f"{what} ({type(item).__name__})")
+
+    def _add_sums(self, system: System) -> None:
+        """What the parts above make of the equations."""
+        numbering = system.numbering
+        pairs = zip(numbering.members, numbering.assemblies, strict=True)
+        for k, (members, (_, assembly)) in enumerate(pairs, start=1):
+            others = f" and {len(members) - 1} others" if len(members) > 1 else ""
+            shown = f"energy of the elements of {members[0].label}{others}"
+            self._add(f"energy of assembly {k}", assembly.contents, shown)
+        self._add("inertia", tuple(system.inertia))
+        self._add("damping of mass", system.mass_damping)
+        self._add("loads", system.load_contents)
+        self._add("groups and supports", (system.kinds, system.held, numbering.supports))
+
+    def values(self, step: float, index: int) -> dict[str, str]:
+        """Digests of the values of all functions of time on the steps up to ``index``."""
+        times = [0.5 * k * step for k in range(max(2 * self._made + 1, 0), 2 * index + 1)]
+        for name, function in self._functions.items():
+            values = np.array([np.asarray(function(time), dtype=np.float64) for time in times])
+            self._values[name].update(values.tobytes())
+        self._made = index
+        return {name: _DIGEST + digest.hexdigest() for name, digest in self._values.items()}
+
+    def packed(self, step: float, index: int) -> npt.NDArray[np.uint8]:
+        """All of it after step ``index``, for a checkpoint."""
+        told = {"parts": self.parts, "functions": self.values(step, index)}
+        return np.frombuffer(json.dumps(told).encode(), dtype=np.uint8)
+
+    def differences(self, packed: npt.NDArray[np.uint8], step: float, index: int) -> list[str]:
+        """What is other than when :meth:`packed` was called after the same step."""
+        stored = json.loads(packed.tobytes().decode())
+        sums = list(self.parts)[self._sums :]
+        found = self._compared(stored["parts"], self.parts)
+        named = {name: text for name, text in found.items() if name not in sums}
+        made = self.values(step, index)
+        for name, text in self._compared(stored["functions"], made).items():
+            named[name] = f"{text}, up to time {index * step:g}"
+        return list((named or found).values())
+
+    def _compared(self, stored: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
+        """What differs, with both texts where these are short."""
+        found = {}
+        for name in dict.fromkeys([*stored, *given]):
+            was, now = stored.get(name, "nothing"), given.get(name, "nothing")
+            if was != now:
+                shown = self._shown.get(name, name)
+                brief = not (was.startswith(_DIGEST) or now.startswith(_DIGEST))
+                found[name] = f"{shown} ({now}, was {was})" if brief else shown
+        return found
+
+
+def _functions(scene: Scene) -> Iterator[tuple[str, str, Callable[[float], Any]]]:
+    """Name, what errors call it, and each function of time."""
+    for k, load in enumerate(scene.loads, start=1):
+        if load.history is not None:
+            name = f"history of load {k}"
+            yield name, f"{name} ({type(load).__name__})", load.history
+    for k, item in enumerate((*scene.joints, *scene.connections), start=1):
+        if item.history is not None:
+            yield f"function of connection {k}", f"function of {item.label}", item.history
+    for k, motion in enumerate(scene.motions, start=1):
+        yield f"motion {k}", f"motion {k}, of {motion.point.label}", motion.motion
+
+
+def _brief(text: bytes) -> str:
+    if len(text) <= _SHORT:
+        return text.decode()
+    return _DIGEST + hashlib.sha256(text).hexdigest()[:32]

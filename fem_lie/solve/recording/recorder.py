@@ -1,0 +1,200 @@
+"""Keeps what an integrator computes, in memory or in a file, and shows how far it is."""
+
+from __future__ import annotations
+
+import sys
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.results.history import Result
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.result_row import ResultRow
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.recording.window import Window
+from fem_lie.system.system import System
+
+
+class History(Window):
+    """Arrays of results of constant steps, and a progress bar.
+
+    Attributes:
+        steps: Number of steps to come.
+        every: Every so many steps are filled in, and the last one, if there are no times.
+        refresh: Steps between two states of the bar, ``steps`` if it is not shown.
+        seconds: Wall time before a checkpoint from which the run was resumed.
+    """
+
+    def __init__(
+        self,
+        info: SceneInfo,
+        steps: int,
+        step: float,
+        saving: Saving,
+        progress: bool | None,
+        store: Checkpoints | None = None,
+    ) -> None:
+        """Allocate everything.
+
+        Args:
+            info: Bodies and joints.
+            steps: Number of steps.
+            step: Step size.
+            saving: What is kept.
+            progress: Show a bar; ``None``: if standard error is a terminal.
+            store: Where results and checkpoints go, if not into memory.
+        """
+        every = saving.every
+        super().__init__(info, steps // every + 1 + (steps % every > 0), saving.times, store)
+        self.steps, self.every, self._h, self._info = steps, every, step, info
+        self._chosen = saving.steps(step, steps)
+        self.seconds = 0.0 if store is None else store.seconds
+        show = sys.stderr.isatty() if progress is None else progress
+        self._bar = tqdm(total=steps, unit="step", disable=not show, mininterval=0.5)
+        self.show, self.refresh = show, max(1, steps // 200) if show else steps
+
+    def __enter__(self) -> History:
+        """Show the bar."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave the bar as it is."""
+        self._bar.close()
+        self.close()
+
+    def wants(self, index: int) -> bool:
+        """Whether the state after step ``index`` is to be filled in; then there is room for it."""
+        if self._chosen is None:
+            wanted = index % self.every == 0 or index == self.steps
+        else:
+            at = int(np.searchsorted(self._chosen, index))
+            wanted = at < len(self._chosen) and int(self._chosen[at]) == index
+        if wanted:
+            self.make_room()
+        return wanted
+
+    def keep(self, indices: Indices, iterations: Indices) -> None:
+        """Count the steps ``indices``, whose values are in the next rows, as filled in."""
+        rows = slice(self.row, self.row + len(indices))
+        self.times[rows], self.iterations[rows] = indices * self._h, iterations
+        self.row += len(indices)
+
+    def update_bar(self, index: int, iterations: int) -> None:
+        """Show that step ``index`` is reached after so many iterations in all."""
+        text = f"t={index * self._h:.3g} energy {self.gap:.1e} it/step {iterations / index:.2f}"
+        self._bar.set_postfix_str(text, refresh=False)
+        self._bar.update(index - self._bar.n)
+
+    def update_if_due(self, index: int, iterations: int) -> None:
+        """Show step ``index`` if the bar is shown and old."""
+        if self.show and index - self._bar.n >= self.refresh:
+            self.update_bar(index, iterations)
+
+    def next_stop(self, index: int) -> int:
+        """The next step after ``index`` at which there is something to do."""
+        stops = [self.steps]
+        if self._chosen is None:
+            stops.append((index // self.every + 1) * self.every)
+        else:
+            stops.extend(self._chosen[np.searchsorted(self._chosen, index, side="right") :][:1])
+        if self.show:
+            stops.append(index + self.refresh)
+        if self._store is not None:
+            stops.append((index // self._store.every + 1) * self._store.every)
+        return int(min(stops))
+
+    def checkpoint_due(self, index: int) -> bool:
+        """Whether the state after step ``index`` is to be written."""
+        return self._store is not None and index % self._store.every == 0
+
+    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+        """Write all that the next steps depend on."""
+        assert self._store is not None
+        kept = memory | self._memory()
+        self._store.write(index, self._gone, self.seconds, kept)
+
+    def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
+        """What was kept so far, with the numbers of whole matrices and of borders alone."""
+        arrays: dict[str, Any] = dict(self.collected())
+        if self._store is not None:
+            numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
+            numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
+            self._store.finish(numbers)
+        invariants = arrays.pop("invariants")
+        return Result(
+            **arrays,
+            kinetic=invariants[:, 0],
+            momentum=invariants[:, 1:4],
+            angular_momentum=invariants[:, 4:],
+            factorisations=factorisations + refreshes,
+            k_updates=factorisations,
+            phi_updates=factorisations + refreshes,
+            seconds=seconds,
+            info=self._info,
+        )
+
+
+class Recorder(History):
+    """Takes what it keeps from the equations of a scene."""
+
+    def __init__(
+        self,
+        system: System,
+        steps: int,
+        step: float,
+        saving: Saving,
+        progress: bool | None,
+        store: Checkpoints | None = None,
+    ) -> None:
+        """As :class:`History`, for the equations ``system``."""
+        super().__init__(system.info(), steps, step, saving, progress, store)
+        self._system, self._filled = system, ResultRow(system)
+        self._count = 0 if store is None or not store.memory else int(store.memory["count"])
+
+    def record(
+        self,
+        index: int,
+        H: Array,
+        v: Array,
+        a: Array,
+        multipliers: Array,
+        iterations: int,
+        booked: Array,
+    ) -> bool:
+        """Fill step ``index`` in if it is one that is wanted; ``booked``: balance and impulses.
+
+        Returns:
+            Whether it was.
+        """
+        self._count += iterations
+        if self.show and index and index % self.refresh == 0:
+            self.update_bar(index, self._count)
+        wanted = self.wants(index)
+        if wanted:
+            self.fill(index * self._h, H, v, a, multipliers, booked)
+        return wanted
+
+    def fill(
+        self, time: float, H: Array, v: Array, a: Array, multipliers: Array, booked: Array
+    ) -> None:
+        """Fill in the next row, for which there is room."""
+        system, row = self._system, self.row
+        self._filled.by_twists(self, H, v, multipliers, booked)
+        if len(system.supported):
+            self.reactions[row] = system.reactions(H, v, a, multipliers)
+        self.elastic[row] += system.elastic.energy(H)
+        self.times[row], self.iterations[row] = time, self._count
+        self.row += 1
+
+    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+        """See the base class."""
+        super().write_checkpoint(index, memory | {"count": np.array(self._count)})

@@ -1,0 +1,215 @@
+"""Rows of results while they are made: in memory as they are, or passing through to elsewhere.
+
+What is wanted after every so many steps and in memory stays in the arrays that the run fills. What
+goes to a file passes through them, and so does what is wanted at given times: states on both sides
+of each time are filled in, and what is kept lies between them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.results import balances
+from fem_lie.results.resampling import between
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.saving import NEAR
+
+ROOM = 2**26
+"""Bytes of rows that pass through at a time."""
+
+FEWEST = 8
+"""Rows that pass through at a time, however large they are."""
+
+
+class Window:
+    """Arrays of results and the next row to be filled.
+
+    Attributes:
+        row: Where in the arrays the next state goes.
+        times: Of the rows, as are all other arrays.
+        iterations: So far.
+        balance: Work, damping, numerical loss, see :mod:`fem_lie.results.balances`, shape (T, 3);
+            zero where a row is not yet written, as ``impulses`` are.
+        impulses: Of loads and reactions, shape (T, 2, 6).
+        arrays: Those that :mod:`fem_lie.solve.recording.result_row` fills.
+        turn: Of the last row, see :meth:`~fem_lie.system.nodes.element_turns.ElementTurns.judge`.
+    """
+
+    def __init__(
+        self, info: SceneInfo, rows: int, wanted: Array | None, store: Checkpoints | None
+    ) -> None:
+        """Allocate everything.
+
+        Args:
+            info: Bodies and joints.
+            rows: How many there will be at most, or at first.
+            wanted: Times at which results are kept, or ``None``: as they are filled in.
+            store: Where they go, if not into memory.
+        """
+        n = sum(len(body.nodes) for body in info.bodies)
+        shapes: dict[str, tuple[int, ...]] = {
+            "times": (),
+            "frames": (n, 4, 3),
+            "velocities": (n, 6),
+            "joint_forces": (len(info.joints), 6),
+            "reactions": (len(info.supports.at), 6),
+            "joint_violations": (len(info.joints),),
+            "joint_coordinates": (sum(len(joint.coordinates) for joint in info.joints),),
+            "invariants": (7,),
+            "elastic": (),
+            "potential": (),
+            "balance": (balances.COLUMNS,),
+            "impulses": (2, 6),
+            "iterations": (),
+        }
+        self._wanted, self._store = wanted, store
+        self._passes = wanted is not None or store is not None
+        if store is not None:
+            store.open(info, shapes, rows if wanted is None else len(wanted))
+        if self._passes:
+            size = 8 * sum(int(np.prod(shape, dtype=np.int64)) for shape in shapes.values())
+            rows = min(rows, max(FEWEST, ROOM // size))
+        arrays = {name: np.empty((rows, *shape)) for name, shape in shapes.items()}
+        self._names = tuple(shapes)
+        self.times, self.frames, self.velocities = (
+            arrays[name] for name in ("times", "frames", "velocities")
+        )
+        self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
+        self.reactions = arrays["reactions"]
+        self.joint_violations = arrays["joint_violations"]
+        self.joint_coordinates = arrays["joint_coordinates"]
+        self.elastic, self.potential = arrays["elastic"], arrays["potential"]
+        self.balance, self.impulses = arrays["balance"], arrays["impulses"]
+        self.iterations = np.zeros(rows, dtype=np.int64)
+        for array in (self.elastic, self.balance, self.impulses):
+            array[:] = 0.0
+        self.row, self._parts = 0, list[dict[str, Array]]()
+        self.turn = 0, 0.0
+        self._collect_arrays()
+        self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
+        self._last_gap = 0.0
+        # rows that have passed
+        self._gone, self._broken = 0, False
+        if store is not None and store.memory:
+            self._restore(store)
+
+    # --- rows come ---
+
+    @property
+    def room(self) -> int | None:
+        """Rows that can be filled in at a time, ``None`` for any number."""
+        return len(self.times) - 1 if self._passes else None
+
+    def make_room(self, rows: int = 1) -> None:
+        """See to it that the next rows are free."""
+        if self.row + rows > len(self.times):
+            if self._passes:
+                self._pass_on(last=False)
+            else:
+                self._grow()
+
+    def _grow(self) -> None:
+        for name in self._names:
+            old = getattr(self, name)
+            setattr(self, name, np.concatenate([old, np.full_like(old, old[-1:])]))
+        self._collect_arrays()
+
+    def _collect_arrays(self) -> None:
+        joints = self.joint_forces, self.joint_coordinates, self.joint_violations
+        others = self.invariants, self.balance, self.impulses
+        self.arrays = FixedArrays([self.frames, self.velocities, *joints, *others])
+
+    @property
+    def gap(self) -> float:
+        """Gap in the balance of energy at the last row, see :mod:`fem_lie.results.balances`."""
+        if self.row:
+            if np.isnan(self._first[0]):
+                self._first = self._energies(0)
+            stored, potential, *rest = np.transpose([self._first, self._energies(self.row - 1)])
+            balance = np.transpose(rest)
+            gaps = balances.energy_gaps(stored + potential, balance)
+            scale = balances.energy_scale(stored, potential, balance)
+            self._last_gap = balances.relative(float(abs(gaps[-1])), scale)
+        return self._last_gap
+
+    def _energies(self, row: int) -> Array:
+        """Stored energy, potential and balance."""
+        stored = self.invariants[row, 0] + self.elastic[row]
+        return np.array([stored, self.potential[row], *self.balance[row]])
+
+    # --- rows go ---
+
+    def _pass_on(self, *, last: bool) -> None:
+        """Empty the arrays; ``last``: no state after the last row will be asked for."""
+        _ = self.gap
+        if not self.row:
+            return
+        rows = {name: getattr(self, name)[: self.row] for name in self._names}
+        if self._wanted is None:
+            self._put(rows, self.row)
+            self.row = 0
+            return
+        # at a jump there may be another row with the time of the last one
+        times, reached = rows["times"], rows["times"][-1]
+        slack = NEAR * (reached - times[-2]) if len(times) > 1 else 0.0
+        reached = reached + slack if last else reached - slack
+        to = int(np.searchsorted(self._wanted, reached, side="right"))
+        if to > self._gone:
+            self._put(between(rows, self._wanted[self._gone : to]), to - self._gone)
+        for values in rows.values():
+            values[0] = values[-1]
+        self.row = 1
+
+    def _put(self, rows: dict[str, Array], count: int) -> None:
+        if self._store is None:
+            self._parts.append({name: values.copy() for name, values in rows.items()})
+        else:
+            reached, self._broken = float(self.times[self.row - 1]), True
+            self._store.append(self._gone, rows, reached)
+            self._broken = False
+        self._gone += count
+
+    def close(self) -> None:
+        """Pass on what is there, if that is still possible."""
+        if self._passes and not self._broken:
+            self._pass_on(last=False)
+
+    def collected(self) -> dict[str, Array]:
+        """All rows that were kept."""
+        if not self._passes:
+            return {name: getattr(self, name)[: self.row] for name in self._names}
+        if not self._broken:
+            self._pass_on(last=True)
+        if self._store is not None:
+            return self._store.rows(self._gone)
+        empty = {name: getattr(self, name)[:0] for name in self._names}
+        return {
+            name: np.concatenate([part[name] for part in (empty, *self._parts)])
+            for name in self._names
+        }
+
+    # --- checkpoints ---
+
+    @property
+    def fresh(self) -> bool:
+        """Whether nothing was done before."""
+        return self._store is None or not self._store.memory
+
+    def _memory(self) -> dict[str, Array]:
+        """All on which the rows to come depend."""
+        self._pass_on(last=False)
+        kept = {"window.first": self._first, "window.row": np.array(self.row)}
+        if self.row:
+            kept |= {f"window.{name}": getattr(self, name)[0].copy() for name in self._names}
+        return kept
+
+    def _restore(self, store: Checkpoints) -> None:
+        kept = store.memory
+        self._gone, self._first = store.row, kept["window.first"]
+        self.row = int(kept["window.row"])
+        if self.row:
+            for name in self._names:
+                getattr(self, name)[0] = kept[f"window.{name}"]

@@ -1,0 +1,1 @@
+"""Paths of equilibrium through critical points, buckling, vibrations, imperfections."""

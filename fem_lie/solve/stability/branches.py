@@ -1,0 +1,142 @@
+"""From a bifurcation onto the path that crosses there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance, number
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.results.buckling import check_displaces, chosen
+from fem_lie.results.path import CriticalPoint, Station
+from fem_lie.scene.scene import Scene
+from fem_lie.solve.stability.controls import Along, Arc
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.stability.path_step import LostError, Walker
+from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.follow import check_proportion
+
+_AMPLITUDE = 0.005  # of the body that moves most
+_TURN = 1 / 60  # rad, at most
+_REACH = 20.0  # amplitudes: the length by which the search measures displacements
+_NIL = 1e-5  # of the largest displacement of a mode
+_CHANGE = 0.05  # of the load factor, where the other path goes on with the load
+_HALVINGS = 12
+_BESIDE = 0.2  # of a step: nearer to the tangent it is one on the same path
+
+
+def branch(
+    scene: Scene,
+    critical: CriticalPoint,
+    *,
+    mode: int = 1,
+    side: int = 1,
+    amplitude: float | None = None,
+    petsc_options_prefix: str = "fem_lie_path_",
+) -> Station:
+    """A state on the path that crosses at a bifurcation, to begin with there.
+
+    The bifurcation is left along a critical mode, and the amplitude of that mode is held while
+    equilibrium and load factor are found: ``fl.follow_path(scene, start=fl.branch(scene, point))``.
+
+    Where the path itself is one that branches off there, and its load turns without a pivot, the
+    other path goes on with the load: it is entered along the response of what the mode leaves.
+
+    Args:
+        scene: That of the path.
+        critical: The bifurcation.
+        mode: Which critical mode, counted from 1; more than the first matter where several
+            coincide.
+        side: 1 along the mode, −1 against it.
+        amplitude: Largest displacement of the mode; default: 0.005 of the body that moves most, at
+            most what turns something by 1/60 rad, and less if there is no such state.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Raises:
+        ValueError: Bad scene or options, no such mode, a mode that only turns, or a bifurcation of
+            another scene.
+        ConvergenceError: There is no equilibrium with the amplitude, or with any down to 1/2000 of
+            the default, or there are but those of the path itself.
+    """
+    check_proportion(scene)
+    instance(critical, CriticalPoint, "critical", "a critical point of a path")
+    instance(mode, int | np.integer, "mode", "a whole number")
+    if amplitude is not None:
+        number(amplitude, "amplitude")
+    if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
+        raise ValueError(
+            f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
+        )
+    shape = chosen(critical.shapes, mode)
+    check_displaces(bool(critical.turns_only[mode - 1]), mode)
+    model = StableEquilibrium(scene, petsc_options_prefix)
+    station, leaders = critical.station, model.system.numbering.attachment.leaders
+    if len(critical.frames) != model.system.numbering.total:
+        raise ValueError(
+            f"the bifurcation is one of a scene with {len(critical.frames)} nodes, this one has "
+            f"{model.system.numbering.total}"
+        )
+    model.restore(station.state)
+    h: Array = np.zeros(model.system.size)
+    h[: 6 * len(leaders)] = shape[leaders].ravel()
+    size = _first_amplitude(model, shape)
+    if critical.crossed:
+        h, size = _beside(model, station, h)
+    u = model.translations(h)
+    if not np.abs(u).max() > _NIL:
+        raise ValueError(f"mode {mode} moves only nodes that follow others rigidly")
+    pattern: Array = np.asarray(u / float(np.sum(u * u)))
+    walker = Walker(model, ArcLength(), abs(station.factor) or 1.0)
+    size = side * (size if amplitude is None else amplitude)
+    returned = False
+    for _ in range(1 if amplitude is not None else _HALVINGS):
+        model.restore(station.state)
+        model.move(size * h)
+        beside, unit = replace(station, state=model.state()), _REACH * abs(size)
+        arc, control = Arc(unit, walker.load), Along(pattern, unit)
+        try:
+            found = walker.step(station, control, size / unit, arc, begin=beside)
+        except LostError:
+            size /= 2
+            continue
+        if not _on_path(station, found):
+            return found
+        returned, size = True, size / 2
+    if returned:
+        raise ConvergenceError(
+            f"at load factor {critical.factor:g} mode {mode} leads back onto the path that it is "
+            "one of: no other path crosses there along it"
+        )
+    raise ConvergenceError(
+        f"no equilibrium beside the {critical.kind.value} at load factor {critical.factor:g} with "
+        f"an amplitude of mode {mode} down to {abs(2 * size):.1e}"
+    )
+
+
+def _on_path(station: Station, found: Station) -> bool:
+    """Whether a state lies on the path through another one, as far as its tangent tells."""
+    moved = found.places - station.places
+    along = (found.factor - station.factor) * station.velocity
+    return bool(np.linalg.norm(moved - along) < _BESIDE * np.linalg.norm(moved))
+
+
+def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
+    """Largest displacement of a mode to begin with."""
+    node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
+    bodies = model.system.numbering.nodes.items()
+    size = next(body.size for body, nodes in bodies if node in nodes)
+    turn = float(np.linalg.norm(shape[:, 3:], axis=1).max())
+    return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)
+
+
+def _beside(model: StableEquilibrium, station: Station, h: Array) -> tuple[Array, float]:
+    """Response to the load without its part along a mode, and the first step along it.
+
+    Its largest displacement is 1.
+    """
+    weight = np.zeros(len(h))
+    weight[: len(model.weight)] = 1.0 / model.weight**2
+    rest = station.response - h * float((h * weight) @ station.response) / float((h * weight) @ h)
+    largest = float(np.linalg.norm(model.translations(rest), axis=1).max())
+    return np.asarray(rest / largest), _CHANGE * largest

@@ -1,0 +1,146 @@
+"""Linear buckling: the load factors at which a structure that hardly deforms before is unstable.
+
+The stress of linear theory under the full loads, carried in the unloaded configuration, makes the
+tangent ``K₀ + K_g``; at the load factor λ it is ``K₀ + λ K_g``, and singular at the factors that
+are sought. No geometric stiffness is derived for it: the tangent with a carried stress is what
+every iteration of statics uses.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+from slepc4py import SLEPc
+
+from fem_lie._arrays import Array, whole
+from fem_lie._compat import slepc_errors
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.spectrum import padded, to_petsc
+from fem_lie.results.buckling import BucklingModes
+from fem_lie.scene.scene import Scene
+from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.solve.statics.follow import check_proportion
+from fem_lie.solve.stopwatch import Stopwatch
+
+_TOLERANCE = 1e-10
+_TRIES = 4  # each asks for twice as many: load factors of the other sign come with them
+
+
+def buckling(
+    scene: Scene, count: int = 4, *, petsc_options_prefix: str = "fem_lie_buckling_"
+) -> BucklingModes:
+    """Lowest positive load factors of linear buckling, and their modes.
+
+    Args:
+        scene: What there is, with its loads at factor 1.
+        count: Number of modes.
+        petsc_options_prefix: Prefix for the choice of SLEPc's solver.
+
+    Raises:
+        ValueError: Bad scene, no load, loads that are not in proportion to the load factor, a
+            structure that is not held, or more modes than degrees of freedom.
+        ConvergenceError: There are less positive load factors than were asked for; its ``result``
+            holds those that were found, if any.
+    """
+    check_proportion(scene)
+    whole(count, "count")
+    model = StableEquilibrium(scene, petsc_options_prefix)
+    free = int((~model.system.held).sum()) - model.system.m
+    if not 1 <= count <= free:
+        raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+    watch = Stopwatch()
+    model.check_start(0.0)
+    K, B, G = _matrices(model)
+    factors, vectors = _positive(K, B, G, count, petsc_options_prefix)
+    shapes = np.array([model.increments(vector) for vector in vectors])
+    system = model.system
+    shapes, turns_only = model.all_nodes(shapes.reshape(-1, system.count, 6))
+    modes = BucklingModes(
+        factors=factors,
+        shapes=shapes,
+        turns_only=turns_only,
+        frames=system.numbering.attachment.frames(system.frames).copy(),
+        size=model.diameter,
+        info=system.info(),
+        seconds=watch.seconds,
+    )
+    if len(factors) < count:
+        raise ConvergenceError(
+            f"SLEPc found {len(factors)} of {count} positive load factors; the loads may pull",
+            modes if len(factors) else None,
+        )
+    return modes
+
+
+def _matrices(model: StableEquilibrium) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
+    """``K₀``, the constraints and ``K_g`` of the free unknowns, in their units."""
+    _, load = model.forces()
+    model.factorise(0.0)
+    K, B = model.pencil()
+    model.stress(model.solve(load))
+    model.factorise(1.0)
+    total, _ = model.pencil()
+    K, G = (0.5 * (A + A.T) for A in (K, total - K))
+    return K.tocsr(), B, G.tocsr()
+
+
+def _positive(
+    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, count: int, prefix: str
+) -> tuple[Array, Array]:
+    """Lowest positive λ with ``(K + λ G) φ + Bᵀ μ = 0``, ``B φ = 0``, and φ, (k, n)."""
+    n = K.shape[0]
+    wanted, most = 2 * count + 4, n - B.shape[0]
+    inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+    for _ in range(_TRIES):
+        if len(inverse) >= count or wanted >= most:
+            break
+        wanted *= 2
+        inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+    order = np.argsort(-inverse)[:count]
+    return np.asarray(1.0 / inverse[order]), vectors[order]
+
+
+def _largest(
+    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, wanted: int, prefix: str
+) -> tuple[Array, Array]:
+    """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``, among the largest of either sign."""
+    n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
+    size = float(np.mean(np.abs(K.diagonal())))
+    bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
+    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(bordered))
+    types = SLEPc.EPS.ProblemType
+    solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
+    solver.setOptionsPrefix(prefix)
+    solver.setWhichEigenpairs(
+        SLEPc.EPS.Which.LARGEST_MAGNITUDE if B.shape[0] else SLEPc.EPS.Which.LARGEST_REAL
+    )
+    solver.setDimensions(wanted)
+    solver.setTolerances(_TOLERANCE, 500)
+    linear = solver.getST().getKSP()
+    linear.setType(PETSc.KSP.Type.PREONLY)
+    linear.getPC().setType(PETSc.PC.Type.LU)
+    linear.getPC().setFactorSolverType("mumps")
+    solver.setFromOptions()
+    try:
+        with slepc_errors():
+            solver.solve()
+    except PETSc.Error as error:
+        raise ConvergenceError(f"SLEPc failed (PETSc error {error.ierr})") from error
+    return _pairs(solver, n, bordered.shape[0])
+
+
+def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
+    """Converged pairs with a positive eigenvalue that is not round-off."""
+    real, imaginary = (PETSc.Vec().createSeq(size) for _ in range(2))
+    values, vectors = [], []
+    for k in range(solver.getConverged()):
+        value = solver.getEigenpair(k, real, imaginary).real
+        values.append(value)
+        vectors.append(real.array[:n].copy())
+    given = np.array(values)
+    kept = given > 1e-10 * np.abs(given).max(initial=0.0)
+    return given[kept], np.array(vectors).reshape(-1, n)[kept]

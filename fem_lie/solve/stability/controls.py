@@ -1,0 +1,156 @@
+"""What is held at a given value during a step along a path: arc length, displacement or load.
+
+With ``Δu`` the displacements of the nodes in a step, ``Δλ`` the change of the load factor, each
+control is a distance ``g(Δu, Δλ)`` and its derivative. A step ends where the distance has the
+wanted length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, number, positive
+from fem_lie.bodies.body import Point, direction, require_point
+
+
+class Control(Protocol):
+    """How far a step is."""
+
+    def rate(self, u: Array, sign: float) -> float:
+        """Change of the load factor per distance along the tangent ``(u, 1)``.
+
+        ``sign`` is the direction of the load factor, if the control has none of its own.
+        """
+        ...
+
+    def distance(self, moved: Array, change: float) -> float:
+        """Distance of displacements (n, 3) and a change of the load factor."""
+        ...
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """Derivative of the distance along ``(u, d)``."""
+        ...
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Length in the plane of displacement and load: ``√(rms(Δu)²/U² + Δλ²/Λ²)``.
+
+    Attributes:
+        length: ``U``.
+        load: ``Λ``.
+    """
+
+    length: float
+    load: float
+
+    def inner(self, u: Array, d: float, v: Array, e: float) -> float:
+        """Inner product of two directions."""
+        return float(np.sum(u * v)) / (len(u) * self.length**2) + d * e / self.load**2
+
+    def norm(self, u: Array, d: float) -> float:
+        """Length of a direction."""
+        return sqrt(self.inner(u, d, u, d))
+
+    def rate(self, u: Array, sign: float) -> float:
+        """See the protocol."""
+        return sign / self.norm(u, 1.0)
+
+    def distance(self, moved: Array, change: float) -> float:
+        """See the protocol."""
+        return self.norm(moved, change)
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """See the protocol."""
+        return self.inner(moved, change, u, d) / self.norm(moved, change)
+
+
+@dataclass(frozen=True)
+class Along:
+    """Displacement along a fixed pattern: of one node, or the amplitude of a mode.
+
+    Attributes:
+        pattern: Shape (n, 3).
+        unit: Displacement of distance one.
+    """
+
+    pattern: Array
+    unit: float
+
+    def rate(self, u: Array, sign: float) -> float:
+        """See the protocol."""
+        return self.unit / float(np.sum(self.pattern * u))
+
+    def distance(self, moved: Array, change: float) -> float:
+        """See the protocol."""
+        return float(np.sum(self.pattern * moved)) / self.unit
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """See the protocol."""
+        return self.distance(u, d)
+
+
+@dataclass(frozen=True)
+class Load:
+    """Change of the load factor.
+
+    Attributes:
+        load: That of distance one.
+    """
+
+    load: float
+
+    def rate(self, u: Array, sign: float) -> float:
+        """See the protocol."""
+        return sign * self.load
+
+    def distance(self, moved: Array, change: float) -> float:
+        """See the protocol."""
+        return abs(change) / self.load
+
+    def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
+        """See the protocol."""
+        return float(np.copysign(d, change)) / self.load if change else d / self.load
+
+
+@dataclass(frozen=True)
+class DisplacementControl:
+    """Steps of equal displacement of a point, up to a given one.
+
+    Attributes:
+        point: Which.
+        direction: Along this direction, global components.
+        to: Displacement at which the path ends, in the direction; steps are parts of it.
+    """
+
+    point: Point
+    direction: npt.ArrayLike
+    to: float
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        require_point(self.point, "DisplacementControl: point")
+        number(self.to, "DisplacementControl: to")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the point is ground, or direction or displacement are zero."""
+        if self.point.is_ground:
+            raise ValueError("displacement control needs a point of a body, got ground")
+        direction(self.direction, f"direction of control at {self.point.label}")
+        positive(self.to, "displacement to go to under displacement control")
+
+    def along(self, count: int, node: int) -> Along:
+        """On the node of the point, of ``count`` nodes."""
+        pattern = np.zeros((count, 3))
+        pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
+        return Along(pattern, self.to)
+
+
+@dataclass(frozen=True)
+class LoadControl:
+    """Steps of equal load; they fail at limit points."""

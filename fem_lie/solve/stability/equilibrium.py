@@ -1,0 +1,179 @@
+"""Stability of equilibrium: what the factorisation and the spectrum of the tangent say.
+
+At equilibrium under loads that have a potential the tangent in local increments is symmetric. The
+number of negative pivots of its ``L D Lᵀ`` is that of its negative eigenvalues (Sylvester's law of
+inertia): zero of them, and the equilibrium is stable. Bordered by m independent constraints the
+matrix has m negative pivots more. (J. M. T. Thompson & G. W. Hunt, A General Theory of Elastic
+Stability, 1973.)
+
+For loads without potential, such as moments about fixed axes, the sign of the determinant counts
+and the tangent's own null vector is the mode, see :mod:`fem_lie.linear.pivots`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array, Flags
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.pivots import inertia
+from fem_lie.linear.rigid_parts import RigidParts
+from fem_lie.linear.spectrum import Pencil
+from fem_lie.scene.scene import Scene
+from fem_lie.solve.methods import methods_on_paths
+from fem_lie.solve.stability.mode_scaling import node_lengths, scaled
+from fem_lie.solve.stability.rigid_motions import rigid_motions
+from fem_lie.solve.statics.follow import SceneEquilibrium
+
+_SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
+_LOOSE = 1e-14  # of the largest stiffness
+
+
+class StableEquilibrium(SceneEquilibrium):
+    """A scene along its path, with the inertia of its tangent.
+
+    Attributes:
+        weight: Units of the unknowns of the nodes: lengths and radians, shape (6 n,).
+    """
+
+    def __init__(self, scene: Scene, prefix: str, *, carried_stress: bool = True) -> None:
+        """Build the system.
+
+        Args:
+            scene: What there is.
+            prefix: Of the linear solver's options.
+            carried_stress: Carry the stress as an iterate; otherwise plain Newton.
+        """
+        super().__init__(scene, prefix, methods_on_paths)
+        self._carried_stress = carried_stress
+        self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self.system.count)
+
+    def factorise(self, factor: float) -> None:
+        """See the protocol."""
+        if not self._carried_stress:
+            self._forces_known = False
+            self.system.elastic.reset_stress(self._H)
+        super().factorise(factor)
+
+    def solve_raw(self, b: Array) -> Array:
+        """Solve with the last tangent in its own unknowns, along fixed axes at some supports."""
+        self._solver.right_hand_side[:] = b
+        self._solver.solve()
+        return self._solver.solution.copy()
+
+    def check_start(self, factor: float) -> None:
+        """Raise ``ValueError`` if the tangent is singular in the present state."""
+        self._fill(factor)
+        A = self._csr()
+        scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
+        if self.system.m:
+            scale = sp.diags(self.system.kkt.units)
+        try:
+            zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
+        except SingularMatrixError:
+            zero = 1
+        loose = self._loose_motions()
+        if zero or loose:
+            left = f": {loose} motion{'s' * (loose > 1)} of bodies left free" if loose else ""
+            raise ValueError(
+                f"the path has no start: the tangent at load factor {factor:g} is singular{left}. "
+                "Is every body held by clamps, supports or joints, with no motion left free?"
+            )
+
+    def _loose_motions(self) -> int:
+        """Motions without strain that joints allow and nothing resists."""
+        K, B = self.pencil()
+        parts = RigidParts(K, K, K, rigid_motions(self.system, self._H, self.weight))
+        Z = parts.mechanisms(B)
+        if not len(Z):
+            return 0
+        resists = np.abs(np.linalg.eigvalsh(0.5 * Z @ ((K + K.T) @ Z.T)))
+        return int((resists <= _LOOSE * abs(K).max()).sum())
+
+    def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Tangent of the free unknowns in their units, and constraints with rows of length one."""
+        A, n = self._csr(), 6 * self.system.count
+        free = np.flatnonzero(~self.system.held.ravel())
+        weights = sp.diags(self.weight[free])
+        K = (weights @ A[free][:, free] @ weights).tocsr()
+        B = (A[n:][:, free] @ weights).tocsr()
+        # they come scaled for the solution of increments
+        length = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        return K, (sp.diags(1.0 / length) @ B).tocsr()
+
+    def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
+        """Smallest eigenvalues of the tangent, and increments of nodes, shape (k, n, 6).
+
+        Under loads without potential it is one, of least absolute value, and its right vector.
+        """
+        if not self.system.has_potential:
+            value, x = self.smallest(factor)
+            return np.array([value]), self.increments(x)[np.newaxis]
+        self._fill(factor)
+        K, B = self.pencil()
+        K = (0.5 * (K + K.T)).tocsr()
+        count = min(count, K.shape[0] - B.shape[0])
+        unit = sp.identity(K.shape[0], format="csr")
+        s, vectors, _ = Pencil(unit, None, K, B).smallest(count, 0.0, prefix)
+        values = -(s**2).real
+        return values, np.array([self.increments(vector.real) for vector in vectors])
+
+    def smallest(self, factor: float) -> tuple[float, Array]:
+        """Eigenvalue of least absolute value of the tangent, and its vector of free unknowns.
+
+        Both in the units of the unknowns.
+        """
+        self.factorise(factor)
+        value, x = self.inverse_iteration(None, _REPEATS)
+        return value, x[(~self.system.held).ravel()]
+
+    def inverse_iteration(self, start: Array | None, repeats: int) -> tuple[float, Array]:
+        """Eigenvalue of least absolute value of the tangent that was factorised last.
+
+        Args:
+            start: About its vector, shape (6 n,); ``None``: nothing is known of it.
+            repeats: Linear solutions.
+
+        Returns:
+            It and its unit vector, shape (6 n,), in the units of the unknowns.
+        """
+        n = len(self.weight)
+        if start is None:
+            start = np.random.default_rng(_SEED).standard_normal(n) * (~self.system.held).ravel()
+        value, right, x = np.nan, np.zeros(self.system.size), start
+        for _ in range(repeats):
+            x = x / np.linalg.norm(x)
+            right[:n] = x / self.weight
+            y = self.solve_raw(right)[:n] / self.weight
+            value, x = 1.0 / float(x @ y), y
+        return value, np.asarray(x / np.linalg.norm(x))
+
+    def increments(self, vector: Array) -> Array:
+        """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
+        system = self.system
+        h = np.zeros(6 * system.count)
+        free = ~system.held.ravel()
+        h[free] = self.weight[free] * vector
+        system.supports.turn_back(self._H, h.reshape(-1, 6))
+        return h.reshape(-1, 6)
+
+    def stress(self, dx: Array) -> None:
+        """Carry the stress on along an increment, and multipliers, but leave the nodes."""
+        system = self.system
+        self._forces_known = False
+        system.elastic.carry(self._H, dx[: 6 * system.count])
+        self._multipliers += self._scale * dx[6 * system.count :]
+
+    def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
+        """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
+        numbering = self.system.numbering
+        lengths, twists = node_lengths(numbering.nodes), numbering.attachment.twists
+        found = [scaled(twists(shape), lengths) for shape in shapes]
+        moved = np.array([shape for shape, _ in found]).reshape(-1, numbering.total, 6)
+        return moved, np.array([turns for _, turns in found], dtype=np.bool_)
+
+    def _csr(self) -> sp.csr_matrix:
+        pointers, columns, data = self.system.kkt.matrix.getValuesCSR()
+        size = self.system.size
+        return sp.csr_matrix((data.copy(), columns, pointers), shape=(size, size))

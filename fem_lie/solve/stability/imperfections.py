@@ -1,0 +1,231 @@
+"""Imperfections: scenes whose bodies are a little out of shape, without stress.
+
+Places move by a displacement, and directors turn with the surface, or the line, through it. What is
+held by supports of the body stays where it is.
+"""
+
+from __future__ import annotations
+
+import copy
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._arrays import Array, instance, number, numbers, positive, whole
+from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.body import Body
+from fem_lie.results.buckling import BucklingModes, chosen
+from fem_lie.scene.scene import Scene, require_scene
+
+_STEP = 1e-5  # of the body: differences of a field
+_WAVES = 64
+
+
+class Imperfection(ABC):
+    """A displacement of the nodes of bodies, and the rotation that goes with it."""
+
+    @abstractmethod
+    def of(self, body: Body) -> tuple[Array, Array]:
+        """Displacements and rotation vectors of the nodes, global components, both (n, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeImperfection(Imperfection):
+    """In the shape of a buckling mode.
+
+    Attributes:
+        modes: Of the perfect scene.
+        mode: Counted from 1.
+        amplitude: Largest displacement; its sign matters where the structure has no symmetry.
+        angle: Largest rotation, rad, instead of it: of a mode that only turns.
+
+    Raises:
+        ValueError: There is no such mode, or not the one of amplitude and angle that it has.
+    """
+
+    modes: BucklingModes
+    mode: int
+    amplitude: float | None = None
+    angle: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that the mode has what is given."""
+        instance(self.modes, BucklingModes, "ModeImperfection: modes", "what fl.buckling returns")
+        instance(self.mode, int | np.integer, "ModeImperfection: mode", "a whole number")
+        for name in ("amplitude", "angle"):
+            if getattr(self, name) is not None:
+                number(getattr(self, name), f"ModeImperfection: {name}")
+        chosen(self.modes.shapes, self.mode)
+        turns = bool(self.modes.turns_only[self.mode - 1])
+        wanted, other = (self.angle, self.amplitude) if turns else (self.amplitude, self.angle)
+        if wanted is None or other is not None or not np.isfinite(wanted):
+            has = "only turns: give angle=" if turns else "has displacements: give amplitude="
+            raise ValueError(
+                f"mode {self.mode} {has} a finite number and nothing else, got "
+                f"amplitude={self.amplitude!r}, angle={self.angle!r}"
+            )
+
+    def of(self, body: Body) -> tuple[Array, Array]:
+        """See the base class.
+
+        Raises:
+            ValueError: The mode is one of other bodies.
+        """
+        nodes = self.modes.info.body(body.name).nodes
+        if len(nodes) != len(body.frames):
+            raise ValueError(
+                f"{body.label} has {len(body.frames)} nodes, in the modes it has {len(nodes)}"
+            )
+        size = self.amplitude if self.angle is None else self.angle
+        assert size is not None
+        directors = self.modes.frames[nodes, 1:]
+        moved = size * chosen(self.modes.shapes, self.mode)[nodes].reshape(-1, 2, 3)
+        u, theta = np.einsum("nij,nki->knj", directors, moved)
+        return u, theta
+
+
+@dataclass(frozen=True, eq=False)
+class FieldImperfection(Imperfection):
+    """A given displacement.
+
+    Attributes:
+        displacement: Function of the place, shape (3,), that returns a displacement, shape (3,). It
+            is called at places near the nodes, too.
+    """
+
+    displacement: Callable[[Array], npt.ArrayLike]
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if it is no function."""
+        wanted = "a function of the place"
+        instance(self.displacement, Callable, "FieldImperfection: displacement", wanted)
+
+    def of(self, body: Body) -> tuple[Array, Array]:
+        """See the base class.
+
+        Raises:
+            ValueError: The field is not three finite numbers everywhere.
+        """
+        return _with_rotations(body, self._at)
+
+    def _at(self, places: Array, frames: Array) -> Array:
+        what = "the field of an imperfection"
+        values = numbers([self.displacement(x) for x in places], what)
+        if values.shape != places.shape or not np.isfinite(values).all():
+            raise ValueError(
+                f"the field of an imperfection must be three finite numbers, got {values[0]}"
+            )
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class RandomImperfection(Imperfection):
+    """Waves of one length with random directions and phases.
+
+    Attributes:
+        amplitude: 2.5 times the root of the mean square of the displacements.
+        wavelength: Of all waves.
+        seed: Of the random numbers; the same gives the same.
+        along: Unit direction as a function of the place, shape (3,); default: third directors.
+    """
+
+    amplitude: float
+    wavelength: float
+    seed: int
+    along: Callable[[Array], npt.ArrayLike] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if a number is none."""
+        number(self.amplitude, "RandomImperfection: amplitude")
+        positive(self.wavelength, "RandomImperfection: the wavelength")
+        whole(self.seed, "RandomImperfection: seed", least=0)
+
+    def of(self, body: Body) -> tuple[Array, Array]:
+        """See the base class."""
+        # the same field for all bodies of a scene: about the largest of so many waves
+        scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
+
+        def waves(places: Array, frames: Array) -> Array:
+            across = frames[:, 3]
+            if self.along is not None:
+                across = np.array([self.along(x) for x in places], dtype=np.float64)
+            return np.asarray(scale * self._waves(places)[:, np.newaxis] * across)
+
+        return _with_rotations(body, waves)
+
+    def _waves(self, places: Array) -> Array:
+        random = np.random.default_rng(self.seed)
+        k = random.standard_normal((_WAVES, 3))
+        k *= 2 * np.pi / self.wavelength / np.linalg.norm(k, axis=1)[:, np.newaxis]
+        phases = random.uniform(0.0, 2 * np.pi, _WAVES)
+        return np.asarray(np.cos(places @ k.T + phases).sum(axis=1))
+
+
+def imperfect(scene: Scene, *imperfections: Imperfection) -> Scene:
+    """A copy of a scene whose bodies are out of shape, and as free of stress as before.
+
+    Names stay, so that points can be looked up by theirs; bodies, joints and loads are copies.
+
+    Args:
+        scene: The perfect one; it stays as it is.
+        imperfections: Their sum is applied.
+
+    Raises:
+        ValueError: No imperfection, or one that does not fit a body.
+    """
+    if not imperfections:
+        raise ValueError("give at least one imperfection")
+    require_scene(scene)
+    for each in imperfections:
+        instance(each, Imperfection, "an imperfection", "one such as ModeImperfection")
+    other = copy.deepcopy(scene)
+    for body in other.bodies:
+        parts = [imperfection.of(body) for imperfection in imperfections]
+        u, theta = np.sum(parts, axis=0)
+        _deform(body, u, theta)
+    return other
+
+
+def _deform(body: Body, u: Array, theta: Array) -> None:
+    """Move the nodes of a body, and turn their frames; what is held stays."""
+    H, held = body.frames, body.held
+    own = H[:, 1:].copy()
+    fixed = np.isfinite(body.supports[:, 0, 0])
+    own[fixed] = body.supports[fixed]
+    u = np.einsum("nij,ni->nj", own, np.where(held[:, :3], 0.0, np.einsum("nij,nj->ni", own, u)))
+    turn = np.where(held[:, 3:], 0.0, np.einsum("nij,nj->ni", H[:, 1:], theta))
+    turned = lie.se3_retract(H, np.hstack([np.zeros_like(turn), turn]))
+    turned[:, 0] += u
+    follows = np.flatnonzero(body.leaders != np.arange(len(H)))
+    leaders = body.leaders[follows]
+    relative = lie.se3_compose(lie.se3_inverse(H[leaders]), H[follows])
+    turned[follows] = lie.se3_compose(turned[leaders], relative)
+    body.frames[:] = turned
+    if isinstance(body, Beam):
+        a, b = turned[body.elements[:, 0]], turned[body.elements[:, 1]]
+        body.lengths[:] = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
+
+
+def _with_rotations(body: Body, field: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
+    """A field at the nodes, and how it turns the surface, or the line, there."""
+    x, step = body.frames[:, 0], _STEP * body.size
+    u = field(x, body.frames)
+
+    def slope(director: int) -> Array:
+        along = step * body.frames[:, director]
+        difference = field(x + along, body.frames) - field(x - along, body.frames)
+        return np.asarray(body.frames[:, director] + difference / (2 * step))
+
+    if len(body.faces):
+        before, after = body.frames[:, 3], np.cross(slope(1), slope(2))
+    else:
+        before, after = body.frames[:, 1], slope(1)
+    after = after / np.linalg.norm(after, axis=1)[:, np.newaxis]
+    axis = np.cross(before, after)
+    sine = np.linalg.norm(axis, axis=1)
+    angle = np.arctan2(sine, np.sum(before * after, axis=1))
+    return u, axis * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 1.0)[:, np.newaxis]

@@ -1,0 +1,187 @@
+"""Where something happens between two states of a path: limit points, bifurcations, wanted values.
+
+Between two states at which the tangent's number of negative pivots or the direction of the load
+differ there is a critical point. It is bracketed by that pair of marks, which cannot be misled, and
+approached by the secant of a function that is zero there: the rate of the load along the path at a
+limit point, the smallest eigenvalue of the tangent at a bifurcation. (R. Seydel, Practical
+Bifurcation and Stability Analysis, 2010, ch. 5.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from fem_lie.results.path import Station
+from fem_lie.solve.stability.controls import Arc, Control
+from fem_lie.solve.stability.path_step import LostError, Walker
+
+_TRIALS = 60
+_WIDTH = 1e-3  # of a step: to where a load without slope is located
+_SLOW = 3  # secants in a row that do not halve the bracket, then it is halved
+
+Mark = Callable[[Station], Any]
+Value = Callable[[Station], float]
+
+
+@dataclass(frozen=True, eq=False)
+class Bracket:
+    """Two states of a step between which something happens.
+
+    Attributes:
+        origin: Where the step began.
+        control: What distances are, with ``arc``.
+        arc: See there.
+        at: Distances of the two from the origin.
+        ends: The states.
+    """
+
+    origin: Station
+    control: Control
+    arc: Arc
+    at: tuple[float, float]
+    ends: tuple[Station, Station]
+
+
+def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
+    """All critical points of a step, each between two states; the load to ``tolerance``.
+
+    Points at which the search is lost are bracketed as well as was possible.
+    """
+    found: list[Bracket] = []
+    first, last = whole.ends
+    while _mark(first) != _mark(last):
+        turning = first.sign != last.sign
+        part = Bracket(
+            whole.origin,
+            whole.control,
+            whole.arc,
+            (_reached(whole, found), whole.at[1]),
+            (first, last),
+        )
+        narrow = bisect(
+            walker,
+            part,
+            partial(_same, _mark(first)),
+            _rate(whole.arc) if turning else (lambda station: station.test),
+            tolerance,
+            probe=not turning,
+        )
+        found.append(narrow)
+        first = narrow.ends[1]
+    return _merged(found)
+
+
+def _merged(found: list[Bracket]) -> list[Bracket]:
+    """Brackets that touch are one point.
+
+    Round-off lets the load turn a hair before or after the pivot; and where an eigenvalue touches
+    zero without changing its sign, the pivot may be seen to change twice.
+    """
+    kept: list[Bracket] = []
+    for bracket in found:
+        if kept and _touch(kept[-1], bracket):
+            before = kept.pop()
+            bracket = replace(
+                bracket, at=(before.at[0], bracket.at[1]), ends=(before.ends[0], bracket.ends[1])
+            )
+        kept.append(bracket)
+    return [bracket for bracket in kept if _mark(bracket.ends[0]) != _mark(bracket.ends[1])]
+
+
+def _touch(a: Bracket, b: Bracket) -> bool:
+    width = max(abs(x.at[1] - x.at[0]) for x in (a, b))
+    return abs(b.at[0] - a.at[1]) <= 2.0 * width
+
+
+def _mark(station: Station) -> tuple[int, float]:
+    return station.negative, station.sign
+
+
+def _same(mark: tuple[int, float], station: Station) -> bool:
+    return _mark(station) == mark
+
+
+def _reached(whole: Bracket, found: list[Bracket]) -> float:
+    return found[-1].at[1] if found else whole.at[0]
+
+
+def _rate(arc: Arc) -> Value:
+    return lambda station: station.direction(arc)[1]
+
+
+def bisect(
+    walker: Walker,
+    bracket: Bracket,
+    before: Mark,
+    value: Value,
+    tolerance: float,
+    *,
+    probe: bool = False,
+) -> Bracket:
+    """Narrow a bracket.
+
+    Args:
+        walker: Makes the states between.
+        bracket: Begin with these.
+        before: Whether a state is before the event.
+        value: Zero there; nan where it is not known.
+        tolerance: Of the load factor, relative; distances are found to a thousandth of the step.
+        probe: Whether the value needs the smallest eigenvalue.
+    """
+    (a, b), (first, last) = bracket.at, bracket.ends
+    fa, fb = value(first), value(last)
+    width, size, slow = b - a, abs(b - a), 0
+    for _ in range(_TRIALS):
+        wanted = _wanted(walker, a, b, first, last, size, tolerance)
+        if abs(b - a) <= wanted:
+            break
+        t = 0.5
+        if slow < _SLOW and np.isfinite(fa) and np.isfinite(fb) and fa * fb < 0:
+            # a little beyond the estimate, so that the bracket closes from both sides
+            pad = min(0.5, 0.4 * wanted / abs(b - a))
+            t = fa / (fa - fb)
+            t = float(np.clip(t + (pad if t < 0.5 else -pad), pad, 1.0 - pad))
+        at = a + t * (b - a)
+        near = first if t < 0.5 else last
+        try:
+            station = walker.step(
+                bracket.origin,
+                bracket.control,
+                at,
+                bracket.arc,
+                begin=None if near is bracket.origin else near,
+                probe=probe,
+            )
+        except LostError:
+            if near is bracket.origin or t == 0.5:
+                break
+            slow = _SLOW
+            continue
+        if before(station):
+            a, first, fa = at, station, value(station)
+        else:
+            b, last, fb = at, station, value(station)
+        slow = slow + 1 if abs(b - a) > 0.5 * abs(width) else 0
+        slow = 0 if slow > _SLOW else slow
+        width = b - a
+    return Bracket(bracket.origin, bracket.control, bracket.arc, (a, b), (first, last))
+
+
+def _wanted(
+    walker: Walker,
+    a: float,
+    b: float,
+    first: Station,
+    last: Station,
+    size: float,
+    tolerance: float,
+) -> float:
+    """Width of the bracket that makes the load as exact as wanted."""
+    change = abs(last.factor - first.factor)
+    allowed = tolerance * max(abs(first.factor), abs(last.factor), 1e-3 * walker.load)
+    return min(_WIDTH * size, allowed * abs(b - a) / change if change > 0 else np.inf)

@@ -1,0 +1,306 @@
+"""A run along a path: lengths of steps, what happens within them, and where they end.
+
+Steps are those of the wanted resolution: along the path in the plane of load and displacement, and
+in its bends, where successive tangents keep a small angle. The scale of displacements is the
+largest that the path has seen so far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from math import acos, inf, sqrt
+
+import numpy as np
+
+from fem_lie.results.path import PathState, Station
+from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
+from fem_lie.solve.stability.locate import Bracket, bisect, critical
+from fem_lie.solve.stability.path_step import LostError, Walker
+from fem_lie.system.nodes.element_turns import FoldedElementError
+
+Observer = Callable[[PathState], float]
+
+_SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen
+_BEGIN = 0.25  # of the resolution: the first step
+_TURN = 0.35  # rad: wanted angle between successive tangents
+_SHARP = 1.0  # rad: larger angles are not accepted …
+_CORNER = 1 / 64  # … unless steps are as short as this, over the resolution
+_FLAT = 0.8  # of the smaller rate of the load at the ends of a step: not less between
+_AHEAD = 0.2  # cosine between the tangent and the way of a step: never less
+_SMALLEST = 1e-4  # of the resolution: shorter steps are given up
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where a path ends, as far as it was asked for."""
+
+    until: float | None
+    low: float
+    high: float
+    stop: Observer | None
+    steps: int
+    critical: int | None
+
+
+@dataclass
+class Record:
+    """What has been found."""
+
+    stations: list[Station] = field(default_factory=list)
+    critical: list[tuple[Bracket, int]] = field(default_factory=list)
+    failed_steps: int = 0
+    failed_iterations: int = 0
+    locating: int = 0
+    complete: bool = False
+    reason: str = ""
+
+
+class Pursuit:
+    """One run.
+
+    Attributes:
+        model: What is loaded.
+        attachment: Which node follows which.
+        initial: Frames of all nodes, unloaded, shape (n, 4, 3).
+        info: Bodies and joints.
+        found: What has been found so far.
+    """
+
+    def __init__(
+        self,
+        walker: Walker,
+        ends: Ends,
+        resolution: float,
+        locate: float | None,
+        control: DisplacementControl | LoadControl | None,
+    ) -> None:
+        """Prepare it; the model is unloaded."""
+        self._walker, self.model, self._ends = walker, walker.model, ends
+        self._resolution, self._locate = resolution, locate
+        system = self.model.system
+        self.attachment, self.info = system.numbering.attachment, system.info()
+        self.initial = self.attachment.frames(system.frames).copy()
+        self._places = system.frames[: system.count, 0].copy()
+        self._scale = _SCALE * self.model.diameter
+        self._fixed: Control | None = None
+        self._to = inf
+        if isinstance(control, DisplacementControl):
+            node = system.numbering.node(control.point)
+            gap = np.abs(self._places[node] - control.point.position).max()
+            if gap > 1e-9 * system.length:
+                raise ValueError(
+                    f"displacement control at {control.point.label}, which follows another node "
+                    f"rigidly {gap:g} away: control that one"
+                )
+            self._fixed, self._to = control.along(system.count, node), 1.0
+        elif isinstance(control, LoadControl):
+            self._fixed = Load(walker.load)
+        self.found = Record()
+
+    def follow(self, start: Station | None, backwards: bool) -> None:
+        """Step until an end is reached."""
+        if start is not None and start.places.shape != self._places.shape:
+            raise ValueError(
+                f"start=... must be a state of this scene with {len(self._places)} nodes, got "
+                f"{len(start.places)}"
+            )
+        here = self._begin(start, backwards)
+        found, length = self.found, _BEGIN * self._resolution
+        found.stations.append(here)
+        count = 0
+        while not found.reason:
+            if count == self._ends.steps:
+                found.reason = f"the largest number of steps, {count}, is reached"
+                break
+            arc = self._arc(here)
+            length = min(length, self._room(here))
+            new = self._step(here, arc, length)
+            if new is None:
+                length /= 2
+                if length < _SMALLEST * self._resolution:
+                    found.reason = (
+                        f"steps of {2 * length:.1e} still fail beyond load factor {here.factor:g}"
+                        f"{self._hint(here)}"
+                    )
+                continue
+            count += 1
+            used = length
+            length = min(self._resolution, used * self._growth(here, new, arc))
+            whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
+            here = self._accept(whole)
+            if self._ends.critical is not None and len(found.critical) >= self._ends.critical:
+                found.complete = True
+                found.reason = f"{len(found.critical)} critical points are found"
+
+    def _begin(self, start: Station | None, backwards: bool) -> Station:
+        model, ends = self.model, self._ends
+        if start is None:
+            model.check_start(0.0)
+            first = self._walker.start(0.0, -1.0 if (ends.until or 1.0) < 0 else 1.0)
+        else:
+            model.restore(start.state)
+            model.check_start(start.factor)
+            first = start
+        if self._fixed is not None and not isinstance(self._fixed, Load):
+            first = replace(first, sign=float(np.sign(self._fixed.rate(first.velocity, 1.0))))
+        return replace(first, sign=-first.sign, iterations=0) if backwards else first
+
+    def _hint(self, here: Station) -> str:
+        """What to say of the state beyond which nothing goes."""
+        self.model.restore(here.state)
+        hint = self.model.turn_hint()
+        return f".{hint}" if hint else ""
+
+    def _arc(self, here: Station) -> Arc:
+        """The metric of a step: displacements over the largest so far."""
+        moved = here.places - self._places
+        self._scale = max(self._scale, sqrt(float(np.sum(moved * moved)) / len(moved)))
+        return Arc(self._scale, self._walker.load)
+
+    def _control(self, arc: Arc) -> Control:
+        return arc if self._fixed is None else self._fixed
+
+    def _room(self, here: Station) -> float:
+        """Length that is left to the wanted displacement."""
+        if self._to == inf or self._fixed is None:
+            return inf
+        return self._to - self._fixed.distance(here.places - self._places, 0.0)
+
+    def _step(self, here: Station, arc: Arc, length: float) -> Station | None:
+        """The next state, or ``None`` if there is none or the path bends too much."""
+        try:
+            new = self._walker.step(here, self._control(arc), length, arc)
+        except LostError as error:
+            self.found.failed_steps += 1
+            self.found.failed_iterations += error.iterations + 1
+            return None
+        try:
+            self.model.check_turns(new.factor)
+        except FoldedElementError as error:
+            self.found.reason = f"an element folds: {error}"
+            self.found.failed_iterations += new.iterations
+            return None
+        if self._fixed is None and self._bends(here, new, arc, length):
+            self.found.failed_steps += 1
+            self.found.failed_iterations += new.iterations
+            return None
+        return new
+
+    def _bends(self, here: Station, new: Station, arc: Arc, length: float) -> bool:
+        """Whether a step bends too much; backwards is too much however short it is.
+
+        Where the load is much flatter between the states than at them, it may turn twice unseen.
+        """
+        way = new.places - here.places, new.factor - here.factor
+        ahead = arc.inner(*way, *here.direction(arc)) / arc.norm(*way)
+        short = length <= _CORNER * self._resolution
+        rates = here.direction(arc)[1], new.direction(arc)[1]
+        if rates[0] * rates[1] > 0 and here.negative == new.negative:
+            least = _flattest(rates, way[1] / length) * np.sign(rates[0])
+            if least < _FLAT * min(map(abs, rates)):
+                return True
+        return ahead < _AHEAD or not (short or self._angle(here, new, arc) <= _SHARP)
+
+    def _angle(self, here: Station, new: Station, arc: Arc) -> float:
+        """Between two tangents, or a tangent and the way between the states."""
+        way = new.places - here.places, new.factor - here.factor
+        unit = arc.norm(*way)
+        ends = [here.direction(arc), new.direction(arc)]
+        cosines = [arc.inner(*ends[0], *ends[1])]
+        cosines += [arc.inner(*way, *end) / unit for end in ends]
+        return acos(max(-1.0, min(1.0, min(cosines))))
+
+    def _growth(self, here: Station, new: Station, arc: Arc) -> float:
+        growth = sqrt(self._walker.options.good_iterations / new.iterations)
+        if self._fixed is None:
+            growth = min(growth, _TURN / max(self._angle(here, new, arc), 1e-3))
+        return min(2.0, max(0.5, growth))
+
+    def _accept(self, whole: Bracket) -> Station:
+        """Keep the end of a step, and what happens on the way; or where the path ends in it."""
+        found, before = self.found, self._walker.iterations
+        stations = found.stations
+        whole = self._ended(whole)
+        if self._locate is not None:
+            self._look_between(whole, self._locate)
+        found.locating += self._walker.iterations - before
+        stations.append(whole.ends[1])
+        return stations[-1]
+
+    def _look_between(self, whole: Bracket, tolerance: float) -> None:
+        """Keep the critical points of a step."""
+        found = self.found
+        for bracket in critical(self._walker, whole, tolerance):
+            if bracket.ends[0] is not whole.origin:
+                found.stations.append(replace(bracket.ends[0], iterations=0))
+            found.critical.append((bracket, len(found.stations) - 1))
+
+    def _ended(self, whole: Bracket) -> Bracket:
+        """The part of a step up to the end of the path, if that is in it."""
+        ends, found, (here, new) = self._ends, self.found, whole.ends
+        levels = [(ends.until, True), (ends.low, False), (ends.high, False)]
+        for level, wanted in levels:
+            if level is None or not np.isfinite(level) or here.factor == level:
+                continue
+            if (here.factor - level) * (new.factor - level) <= 0.0:
+                found.complete = wanted
+                found.reason = f"the load factor {level:g} is reached"
+                if not wanted:
+                    found.reason = f"the path leaves the range of load factors at {level:g}"
+                return self._at_level(whole, level)
+        stop = ends.stop
+        if stop is not None and stop(self.observed(new)) > 0.0 >= stop(self.observed(here)):
+            found.complete, found.reason = True, "the wanted state is reached"
+            return bisect(
+                self._walker,
+                whole,
+                lambda station: stop(self.observed(station)) <= 0.0,
+                lambda station: stop(self.observed(station)),
+                1e-9,
+            )
+        if self._to < inf and self._room(new) <= 1e-9:
+            found.complete, found.reason = True, "the wanted displacement is reached"
+        return whole
+
+    def _at_level(self, whole: Bracket, level: float) -> Bracket:
+        """The part of a step up to a load factor."""
+        walker, (here, _) = self._walker, whole.ends
+        side = np.sign(here.factor - level)
+        narrow = bisect(
+            walker,
+            whole,
+            lambda station: np.sign(station.factor - level) == side,
+            lambda station: station.factor - level,
+            1e-3,
+        )
+        near = narrow.ends[1]
+        control, length = Load(walker.load), abs(level - here.factor) / walker.load
+        try:
+            last = walker.step(here, control, length, whole.arc, begin=near)
+        except LostError:
+            last = near
+        else:
+            last = replace(last, factor=level, iterations=near.iterations)
+        return replace(narrow, at=(0.0, narrow.at[1]), ends=(here, last))
+
+    def observed(self, station: Station) -> PathState:
+        """A state as it is shown to functions of the user."""
+        frames = self.attachment.frames(station.state.frames).copy()
+        return PathState(station.factor, frames, self.initial, station.negative, self.info)
+
+
+def _flattest(rates: tuple[float, float], mean: float) -> float:
+    """Least derivative of a cubic, in the sense of its end values, that has these and this mean."""
+    first, last = rates
+    # the derivative is a parabola
+    middle = 1.5 * mean - 0.25 * (first + last)
+    curvature = 2.0 * (first + last) - 4.0 * middle
+    ends = min(first, last, key=abs)
+    if curvature == 0.0:
+        return ends
+    place = (3.0 * first + last - 4.0 * middle) / (2.0 * curvature)
+    if not 0.0 < place < 1.0:
+        return ends
+    value = first + (4.0 * middle - 3.0 * first - last) * place + curvature * place**2
+    return min(value, ends) if first > 0 else max(value, ends)

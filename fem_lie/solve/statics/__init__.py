@@ -1,0 +1,1 @@
+"""Equilibrium: load steps, paths along loads, steady rotation."""

@@ -1,0 +1,334 @@
+"""Load-capped arc length: load control where a structure is stiff, arc length where it is soft.
+
+Unknown are the increment of a step and the load factor λ; a step ends on the wanted load, or at a
+distance Δs from its beginning, whichever comes first::
+
+    min(λ_cap − λ, Δs − |Δu|) = 0            |Δu| = rms of the nodal translations of the step
+
+Elastic statics does not need equilibrium between the wanted loads: those states are left when the
+increments are small against the step, and only the wanted ones are polished. With the stress
+carried as an iterate that takes a dozen linear solutions for shells that bend through half their
+radius.
+
+The elimination of λ is that of Riks (Int. J. Solids Struct. 15 (1979) 529), with the constraint
+linearised at each iterate.
+
+Which way is forward is told by the twists of the last step, in the nodes' own axes: the end of a
+beam that is rolled up goes round in circles, and its displacements of two steps may have any angle,
+while its twist stays what it is. A path that goes down along states it has passed is given up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any, Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array, numbers
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.system.nodes.element_turns import FoldedElementError
+
+_AHEAD = 0.4  # cosine between the twists of two steps: never less
+_AGAINST = 0.9  # cosine between the twists of a step and one backwards
+_KNOWN = 3  # steps in a row along known states
+_NEAR = 0.05  # of the distance from where the path turned
+
+
+class Equilibrium(Protocol):
+    """What a structure offers for the search of its equilibrium; vectors hold its free unknowns.
+
+    Attributes:
+        diameter: Diagonal of the box around the unloaded structure.
+    """
+
+    diameter: float
+
+    def forces(self) -> tuple[Array, Array]:
+        """Internal forces, and external ones at λ = 1, in the present state."""
+        ...
+
+    def factorise(self, factor: float) -> None:
+        """Make the tangent at load factor ``factor``, with the carried stress, ready to solve."""
+        ...
+
+    def solve(self, b: Array) -> Array:
+        """Solve with the last tangent."""
+        ...
+
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the last tangent on what constraints leave free."""
+        ...
+
+    def move(self, dx: Array) -> None:
+        """Carry the stress on by ``dx``, then the state."""
+        ...
+
+    def positions(self) -> Array:
+        """Positions of the nodes, shape (n, 3)."""
+        ...
+
+    def translations(self, dx: Array) -> Array:
+        """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
+        ...
+
+    def twists(self, dx: Array) -> Array:
+        """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
+        ...
+
+    def check_turns(self, factor: float) -> None:
+        """Raise ``FoldedElementError`` if the present state is none of the structure."""
+        ...
+
+    def turn_hint(self) -> str:
+        """What to say of the present state, if that may be why it does not go on."""
+        ...
+
+    def state(self) -> Any:
+        """A copy of the present state."""
+        ...
+
+    def restore(self, state: Any) -> None:
+        """Return to a copied state."""
+        ...
+
+
+@dataclass
+class Path:
+    """What was done.
+
+    Attributes:
+        factors: Load factor of each accepted step.
+        states: State at each wanted load.
+        negative: Negative eigenvalues of the tangent there.
+        iterations: Linear solutions of each accepted step.
+        failed_iterations: Those of steps that were given up.
+        failed_steps: Their number.
+    """
+
+    factors: list[float] = field(default_factory=list)
+    states: list[Any] = field(default_factory=list)
+    negative: list[int] = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
+    failed_iterations: int = 0
+    failed_steps: int = 0
+
+    @property
+    def total_iterations(self) -> int:
+        """Linear solutions in all."""
+        return sum(self.iterations) + self.failed_iterations
+
+
+@dataclass(frozen=True)
+class ArcLength:
+    """Options of the load-capped arc length.
+
+    Attributes:
+        first_step: Length of the first step, rms translation over the model's diameter.
+        tolerance: At a wanted load, largest residual over the largest load, or increment over the
+            length of the step, whichever is reached first.
+        loose: Increment over the length of the step, at which steps between are left.
+        max_iterations: More are a failure of the step.
+        good_iterations: Steps that take more make the next one shorter.
+        smallest_step: Length of a step, as ``first_step``, that is given up.
+    """
+
+    first_step: float = 0.07
+    tolerance: float = 1e-8
+    loose: float = 0.01
+    max_iterations: int = 12
+    good_iterations: int = 5
+    smallest_step: float = 1e-6
+
+    def follow(self, model: Equilibrium, levels: Sequence[float] = (1.0,)) -> Path:
+        """Go from the present state, at λ = 0, through the wanted load factors.
+
+        Args:
+            model: The structure; it is left in the last state.
+            levels: Increasing positive load factors.
+
+        Raises:
+            ValueError: The levels do not increase.
+            ConvergenceError: Steps became too small; its ``result`` is the path so far.
+        """
+        return _Follower(self, model).run(increasing(levels))
+
+
+def increasing(levels: Sequence[float]) -> list[float]:
+    """Load factors at which states are wanted.
+
+    Raises:
+        ValueError: There are none, or they are not positive, finite and increasing.
+        TypeError: They are no numbers.
+    """
+    factors = numbers(levels, "levels")
+    wanted = factors.ndim == 1 and len(factors) > 0 and bool(np.isfinite(factors).all())
+    if not wanted or not (np.diff(factors, prepend=0.0) > 0).all():
+        raise ValueError(f"the load factors must be positive and increase, got {levels}")
+    return [float(factor) for factor in factors]
+
+
+class _Follower:
+    """One run: the present load factor and step length."""
+
+    def __init__(self, options: ArcLength, model: Equilibrium) -> None:
+        self._options, self._model = options, model
+        self._factor, self._length = 0.0, options.first_step * model.diameter
+        self._twist: Array | None = None  # of the last step
+        self._moved: Array
+        self._path, self._folded = Path(), ""
+        self._passed = Passed(model.positions())
+
+    def run(self, levels: Sequence[float]) -> Path:
+        for cap in levels:
+            while self._factor < cap:
+                self._step(cap)
+            self._path.states.append(self._model.state())
+            self._path.negative.append(self._model.negative_pivots())
+        return self._path
+
+    def _step(self, cap: float) -> None:
+        model, options, path = self._model, self._options, self._path
+        before, factor = model.state(), self._factor
+        origin = model.positions()
+        count, done = 0, False
+        try:
+            while not done and count < options.max_iterations:
+                internal, load = model.forces()
+                residual = internal - self._factor * load
+                done = count > 0 and self._balanced(residual, load, cap)
+                if not done:
+                    count += 1
+                    done = self._iterate(residual, load, cap, origin, first=count == 1)
+            if done:
+                model.check_turns(self._factor)
+        except FoldedElementError as error:
+            done, self._folded = False, f" It folds: {error}."
+        except (_Lost, SingularMatrixError):
+            done = False
+        twist = self._twist
+        if done:
+            twist = model.twists(self._moved)
+            # a step has its length at two states and more: one is behind, others on other paths
+            done = self._twist is None or _cosine(twist, self._twist) > _AHEAD
+        if not done or twist is None:
+            model.restore(before)
+            self._factor = factor
+            self._length /= 2
+            path.failed_steps += 1
+            path.failed_iterations += count
+            if self._length < options.smallest_step * model.diameter:
+                raise ConvergenceError(
+                    f"no equilibrium beyond load factor {factor:g}: steps of "
+                    f"{2 * self._length:.1e} still fail.{self._folded or model.turn_hint()}",
+                    path,
+                )
+            return
+        self._folded = ""
+        here = model.positions()
+        self._twist = twist
+        path.factors.append(self._factor)
+        path.iterations.append(count)
+        self._length *= min(2.0, max(0.5, sqrt(options.good_iterations / count)))
+        if self._factor == cap:
+            self._length = min(self._length, 3 * rms(here - origin))
+        if self._passed.again(self._factor, here, twist):
+            raise ConvergenceError(
+                f"the path runs back from load factor {max(path.factors):g} to "
+                f"{self._factor:g}, along states that it has passed",
+                path,
+            )
+
+    def _balanced(self, residual: Array, load: Array, cap: float) -> bool:
+        """Whether the wanted load is reached, and in equilibrium."""
+        bound = self._options.tolerance * cap * float(np.abs(load).max())
+        return self._factor == cap and float(np.abs(residual).max()) <= bound
+
+    def _iterate(
+        self, residual: Array, load: Array, cap: float, origin: Array, first: bool
+    ) -> bool:
+        """One linear solution; whether its increment says that the step has arrived."""
+        model, options = self._model, self._options
+        model.factorise(self._factor)
+        x_r, x_f = -model.solve(residual), model.solve(load)
+        wanted, room = self._change(x_r, x_f, origin, first), cap - self._factor
+        change = min(wanted, room)
+        dx = x_r + change * x_f
+        moved = rms(model.translations(dx))
+        if not np.isfinite(moved) or moved > 4 * self._length:
+            raise _Lost
+        # not by addition: it must be the wanted load to the last digit
+        self._factor = cap if wanted >= room else self._factor + change
+        model.move(dx)
+        self._moved = dx if first else self._moved + dx
+        # residuals of slender structures may have more round-off than the tolerance allows
+        enough = options.tolerance if self._factor == cap else options.loose
+        return not first and moved < enough * self._length
+
+    def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
+        """Change of the load factor that puts the step's end at its length."""
+        model, length = self._model, self._length
+        u_f = model.translations(x_f)
+        if first:
+            forward = self._twist is None or float(np.sum(model.twists(x_f) * self._twist)) >= 0
+            return (1.0 if forward else -1.0) * length / rms(u_f)
+        now = model.positions() - origin
+        distance = rms(now)
+        gradient = now / (distance * len(now))
+        u_r = model.translations(x_r)
+        return float((length - distance - np.sum(gradient * u_r)) / np.sum(gradient * u_f))
+
+
+class Passed:
+    """States that a path has passed, and whether it comes along them once more.
+
+    Beyond a limit point a path goes down, too, and where it snaps back most nodes go back; but it
+    parts from the way up. A step runs back if its end lies on the chord of a step that was made
+    upwards at this load factor, seen from where the path turned, and its twists are against those
+    of that step.
+    """
+
+    def __init__(self, places: Array) -> None:
+        """Begin with positions (n, 3) at load factor 0."""
+        self._factors, self._places = [0.0], [places]
+        self._twists: list[Array] = []
+        self._count = 0
+
+    def again(self, factor: float, places: Array, twist: Array) -> bool:
+        """Keep the end of a step; whether it and the one before ran back."""
+        factors = np.array(self._factors)
+        back = factor < factors[-1] and self._against(factor, places, twist, factors)
+        self._count = self._count + 1 if back else 0
+        self._factors.append(factor)
+        self._places.append(places)
+        self._twists.append(twist)
+        return self._count >= _KNOWN
+
+    def _against(self, factor: float, places: Array, twist: Array, factors: Array) -> bool:
+        """Whether a step to here goes against one that was made upwards."""
+        near = _NEAR * rms(places - self._places[int(factors.argmax())])
+        upwards = (factors[:-1] <= factor) & (factor < factors[1:])
+        for k in np.flatnonzero(upwards):
+            chord = self._places[k + 1] - self._places[k]
+            part = (factor - factors[k]) / (factors[k + 1] - factors[k])
+            beside = rms(self._places[k] + part * chord - places) < near
+            if beside and _cosine(twist, self._twists[k]) < -_AGAINST:
+                return True
+        return False
+
+
+class _Lost(Exception):
+    """The iteration left the neighbourhood of its step."""
+
+
+def _cosine(a: Array, b: Array) -> float:
+    """Of the angle between two vectors of any shape."""
+    return float(np.sum(a * b) / sqrt(float(np.sum(a * a)) * float(np.sum(b * b))))
+
+
+def rms(u: Array) -> float:
+    """Root of the mean square of vectors, shape (n, 3)."""
+    return float(np.sqrt(np.sum(u * u) / len(u)))

@@ -1,0 +1,268 @@
+"""Statics along the path of equilibrium: scenes for the load-capped arc length."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
+from fem_lie.results.equilibrium import PathResult
+from fem_lie.scene.load import StrainLoad
+from fem_lie.scene.rotation import Rotation
+from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.solve.methods import methods_for
+from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
+from fem_lie.solve.statics.load_steps import advance
+from fem_lie.solve.statics.pivots import negative_pivots
+from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
+from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.nodes.sums import load_vector
+from fem_lie.system.system import System
+
+
+def follow_loads(
+    scene: Scene,
+    levels: Sequence[float] = (1.0,),
+    *,
+    arc_length: ArcLength | None = None,
+    petsc_options_prefix: str = "fem_lie_statics_",
+) -> PathResult:
+    """Equilibrium at one or several load factors, by the load-capped arc length.
+
+    All loads, and gravity, grow in proportion to the load factor.
+
+    Args:
+        scene: What there is.
+        levels: Increasing positive load factors.
+        arc_length: Options; see :class:`~fem_lie.solve.statics.arc_length.ArcLength`.
+        petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Raises:
+        ValueError: Bad scene or levels; no load; prescribed motions, strains without stress or
+            loads with a history, which are not in proportion to the load factor.
+        ConvergenceError: Steps became too small; its ``result`` holds the states before.
+    """
+    options = ArcLength() if arc_length is None else arc_length
+    result = followed(scene, levels, options, petsc_options_prefix)
+    warn_if_unstable(result)
+    return result
+
+
+def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str) -> PathResult:
+    """As :func:`follow_loads`, without a word on stability."""
+    check_proportion(scene)
+    levels = increasing(levels)
+    model = SceneEquilibrium(scene, prefix)
+    watch = Stopwatch()
+    try:
+        path = options.follow(model, levels)
+    except ConvergenceError as error:
+        result = _result(model, error.result, levels, watch.seconds)
+        raise ConvergenceError(str(error), result) from None
+    return _result(model, path, levels, watch.seconds)
+
+
+def in_proportion(scene: Scene) -> bool:
+    """Whether all that acts is in proportion to the load factor, and something does."""
+    acts = bool(scene.loads) or bool(scene.gravity.any())
+    return acts and not scene.motions and not _out_of_proportion(scene)
+
+
+def _out_of_proportion(scene: Scene) -> list[str]:
+    """Loads and drives that are functions of time, or strains."""
+    loads = [
+        f"{type(load).__name__} on {load.body.label}"
+        + (" with a history" if load.history is not None else "")
+        for load in scene.loads
+        if load.history is not None or isinstance(load, StrainLoad)
+    ]
+    return loads + [item.label for item in scene.connections if item.history is not None]
+
+
+def check_proportion(scene: Scene) -> None:
+    """Raise ``ValueError`` if something does not grow in proportion to the load factor."""
+    require_scene(scene)
+    if scene.motions:
+        raise ValueError("an arc length has no time for prescribed motions: use load steps")
+    for label in _out_of_proportion(scene):
+        raise ValueError(
+            f"an arc length needs loads in proportion to the load factor, got {label}: use load "
+            "steps"
+        )
+
+
+class _State(NamedTuple):
+    frames: Array
+    multipliers: Array
+    carried: list[Array]
+
+
+class SceneEquilibrium:
+    """:class:`~fem_lie.solve.statics.arc_length.Equilibrium` of a scene.
+
+    Attributes:
+        system: The equations.
+        diameter: See the protocol.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        prefix: str,
+        methods: Callable[[System], Sequence[Method]] = methods_for,
+    ) -> None:
+        """Number the unknowns; the stress is that of the unloaded frames.
+
+        Args:
+            scene: What there is.
+            prefix: Of the linear solver's options.
+            methods: To factorise with; default: what is fastest under growing loads.
+        """
+        self.system = system = System(scene, dynamics=False)
+        self.diameter = system.length
+        self._H, self._multipliers = system.frames.copy(), np.zeros(system.m)
+        self._zero = np.zeros((system.count, 6))
+        self._scale = np.ones(system.m)
+        system.set_time(1.0, 1.0)
+        self._loads = system.loads
+        self._solver = DirectSolver(system.kkt, prefix, methods(system))
+        system.elastic.reset_stress(self._H)
+        self._internal, self._load = np.empty(system.size), np.zeros(system.size)
+        self._forces_known = False
+        self._scratch = np.empty(system.size)
+        self.forces()
+        if not self._load.any():
+            raise ValueError("the arc length needs a load that is not zero on what can move")
+        self._fill(0.0)
+        self._scale[:] = system.tangent.constraint_scale(self._H)
+
+    def forces(self) -> tuple[Array, Array]:
+        """See the protocol."""
+        system, load = self.system, self._load[: 6 * self.system.count].reshape(-1, 6)
+        system.set_time(0.0, 0.0)
+        system.residual(
+            self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
+        )
+        applied = self._loads
+        load_vector(self._H, applied.dead, applied.moment, applied.following, load)
+        system.set_time(1.0, 1.0)
+        load += system.elastic.pressure_forces(self._H)
+        system.supports.turn(self._H, load)
+        load[system.held] = 0.0
+        self._forces_known = True
+        return self._internal.copy(), self._load.copy()
+
+    @property
+    def factorisations(self) -> int:
+        """How many there were."""
+        return self._solver.factorisations
+
+    def factorise(self, factor: float) -> None:
+        """See the protocol."""
+        self._fill(factor)
+        self._solver.factorise()
+
+    def _fill(self, factor: float) -> None:
+        system, zero = self.system, self._zero
+        state = self._H, zero, zero, self._multipliers, self._scale
+        system.set_time(factor, factor)
+        if self._forces_known and not system.pressures:
+            system.applied(*state, self._scratch)
+        else:  # pressure is among the forces of the elements, and grows with the factor
+            system.residual(*state, self._scratch)
+        system.fill_matrix(*state, zero, 0.0, 0.0)
+
+    def solve(self, b: Array) -> Array:
+        """See the protocol."""
+        self._solver.right_hand_side[:] = b
+        self._solver.solve()
+        x, count = self._solver.solution.copy(), self.system.count
+        self.system.supports.turn_back(self._H, x[: 6 * count].reshape(-1, 6))
+        return x
+
+    def negative_pivots(self) -> int:
+        """See the protocol; :func:`~fem_lie.solve.statics.pivots.negative_pivots`."""
+        return negative_pivots(self.system, self._solver)
+
+    def move(self, dx: Array) -> None:
+        """See the protocol."""
+        system = self.system
+        self._forces_known = False
+        system.elastic.carry(self._H, dx[: 6 * system.count])
+        advance(self._H, -dx, system.held, system.uncoupled, system.length)
+        system.carried_drilling.turn(self._H)
+        self._multipliers += self._scale * dx[6 * system.count :]
+
+    def reactions(self, state: _State, factor: float) -> Array:
+        """Of supports in a state that is restored, see :meth:`~.System.reactions`."""
+        self.restore(state)
+        self.system.set_time(factor, factor)
+        return self.system.reactions(self._H, self._zero, self._zero, self._multipliers)
+
+    def positions(self) -> Array:
+        """See the protocol."""
+        return self._H[: self.system.count, 0].copy()
+
+    def translations(self, dx: Array) -> Array:
+        """See the protocol."""
+        count = self.system.count
+        u = dx[: 6 * count].reshape(-1, 6)[:, :3]
+        return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
+
+    def twists(self, dx: Array) -> Array:
+        """See the protocol."""
+        twists = dx[: 6 * self.system.count].reshape(-1, 6).copy()
+        twists[:, 3:] *= self.diameter
+        return twists
+
+    def check_turns(self, factor: float) -> None:
+        """See the protocol."""
+        self.system.check_turns(self._H, f"at load factor {factor:g}")
+
+    def turn_hint(self) -> str:
+        """See the protocol."""
+        return self.system.turn_hint(self._H)
+
+    def state(self) -> _State:
+        """See the protocol; angles of joints are counted on from here."""
+        self.system.connections.accept(self._H)
+        return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
+
+    def restore(self, state: _State) -> None:
+        """See the protocol."""
+        self._forces_known = False
+        self._H[:], self._multipliers[:] = state.frames, state.multipliers
+        self.system.connections.accept(self._H)
+        self.system.elastic.restore(state.carried)
+
+
+def _result(
+    model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
+) -> PathResult:
+    system, reached = model.system, list(levels[: len(path.states)])
+    attachment, counts = system.numbering.attachment, np.cumsum([0, *path.iterations])
+    ends = [0] + [1 + path.factors.index(level) for level in reached]
+    states: list[_State] = path.states
+    frames = [attachment.frames(state.frames).copy() for state in states]
+    forces = [system.joint_forces(state.frames, state.multipliers) for state in states]
+    reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
+    return PathResult(
+        factors=np.array(reached),
+        frames=np.array(frames).reshape(len(states), system.numbering.total, 4, 3),
+        joint_forces=np.array(forces).reshape(len(states), len(system.connections.items), 6),
+        iterations=np.diff(counts[ends]),
+        failed_iterations=path.failed_iterations,
+        info=system.info(),
+        initial=attachment.frames(system.frames).copy(),
+        steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        reactions=np.array(reactions).reshape(len(states), len(system.supported), 6),
+        load_steps=len(path.iterations),
+        failed_steps=path.failed_steps,
+        seconds=seconds,
+        negative_pivots=np.array(path.negative, dtype=np.int64),
+        factorisations=model.factorisations,
+        turned_back=maxima(path.factors),
+    )

@@ -1,0 +1,60 @@
+"""How many negative pivots the tangent of a scene has, of what constraints leave free."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import scipy.sparse as sp
+
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.pivots import inertia, negative_determinant
+from fem_lie.scene.choices import Redundant
+
+if TYPE_CHECKING:
+    from fem_lie.system.system import System
+
+_SOFT = 1e-6  # give of constraints, over that of the stiffest spring
+
+UNKNOWN = -1
+"""Number of negative pivots of a matrix that cannot be factorised."""
+
+
+def negative_pivots(system: System, solver: DirectSolver) -> int:
+    """Negative eigenvalues of the tangent that was factorised last, of what constraints leave free.
+
+    For loads without potential: 1 if their number is odd, 0 if it is even. It is −1 if the matrix
+    cannot be factorised.
+    """
+    redundant = system.m > 0 and system.scene.redundant is not Redundant.REFUSE
+    try:
+        found = None if redundant else solver.negative_pivots()
+        if found is None or not system.has_potential:
+            A = tangent(system)
+            if redundant:
+                A = _softened(A, 6 * system.count)
+            if not system.has_potential:
+                return int(negative_determinant(A) != bool(system.m % 2))
+            found = inertia((0.5 * (A + A.T)).tocsr())[0]
+    except SingularMatrixError:
+        return UNKNOWN
+    return max(0, found - system.m)
+
+
+def tangent(system: System) -> sp.csr_matrix:
+    """The matrix as it is now, in rows and columns of one dimension."""
+    values, columns, pointers = system.kkt.csr
+    A = sp.csr_matrix((values.copy(), columns, pointers), shape=(system.size, system.size))
+    units = sp.diags(system.kkt.units)
+    return (units @ A @ units).tocsr()
+
+
+def _softened(A: sp.csr_matrix, n: int) -> sp.csr_matrix:
+    """With constraints after row ``n`` that give way a little, so that redundant ones count, too.
+
+    The rows have the inertia of springs beside ``K``: as many negative pivots as rows.
+    """
+    stiffest = float(abs(A[:n, :n]).max()) or 1.0
+    rows = A[n:, :n]
+    give = _SOFT / stiffest * rows.multiply(rows).sum(axis=1).A1
+    return sp.bmat([[A[:n, :n], A[:n, n:]], [rows, -sp.diags(give)]], format="csr")

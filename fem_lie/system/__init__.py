@@ -1,0 +1,1 @@
+"""The equations of a scene: residual, matrix and invariants."""

@@ -1,0 +1,92 @@
+"""Supports along axes fixed in space, for nodes whose translations are unknowns of their own.
+
+A node that moves by ``x + R u`` may have ``w = A R u`` as unknowns instead, along the rows of
+``A``; to hold some of them is exact, as the position is linear in them. Such nodes keep the matrix
+positive definite, which constraints with multipliers do not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+
+
+@compiled
+def wrenches(H: Array, local: Array, held: npt.NDArray[np.bool_], nodes: Indices) -> Array:
+    """Forces and moments of what is held, in global components, shape (s, 6).
+
+    Args:
+        H: Frames.
+        local: Forces and moments in their axes, (n, 6).
+        held: Which of them are reactions, (n, 6).
+        nodes: At these nodes, (s,).
+    """
+    found = np.zeros((len(nodes), 6))
+    for row, i in enumerate(nodes):
+        for k in range(6):
+            if held[i, k]:
+                for j in range(3):
+                    found[row, 3 * (k // 3) + j] += H[i, 1 + k % 3, j] * local[i, k]
+    return found
+
+
+class Supports:
+    """Changes between the local unknowns of supported nodes and those along fixed axes.
+
+    Attributes:
+        nodes: Supported nodes, shape (k,).
+    """
+
+    def __init__(
+        self, axes: Array, indptr: Indices, indices: Indices, constrained: Indices
+    ) -> None:
+        """Find the blocks of the nodes.
+
+        Args:
+            axes: Rows ``A`` for all nodes, nan where unknowns are local, shape (n, 3, 3).
+            indptr: Rows of the pattern of node pairs, with ``indices``.
+            indices: See there.
+            constrained: Node of each leg of the constraints.
+        """
+        self.nodes: Indices = np.flatnonzero(np.isfinite(axes[:, 0, 0]))
+        self._axes = axes[self.nodes]
+        number = np.full(len(axes), -1)
+        number[self.nodes] = np.arange(len(self.nodes))
+        rows = number[np.repeat(np.arange(len(axes)), np.diff(indptr))]
+        columns = number[indices]
+        self._rows, self._columns = np.flatnonzero(rows >= 0), np.flatnonzero(columns >= 0)
+        self._row_of, self._column_of = rows[self._rows], columns[self._columns]
+        of_nodes = number[constrained]
+        self._border: Indices = np.flatnonzero(of_nodes >= 0)
+        self._border_of = of_nodes[self._border]
+
+    def __bool__(self) -> bool:
+        """Whether any node is supported so."""
+        return len(self.nodes) > 0
+
+    def turn(self, H: Array, r: Array) -> None:
+        """From local components to those along the axes: translations of ``r``, (n, 6)."""
+        r[self.nodes, :3] = np.einsum("kij,kj->ki", self._matrices(H), r[self.nodes, :3])
+
+    def turn_back(self, H: Array, d: Array) -> None:
+        """The other way round."""
+        d[self.nodes, :3] = np.einsum("kji,kj->ki", self._matrices(H), d[self.nodes, :3])
+
+    def turn_blocks(self, H: Array, blocks: Array) -> None:
+        """Rows and columns of the matrix, blocks (nnz, 6, 6)."""
+        Q = self._matrices(H)
+        rows, columns = self._rows, self._columns
+        blocks[rows, :3] = Q[self._row_of] @ blocks[rows, :3]
+        blocks[columns, :, :3] = blocks[columns, :, :3] @ Q[self._column_of].transpose(0, 2, 1)
+
+    def turn_border(self, H: Array, rows: Array) -> None:
+        """Legs of constraints, shape (legs, 6)."""
+        Q = self._matrices(H)[self._border_of]
+        rows[self._border, :3] = np.einsum("kij,kj->ki", Q, rows[self._border, :3])
+
+    def _matrices(self, H: Array) -> Array:
+        """``A R`` of the supported nodes, shape (k, 3, 3)."""
+        return self._axes @ H[self.nodes, 1:].transpose(0, 2, 1)

@@ -1,0 +1,70 @@
+"""Inertia of a scene and its damping, on the nodes that lead: constant, put together once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.rigid import RigidBody
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.numbering import Numbering
+
+
+def inertia_of(
+    bodies: Iterable[Body], numbering: Numbering, *, required: bool
+) -> tuple[Inertia, Inertia | None]:
+    """Matrices of (x, d₁, d₂, d₃) of the leaders: of inertia, and of damping that goes with it.
+
+    Args:
+        bodies: Of the scene.
+        numbering: Of their nodes.
+        required: Whether elements without inertia are an error; otherwise they weigh nothing.
+
+    Returns:
+        The second is ``None`` if no body has such damping.
+
+    Raises:
+        ValueError: Elements lack inertia.
+    """
+    rows: list[Indices] = [np.empty(0, dtype=np.int64)]
+    columns: list[Indices] = [np.empty(0, dtype=np.int64)]
+    mass: list[Array] = [np.empty((0, 4, 4))]
+    damping: list[Array] = [np.empty((0, 4, 4))]
+    for where, assembly in numbering.assemblies:
+        if assembly.inertia is not None:
+            r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
+            rows.append(where.start + r)
+            columns.append(where.start + assembly.indices)
+            mass.append(assembly.inertia.mass)
+            given = assembly.inertia.damping
+            damping.append(np.zeros_like(mass[-1]) if given is None else given)
+        elif required:
+            raise ValueError(
+                "dynamics and gravity need the inertia of all sections: "
+                "Section.from_stiffness(..., mass=..., rotary=...)"
+            )
+    for body in bodies:
+        if isinstance(body, RigidBody):
+            rows.append(numbering.nodes[body])
+            columns.append(numbering.nodes[body])
+            mass.append(body.gram[np.newaxis])
+            damping.append(np.zeros((1, 4, 4)))
+    r, c, D = np.concatenate(rows), np.concatenate(columns), np.concatenate(damping)
+    inertia = _on_leaders(numbering, r, c, np.concatenate(mass))
+    return inertia, _on_leaders(numbering, r, c, D) if D.any() else None
+
+
+def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> Inertia:
+    """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of leaders, sorted."""
+    attachment, count = numbering.attachment, numbering.count
+    if not attachment.trivial:
+        W = attachment.linear()
+        blocks = W[r].transpose(0, 2, 1) @ blocks @ W[c]
+        r, c = attachment.leader[r], attachment.leader[c]
+    key, place = np.unique(r * count + c, return_inverse=True)
+    G = np.zeros((len(key), 4, 4))
+    np.add.at(G, place, blocks)
+    return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)

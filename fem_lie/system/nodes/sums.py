@@ -1,0 +1,278 @@
+"""Compiled sums over the nodes of a scene: inertia, loads, and the blocks of the matrix."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, linked
+from fem_lie.forms.cell_forms import add_cells
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
+from fem_lie.forms.frames import pull, pull_derivative, push
+from fem_lie.joints.equations import terms
+from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.lie.motions import tangent, turn
+from fem_lie.system.nodes import inertia
+
+if TYPE_CHECKING:
+    from fem_lie.system.nodes.inertia import Inertia
+
+
+class Loads(NamedTuple):
+    """Nodal loads at one time.
+
+    Attributes:
+        dead: Force on (x, d₁, d₂, d₃) fixed in space, gravity included, shape (n, 4, 3).
+        moment: Moment fixed in space, shape (n, 3).
+        following: Force and moment in the nodes' frames, shape (n, 6).
+    """
+
+    dead: Array
+    moment: Array
+    following: Array
+
+
+@compiled
+def _add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
+    """``r −= loads``: global moments (n, 3) and local forces and moments (n, 6)."""
+    for i in range(moment.shape[0]):
+        for a in range(3):
+            for j in range(3):
+                r[6 * i + 3 + a] -= H[i, 1 + a, j] * moment[i, j]
+            r[6 * i + a] -= following[i, a]
+            r[6 * i + 3 + a] -= following[i, 3 + a]
+
+
+@compiled
+def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) -> None:
+    """``K −= ∂(local components of global moments)/∂h``: ``(Rᵀm)^``."""
+    for i in range(moment.shape[0]):
+        block = K[diagonal[i]]
+        n0 = n1 = n2 = 0.0
+        for j in range(3):
+            n0 += H[i, 1, j] * moment[i, j]
+            n1 += H[i, 2, j] * moment[i, j]
+            n2 += H[i, 3, j] * moment[i, j]
+        block[3, 4] += n2
+        block[3, 5] -= n1
+        block[4, 3] -= n2
+        block[4, 5] += n0
+        block[5, 3] += n1
+        block[5, 4] -= n0
+
+
+@compiled
+def rigid_residual(
+    H: Array,
+    v: Array,
+    a: Array,
+    mass: tuple[Any, ...],
+    loads: tuple[Any, ...],
+    joints: PackedJoints,
+    weights: Array,
+    scale: Array,
+    work: Array,
+    r: Array,
+) -> None:
+    """``r = Lᵀ (G q̈ − dead) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
+
+    The records come as plain tuples and the joints packed: cheaper to call so from Python.
+    """
+    indptr, indices, blocks = mass
+    dead, moment, following = loads
+    count = dead.shape[0]
+    r[:] = 0.0
+    inertia.accelerations(H, v[:count], a[:count], work[0])
+    inertia.multiply(indptr, indices, blocks, work[0], work[1])
+    for i in range(count):
+        for k in range(4):
+            for j in range(3):
+                work[1, i, k, j] -= dead[i, k, j]
+    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
+    _add_moments(H, moment, following, r)
+    terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
+
+
+@linked
+def residual(
+    H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array, table: Indices
+) -> None:
+    """:func:`rigid_residual`, and forces of elements.
+
+    Args:
+        H: See there, and so on.
+        v: See there.
+        a: See there.
+        weights: See there.
+        scale: See there.
+        r: See there.
+        table: Of fixed arrays: inertia, loads, joints, work, and a
+            :class:`~fem_lie.forms.cell_forms.FormTable`.
+    """
+    mass = integers1(table, 0), integers1(table, 1), numbers3(table, 2)
+    loads = numbers3(table, 3), numbers2(table, 4), numbers2(table, 5)
+    joints = numbers1(table, 6), integers1(table, 7)
+    rigid_residual(H, v, a, mass, loads, joints, weights, scale, numbers4(table, 8), r)
+    add_cells(H, (integers2(table, 9), integers1(table, 10)), 6, r)
+
+
+@compiled
+def load_potential(H: Array, dead: Array) -> float:
+    """Potential of gravity and of forces fixed in space, ``−Σ dead · q``."""
+    energy = 0.0
+    for i in range(dead.shape[0]):
+        for j in range(3):
+            for k in range(4):
+                energy -= dead[i, k, j] * H[i, k, j]
+    return energy
+
+
+@compiled
+def report_rates(
+    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+) -> float:
+    """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
+
+    ``qdot``: rates of (x, d₁, d₂, d₃), (n, 4, 3).
+    """
+    indptr, indices, blocks = mass
+    values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
+    for k in range(7):
+        invariants[k] = values[k]
+    return load_potential(H, dead)
+
+
+@compiled
+def report(
+    H: Array, v: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+) -> float:
+    """:func:`report_rates` of twists ``v``; ``work`` (2, n, 4, 3)."""
+    push(H, v[: dead.shape[0]], work[0])
+    return report_rates(H, work[0], mass, dead, work[1:], invariants)
+
+
+@compiled
+def add_mass_damping(
+    H: Array, v: Array, D: tuple[Any, ...], work: Array, f: Array, r: Array
+) -> None:
+    """``f += D q̇``, ``r += Lᵀ D q̇`` with the block-sparse matrix ``D``; ``work`` (2, n, 4, 3)."""
+    indptr, indices, blocks = D
+    count = f.shape[0]
+    push(H, v[:count], work[0])
+    inertia.multiply(indptr, indices, blocks, work[0], work[1])
+    f += work[1]
+    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
+
+
+@compiled
+def rigid_tangent(
+    H: Array,
+    v: Array,
+    a: Array,
+    kinds: Indices,
+    mass: Inertia,
+    place: Indices,
+    f: Array,
+    moment: Array,
+    diagonal: Indices,
+    factors: tuple[float, float],
+    A: Array,
+    K: Array,
+) -> None:
+    """Derivatives of :func:`rigid_residual`.
+
+    ``f = G q̈ − dead`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
+    """
+    count = moment.shape[0]
+    # at rest, as statics is, inertia has no part
+    if factors[0] != 0.0 or factors[1] != 0.0 or v.any() or a.any():
+        inertia.tangents(
+            H,
+            v[:count],
+            a[:count],
+            kinds,
+            mass.indptr,
+            mass.indices,
+            mass.blocks,
+            place,
+            factors[0],
+            factors[1],
+            A,
+            K,
+        )
+    for i in range(count):
+        pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
+    _add_moment_stiffness(H, moment, diagonal, K)
+
+
+@compiled
+def load_vector(H: Array, dead: Array, moment: Array, following: Array, r: Array) -> None:
+    """``r = Lᵀ dead + loads`` on the moving nodes, shape (n, 6)."""
+    r[:] = 0.0
+    _add_moments(H, moment, following, r.reshape(-1))
+    r *= -1.0
+    pull(H, dead, 1.0, r)
+
+
+@compiled
+def add_blocks(target: Array, place: Indices, blocks: Array) -> None:
+    """``target[place] += blocks``."""
+    for b in range(place.shape[0]):
+        for k in range(6):
+            for n in range(6):
+                target[place[b], k, n] += blocks[b, k, n]
+
+
+@compiled
+def combine(A: Array, K: Array, kinds: Indices, d: Array, bind: Indices) -> None:
+    """``A ← A + K T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+    count = d.shape[0]
+    T, product = np.empty((count, 6, 6)), np.empty((6, 6))
+    for i in range(count):
+        tangent(kinds[i], d[i], T[i])
+    for b in range(bind.shape[0]):
+        _multiply(K[b], T[bind[b]], product)
+        for k in range(6):
+            for n in range(6):
+                A[b, k, n] += product[k, n]
+
+
+@compiled
+def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
+    """``rows ← rows T(d)`` for those of constraints at ``nodes``, shape (legs, 6)."""
+    T, row = np.empty((6, 6)), np.empty(6)
+    for leg in range(rows.shape[0]):
+        tangent(kinds[nodes[leg]], d[nodes[leg]], T)
+        for n in range(6):
+            row[n] = 0.0
+            for k in range(6):
+                row[n] += rows[leg, k] * T[k, n]
+        rows[leg] = row
+
+
+@compiled
+def to_inertial(
+    A: Array, columns: Array, rows: Array, H: Array, nodes: Indices, indptr: Indices, bind: Indices
+) -> None:
+    """Blocks ``R_i A_ij R_jᵀ`` and border ``b_j R_jᵀ``: global components at frames ``H``."""
+    for i in range(indptr.shape[0] - 1):
+        for b in range(indptr[i], indptr[i + 1]):
+            j = bind[b]
+            for n in range(6):
+                turn(H[i], A[b, :, n])
+            for k in range(6):
+                turn(H[j], A[b, k])
+    for leg in range(rows.shape[0]):
+        turn(H[nodes[leg]], columns[leg])
+        turn(H[nodes[leg]], rows[leg])
+
+
+@compiled
+def _multiply(A: Array, B: Array, out: Array) -> None:
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
+            for k in range(6):
+                out[i, j] += A[i, k] * B[k, j]

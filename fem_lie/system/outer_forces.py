@@ -1,0 +1,208 @@
+"""What acts on a scene at one time: power, loss by damping, and forces from outside, compiled.
+
+Of each it is the sum over all nodes, with moments about the origin: one row
+``(power, loss, loads (6), reactions (6))``, in the order of :mod:`fem_lie.results.balances`. What
+acts between the bodies of the scene has no resultant and is not looked at.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined, linked
+from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
+from fem_lie.forms.frames import push
+from fem_lie.joints.equations import terms
+from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
+from fem_lie.lie.wrenches import add_dead, add_wrench
+from fem_lie.results.balances import BY_LOADS
+from fem_lie.system.nodes import inertia
+
+POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
+"""Where they begin in a row, and how long that is."""
+
+
+@inlined
+def _turned(H: Array, local: Vector) -> Vector:
+    return rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), local)
+
+
+@compiled
+def add_local(H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
+    """Add forces and moments in the frames ``H`` (n, 6), times ``sign``, to ``out`` at ``at``."""
+    for i in range(forces.shape[0]):
+        f = scaled(sign, _turned(H[i], load(forces[i], 0)))
+        m = scaled(sign, _turned(H[i], load(forces[i], 3)))
+        add_wrench(out, at, load_row(H[i], 0), f, m)
+
+
+@compiled
+def add_loads(
+    H: Array,
+    v: Array,
+    loads: tuple[Any, ...],
+    conservative: Array,
+    work: Array,
+    out: Array,
+) -> None:
+    """Add nodal loads; those in ``conservative`` (n, 4, 3) have a potential and no power here.
+
+    Args:
+        H: Frames, shape (≥ n, 4, 3).
+        v: Twists, shape (≥ n, 6).
+        loads: See :class:`~fem_lie.system.nodes.sums.Loads`.
+        conservative: Part of the dead loads.
+        work: Shape (≥ 1, n, 4, 3).
+        out: Shape (14,), updated.
+    """
+    dead, moment, following = loads
+    n = dead.shape[0]
+    push(H, v[:n], work[0])
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                out[POWER] += (dead[i, k, j] - conservative[i, k, j]) * work[0, i, k, j]
+        add_dead(out, LOADS, 1.0, H[i], dead[i])
+        spin, m = _turned(H[i], load(v[i], 3)), load(moment[i], 0)
+        out[POWER] += dot(spin, m)
+        for j in range(6):
+            out[POWER] += following[i, j] * v[i, j]
+        f = _turned(H[i], load(following[i], 0))
+        m = plus(m, _turned(H[i], load(following[i], 3)))
+        add_wrench(out, LOADS, load_row(H[i], 0), f, m)
+
+
+@compiled
+def add_mass_damping(H: Array, v: Array, D: tuple[Any, ...], work: Array, out: Array) -> None:
+    """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
+    n = work.shape[1]
+    push(H, v[:n], work[0])
+    inertia.multiply(D[0], D[1], D[2], work[0], work[1])
+    for i in range(n):
+        for k in range(4):
+            out[LOSS] += dot(load_row(work[0, i], k), load_row(work[1, i], k))
+        add_dead(out, LOADS, -1.0, H[i], work[1, i])
+
+
+@compiled
+def joint_reactions(
+    H: Array, v: Array, joints: PackedJoints, weights: Array, scale: Array, r: Array
+) -> float:
+    """Forces on all rows of ``H``, those that do not move by themselves, too; loss in dampers.
+
+    Args:
+        H: Frames of all rows.
+        v: Twists of the nodes that move.
+        joints: The joints.
+        weights: Their multipliers.
+        scale: Any numbers, shape (≥ m,).
+        r: Shape (≥ 6 rows + m,), overwritten.
+    """
+    r[:] = 0.0
+    table = joint_table(joints)
+    terms.evaluate(H, v, table, weights, scale, H.shape[0], r)
+    return terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
+
+
+@compiled
+def look(
+    H: Array, v: Array, weights: Array, scene: tuple[Any, ...], row: Array, wrenches: Array
+) -> None:
+    """See what nodal loads, damping that goes with mass, and joints do.
+
+    Args:
+        H: Frames of all rows.
+        v: Twists, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        scene: See :class:`~fem_lie.system.acting.Acting`.
+        row: Shape (14,), overwritten.
+        wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
+            overwritten.
+    """
+    loads, conservative, damping, joints, loaded, joined = scene
+    n, rows = loads[0].shape[0], H.shape[0]
+    work = np.empty((2, n, 4, 3))
+    row[:], wrenches[:] = 0.0, 0.0
+    if loaded:
+        add_loads(H, v, loads, conservative, work, row)
+    if damping[0].shape[0] > 0:
+        add_mass_damping(H, v, damping, work, row)
+    if joined:
+        r = np.empty(6 * rows + weights.shape[0])
+        row[LOSS] += joint_reactions(H, v, joints, weights, weights, r)
+        for i in range(n, rows):
+            for k in range(6):
+                wrenches[i - n, k] = r[6 * i + k]
+        add_local(H[n:], wrenches, REACTIONS, 1.0, row)
+
+
+@compiled
+def sum_up(
+    h: float,
+    end: tuple[Array, Array, Array, Array],
+    row: Array,
+    wrenches: Array,
+    start: tuple[Any, ...],
+    total: Array,
+) -> None:
+    """Book a step between two looks, and make its end the start of the next.
+
+    Args:
+        h: Size of the step.
+        end: Frames, twists, multipliers and targets of the constraints at its end.
+        row: What acts there, see :func:`look`.
+        wrenches: See there.
+        start: See :class:`~fem_lie.solve.alpha.books.Seen`, overwritten.
+        total: See :class:`~fem_lie.solve.alpha.books.Books`, updated.
+    """
+    H, v, weights, targets = end
+    old_row, old_wrenches, old_H, old_v, old_weights, old_targets = start
+    for k in range(SIZE):
+        total[k if k < LOADS else k + BY_LOADS - LOADS] += 0.5 * h * (old_row[k] + row[k])
+    for c in range(targets.shape[0]):
+        total[POWER] -= 0.5 * (old_weights[c] + weights[c]) * (targets[c] - old_targets[c])
+    moved, first = np.empty(6), H.shape[0] - wrenches.shape[0]
+    for p in range(1, wrenches.shape[0]):
+        lie.relative(old_H[first + p], H[first + p], moved)
+        for k in range(6):
+            total[POWER] += 0.5 * (old_wrenches[p, k] + wrenches[p, k]) * moved[k]
+    old_row[:], old_wrenches[:] = row, wrenches
+    old_H[:], old_v[:] = H, v
+    old_weights[:], old_targets[:] = weights, targets
+
+
+@linked
+def look_and_sum_up(
+    h: float,
+    end: tuple[Array, Array, Array, Array],
+    loaded: bool,
+    joined: bool,
+    table: Indices,
+) -> None:
+    """:func:`look` at the end of a step, and :func:`sum_up`.
+
+    Args:
+        h: See :func:`sum_up`.
+        end: See there.
+        loaded: Whether loads are looked at.
+        joined: Whether joints are.
+        table: Of fixed arrays: loads, those with a potential, damping that goes with mass, joints,
+            then what ``sum_up`` calls ``start`` and ``total``.
+    """
+    loads = numbers3(table, 0), numbers2(table, 1), numbers2(table, 2)
+    damping = integers1(table, 4), integers1(table, 5), numbers3(table, 6)
+    joints = numbers1(table, 7), integers1(table, 8)
+    scene = loads, numbers3(table, 3), damping, joints, loaded, joined
+    before, moving = (
+        (numbers1(table, 9), numbers2(table, 10)),
+        (numbers3(table, 11), numbers2(table, 12)),
+    )
+    start = before[0], before[1], moving[0], moving[1], numbers1(table, 13), numbers1(table, 14)
+    row, wrenches = np.empty(SIZE), np.empty_like(before[1])
+    look(end[0], end[1], end[2], scene, row, wrenches)
+    sum_up(h, end, row, wrenches, start, numbers1(table, 15))
