@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
@@ -12,7 +12,14 @@ from fem_lie._arrays import Array, Indices
 
 if TYPE_CHECKING:
     from fem_lie.bodies.body import Body, Point
-    from fem_lie.joints import Connection
+
+
+class Labelled(Protocol):
+    """A joint, or what else of the scene is called by its label."""
+
+    @property
+    def label(self) -> str:
+        """How errors and results call it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +130,7 @@ class SceneInfo:
         """
         return _named(self.bodies, name, "body")
 
-    def joint(self, joint: Connection | str) -> int:
+    def joint(self, joint: Labelled | str) -> int:
         """Number of the joint with this name, or of this joint of the scene.
 
         Raises:
@@ -132,7 +139,7 @@ class SceneInfo:
         name = joint if isinstance(joint, str) else joint.label
         return self.joints.index(_named(self.joints, name, "joint"))
 
-    def coordinate(self, joint: Connection | str, name: str | None) -> int:
+    def coordinate(self, joint: Labelled | str, name: str | None) -> int:
         """Number of a joint's relative coordinate; its only or first one if there is no name.
 
         Raises:
