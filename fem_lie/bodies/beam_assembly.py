@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from mpi4py import MPI
 
@@ -13,12 +13,9 @@ import numpy.typing as npt
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices, number, numbers
-from fem_lie.elements.beams.element import CellData, cellwise
+from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
-
-if TYPE_CHECKING:
-    from fem_lie.bodies.beam import Beam
 
 
 @dataclass(frozen=True)
@@ -58,10 +55,23 @@ class Damping:
         return np.asarray(stiffness * np.outer(root, root))
 
 
+class BeamData(Protocol):
+    """What the assembly asks of a beam, see :class:`~fem_lie.Beam`."""
+
+    frames: Array
+    elements: Indices
+    lengths: Array
+    stiffness: Array
+    density: Array
+    formulation: Formulation
+    damping: Damping
+    has_mass: bool
+
+
 class BeamAssembly(Assembly):
     """All beams of one formulation, on one line mesh."""
 
-    def __init__(self, bodies: Sequence[Beam]) -> None:
+    def __init__(self, bodies: Sequence[BeamData]) -> None:
         """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
         formulation = bodies[0].formulation
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])

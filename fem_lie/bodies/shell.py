@@ -17,7 +17,6 @@ from fem_lie.bodies.shell_supports import SupportedSurface
 from fem_lie.bodies.turning import Turning
 from fem_lie.elements.shells.drilling import Parameters, drilling_stiffness
 from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
-from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import KINK_ANGLE, SurfaceMesh
@@ -194,9 +193,12 @@ class Shell(SupportedSurface):
             )
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> Assembly:
+    def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> ShellAssembly:
         """See the base class."""
-        return ShellAssembly(bodies, holds)
+        if not bodies[0].drills(holds.get(bodies[0], ())):
+            return ShellAssembly(bodies)
+        each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
+        return ShellAssembly(bodies, np.concatenate(each))
 
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).

@@ -3,25 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from dolfinx import fem
 
 from fem_lie import _compat
-from fem_lie._arrays import Array
-from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie._arrays import Array, Indices
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.drilling import DrillingAssembly
+from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.motions import add_turnings
-
-if TYPE_CHECKING:
-    from fem_lie.bodies.shell import Shell
+from fem_lie.mesh.surfaces import SurfaceMesh
 
 _FIVE = 5
 _LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
+
+
+class ShellData(Protocol):
+    """What the assembly asks of a shell, see :class:`~fem_lie.Shell`."""
+
+    frames: Array
+    mesh: SurfaceMesh
+    connectivity: Indices
+    stiffness: Array
+    axes: Array
+    formulation: ShellFormulation
+    has_mass: bool
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
 
 
 class ShellAssembly(Assembly):
@@ -32,8 +45,13 @@ class ShellAssembly(Assembly):
         stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
     """
 
-    def __init__(self, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> None:
-        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+    def __init__(self, bodies: Sequence[ShellData], drilling: Array | None = None) -> None:
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart.
+
+        Args:
+            bodies: Shells of one formulation and kind of cell.
+            drilling: Drilling stiffness γ of all their cells, shape (m,); default: five parameters.
+        """
         first = bodies[0]
         starts = np.cumsum([0] + [len(body.frames) for body in bodies])
         frames = np.concatenate([body.frames for body in bodies])
@@ -60,9 +78,7 @@ class ShellAssembly(Assembly):
         self.summed_alone = False
         self.settles = forms.local is not None and not plain
         self._drilling: DrillingAssembly | None = None
-        if first.drills(holds.get(first, ())):
-            each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
-            gamma = np.concatenate(each)[permutation]
+        if drilling is not None:
             self._drilling = DrillingAssembly(
                 nodal.frames.copy(),
                 nodal.function.function_space.dofmap.list,
@@ -70,7 +86,7 @@ class ShellAssembly(Assembly):
                 degree,
                 measures.quadrature_degree,
                 axes,
-                gamma,
+                drilling[permutation],
                 (self.indptr, self.indices),
             )
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))

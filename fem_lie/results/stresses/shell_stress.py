@@ -13,7 +13,6 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import vector
 from fem_lie.bodies.shell import Shell
-from fem_lie.bodies.shell_assembly import ShellAssembly
 from fem_lie.results.stresses.nodal_values import (
     CellPoints,
     SharedValues,
@@ -33,7 +32,7 @@ class ShellStress:
     """Resultants at the points of integration, in the axes of the sections."""
 
     def __init__(self, shell: Shell) -> None:
-        self._assembly = ShellAssembly([shell])
+        self._assembly = Shell.assemble([shell])
         rule = integration(shell)[0]
         self._expression = fem.Expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
