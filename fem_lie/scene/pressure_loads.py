@@ -91,7 +91,7 @@ class SurfacePressure(Load):
     def __post_init__(self) -> None:
         """See the base class."""
         super().__post_init__()
-        require_shell(self)
+        require_shell(self, self.shell)
 
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or the shell has no such cells."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -13,10 +12,7 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.body import Body, vector
 from fem_lie.bodies.shell import Shell
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import History, NodalLoad
-
-if TYPE_CHECKING:
-    from fem_lie.scene.pressure_loads import SurfacePressure
+from fem_lie.scene.load import History, Load, NodalLoad
 
 Field = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
 """Three components, or a function of the unloaded place, shape (3,), that gives them."""
@@ -48,7 +44,7 @@ class EdgeLoad(NodalLoad):
     def __post_init__(self) -> None:
         """See the base class."""
         super().__post_init__()
-        require_shell(self)
+        require_shell(self, self.shell)
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
@@ -110,7 +106,7 @@ class SurfaceLoad(NodalLoad):
     def __post_init__(self) -> None:
         """See the base class."""
         super().__post_init__()
-        require_shell(self)
+        require_shell(self, self.shell)
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
@@ -209,9 +205,9 @@ class MassLoad(SurfaceLoad):
         return values
 
 
-def require_shell(load: EdgeLoad | SurfaceLoad | SurfacePressure) -> None:
+def require_shell(load: Load, shell: object) -> None:
     """Raise ``TypeError`` if what carries a load is no shell."""
-    instance(load.shell, Shell, f"{type(load).__name__}: shell", "a Shell")
+    instance(shell, Shell, f"{type(load).__name__}: shell", "a Shell")
 
 
 def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:
