@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from fem_lie._arrays import Array
-from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.sections.warping import Warping
+from fem_lie._arrays import Array, Indices
+from fem_lie.sections.mesh import SectionMesh
+from fem_lie.sections.properties import SectionProperties
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +18,20 @@ if TYPE_CHECKING:
 _CHORDS = 5  # points of a curved edge
 
 
-def picture(warping: Warping, path: str | os.PathLike[str] | None = None) -> Figure:
+_GREEN = "#009E73"  # of Okabe & Ito's colours, told apart by everyone
+
+
+class Warped(Protocol):
+    """A section and its warping function, see :class:`~fem_lie.Warping`."""
+
+    mesh: SectionMesh
+    properties: SectionProperties
+    points: Array
+    triangles: Indices
+    function: Array
+
+
+def picture(warping: Warped, path: str | os.PathLike[str] | None = None) -> Figure:
     """A figure of its own, written to a file if one is given."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -31,7 +44,7 @@ def picture(warping: Warping, path: str | os.PathLike[str] | None = None) -> Fig
     return figure
 
 
-def draw(warping: Warping, axes: Axes) -> None:
+def draw(warping: Warped, axes: Axes) -> None:
     """Draw into given axes: e₂ to the right, e₃ upwards, seen against e₁."""
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import ScalarFormatter
@@ -60,7 +73,7 @@ def draw(warping: Warping, axes: Axes) -> None:
     axes.plot(
         *properties.shear_centre,
         "X",
-        color=COLOURS[2],
+        color=_GREEN,
         markeredgecolor="w",
         markersize=9,
         label="shear centre",
@@ -75,7 +88,7 @@ def draw(warping: Warping, axes: Axes) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=3, frameon=False)
 
 
-def _names(axes: Axes, warping: Warping) -> None:
+def _names(axes: Axes, warping: Warped) -> None:
     """The name of each region, to the right of its upper right cell."""
     mesh = warping.mesh
     middles = mesh.points[mesh.cells].mean(axis=1)
