@@ -1,4 +1,4 @@
-"""Diagrams of results over time. Works without a display and leaves pyplot's state alone."""
+"""Diagrams of what is known over time. Works without a display and leaves pyplot's state alone."""
 
 from __future__ import annotations
 
@@ -15,93 +15,111 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_lie._arrays import Array
-    from fem_lie.bodies.body import Point
     from fem_lie.pictures.units import Units
-    from fem_lie.results.equilibrium import StaticResult
-    from fem_lie.results.history import Result
 
 # Okabe & Ito's colours, told apart by everyone
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
 def energies(
-    result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    times: Array,
+    kinetic: Array,
+    elastic: Array,
+    potential: Array,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
 ) -> Figure:
-    """Energies, and below them the change of their sum, over time.
+    """Energies (T,), and below them the change of their sum, over time.
 
     An elastic energy that is too small to be seen beside the others has a diagram of its own.
     """
-    total = result.total_energy
-    small = 0.0 < np.ptp(result.elastic) < 0.05 * np.abs(total).max()
+    parts = {"kinetic": kinetic, "elastic": elastic, "potential": potential}
+    total = kinetic + elastic + potential
+    small = 0.0 < np.ptp(elastic) < 0.05 * np.abs(total).max()
     figure, axes = figure_of_rows(3 if small else 2, "Energy", units)
-    for colour, name in zip(COLOURS, ("kinetic", "elastic", "potential"), strict=False):
-        if np.any(getattr(result, name)):
-            axes[0].plot(result.times, getattr(result, name), color=colour, label=name)
-    axes[0].plot(result.times, total, color="black", linestyle="--", label="total")
+    for colour, (name, values) in zip(COLOURS, parts.items(), strict=False):
+        if np.any(values):
+            axes[0].plot(times, values, color=colour, label=name)
+    axes[0].plot(times, total, color="black", linestyle="--", label="total")
     axes[0].set_ylabel(f"energy [{units.energy}]")
     _legend(axes[0])
     if small:
-        axes[1].plot(result.times, result.elastic, color=COLOURS[1])
+        axes[1].plot(times, elastic, color=COLOURS[1])
         axes[1].set_ylabel(f"elastic [{units.energy}]")
-    axes[-1].plot(result.times, total - total[0], color="black")
+    axes[-1].plot(times, total - total[0], color="black")
     axes[-1].set_ylabel(f"total − start [{units.energy}]")
     return saved(figure, path)
 
 
 def momenta(
-    result: Result, path: str | os.PathLike[str] | None = None, *, units: Units = SI
+    times: Array,
+    momentum: Array,
+    angular_momentum: Array,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
 ) -> Figure:
-    """Components of momentum and angular momentum over time."""
+    """Components of momentum and angular momentum, shape (T, 3), over time."""
     figure, (above, below) = figure_of_rows(2, "Momentum", units)
-    _components(above, result.times, result.momentum, "p")
+    _components(above, times, momentum, "p")
     above.set_ylabel(f"momentum [{units.momentum}]")
-    _components(below, result.times, result.angular_momentum, "L")
+    _components(below, times, angular_momentum, "L")
     below.set_ylabel(f"angular momentum\nabout the origin [{units.angular_momentum}]")
     return saved(figure, path)
 
 
 def positions(
-    result: Result,
-    points: Sequence[Point | str | int],
+    times: Array,
+    points: Sequence[tuple[str, Array]],
     path: str | os.PathLike[str] | None = None,
     *,
     units: Units = SI,
 ) -> Figure:
     """Components of the positions of points over time, one diagram for each point.
 
+    Args:
+        times: Shape (T,).
+        points: Label and positions, shape (T, 3), of each point.
+        path: Name of the file if it is to be saved.
+        units: For the axes.
+
     Raises:
-        ValueError: No point is given, or there is no such point.
+        ValueError: No point is given.
     """
     if not points:
         raise ValueError("give at least one point whose position is to be plotted")
     figure, axes = figure_of_rows(len(points), "Position", units)
-    for ax, point in zip(axes, points, strict=True):
-        _components(ax, result.times, result.position(point), "")
-        label = point if isinstance(point, str) else getattr(point, "label", f"node {point}")
+    for ax, (label, places) in zip(axes, points, strict=True):
+        _components(ax, times, places, "")
         ax.set_ylabel(f"{label} [{units.length}]")
     return saved(figure, path)
 
 
 def displacements(
-    result: StaticResult,
-    points: Sequence[Point | str],
+    factors: Array,
+    points: Sequence[tuple[str, Array]],
     path: str | os.PathLike[str] | None = None,
     *,
     units: Units = SI,
 ) -> Figure:
     """Components of the displacements of points over the load factor, one diagram for each point.
 
+    Args:
+        factors: Shape (k,); the unloaded state is drawn before them.
+        points: Label and displacements, shape (k, 3), of each point.
+        path: Name of the file if it is to be saved.
+        units: For the axes.
+
     Raises:
-        ValueError: No point is given, or there is no such point.
+        ValueError: No point is given.
     """
     if not points:
         raise ValueError("give at least one point whose displacement is to be plotted")
     figure, axes = figure_of_rows(len(points), "Displacement", units)
-    factors = np.concatenate([[0.0], result.factors])
-    for ax, point in zip(axes, points, strict=True):
-        moved = result.position(point) - result.initial[result.info.node(point), 0]
+    factors = np.concatenate([[0.0], factors])
+    for ax, (label, moved) in zip(axes, points, strict=True):
         _components(ax, factors, np.vstack([np.zeros(3), moved]), "u", marker="o")
-        label = point if isinstance(point, str) else point.label
         ax.set_ylabel(f"{label} [{units.length}]")
     axes[-1].set_xlabel("load factor")
     return saved(figure, path)

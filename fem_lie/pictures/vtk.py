@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -16,8 +16,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
-    from fem_lie.results.stresses.section_forces import SectionForces
-    from fem_lie.results.stresses.shell_resultants import Resultants
+    from fem_lie.bodies.beam import Beam
 
 # type of cell, and its nodes in VTK's order
 _VTK_CELLS = {
@@ -28,13 +27,40 @@ _VTK_CELLS = {
 }
 
 
+class ForcesInBeam(Protocol):
+    """What is known in the middle of each element, see :func:`fem_lie.section_forces`."""
+
+    @property
+    def beam(self) -> Beam:
+        """The beam, with m elements."""
+
+    @property
+    def times(self) -> Array:
+        """Shape (T,)."""
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the six."""
+
+    @property
+    def middle(self) -> Array:
+        """Shape (T, m, 6)."""
+
+
+class Writable(Protocol):
+    """What writes itself, see :func:`fem_lie.resultants`."""
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write a ``.vtu`` file."""
+
+
 def write_series(
     path: str | os.PathLike[str],
     info: SceneInfo,
     times: Array,
     frames: Array,
     velocities: Array | None = None,
-    forces: Sequence[SectionForces] = (),
+    forces: Sequence[ForcesInBeam] = (),
 ) -> None:
     """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
 
@@ -75,7 +101,7 @@ def write_series(
 
 
 def write_resultants(
-    path: str | os.PathLike[str], series: Sequence[Resultants], times: npt.ArrayLike
+    path: str | os.PathLike[str], series: Sequence[Writable], times: npt.ArrayLike
 ) -> None:
     """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
 
@@ -97,7 +123,7 @@ def write_resultants(
 
 
 def _forces_in_cells(
-    info: SceneInfo, times: Array, forces: Sequence[SectionForces]
+    info: SceneInfo, times: Array, forces: Sequence[ForcesInBeam]
 ) -> dict[str, Array]:
     """Section forces of all cells in VTK's order, each of shape (T, cells)."""
     if not forces:
@@ -119,28 +145,38 @@ def _forces_in_cells(
     return {name: values[..., i] for i, name in enumerate(found.components)}
 
 
-def write_section_forces(path: str | os.PathLike[str], found: SectionForces) -> None:
+def write_elements(
+    path: str | os.PathLike[str],
+    times: Array,
+    places: Array,
+    at_ends: Mapping[str, Array],
+    in_middle: Mapping[str, Array],
+) -> None:
     """Write a series of lines with values at their ends and in their middles.
 
-    See :meth:`fem_lie.results.stresses.section_forces.SectionForces.write_vtk`.
+    Args:
+        path: Name of the ``.pvd`` file.
+        times: Times or load factors, shape (T,).
+        places: Of the ends of each line, shape (T, m, 2, 3).
+        at_ends: Numbers or vectors there, shape (T, m, 2) or (T, m, 2, 3).
+        in_middle: Numbers, shape (T, m).
 
     Raises:
         ValueError: The name does not end in ``.pvd``.
     """
     import pyvista
 
-    target, names = _series(path, len(found.times), ".vtp")
-    ends = found.beam.elements[:, :2]
-    lines = np.insert(np.arange(ends.size).reshape(-1, 2), 0, 2, axis=1)
+    target, names = _series(path, len(times), ".vtp")
+    count = 2 * places.shape[1]
+    lines = np.insert(np.arange(count).reshape(-1, 2), 0, 2, axis=1)
     for k, name in enumerate(names):
-        data = pyvista.PolyData(found.frames[k, ends.ravel(), 0], lines=lines.ravel())
-        for i, component in enumerate(found.components):
-            data.point_data[component] = found.ends[k, ..., i].ravel()
-            data.cell_data[component] = found.middle[k, :, i]
-        data.point_data["force"] = found.cut_forces[k].reshape(-1, 3)
-        data.point_data["moment"] = found.cut_moments[k].reshape(-1, 3)
+        data = pyvista.PolyData(places[k].reshape(-1, 3), lines=lines.ravel())
+        for what, values in at_ends.items():
+            data.point_data[what] = values[k].reshape(count, *values.shape[3:])
+        for what, values in in_middle.items():
+            data.cell_data[what] = values[k]
         data.save(target.parent / name)
-    _write_collection(target, names, found.times)
+    _write_collection(target, names, times)
 
 
 def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:

@@ -104,7 +104,14 @@ class StaticResult:
         """Displacements of points over the load factor; saved if there is a path."""
         from fem_lie.pictures.diagrams import displacements
 
-        return displacements(self, points, path, units=units)
+        moved = [
+            (
+                point if isinstance(point, str) else point.label,
+                self.position(point) - self.initial[self.info.node(point), 0],
+            )
+            for point in points
+        ]
+        return displacements(self.factors, moved, path, units=units)
 
     def picture(
         self,

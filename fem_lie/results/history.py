@@ -272,7 +272,7 @@ class Result:
         """Energies and the change of their sum over time; saved if there is a path."""
         from fem_lie.pictures.diagrams import energies
 
-        return energies(self, path, units=units)
+        return energies(self.times, self.kinetic, self.elastic, self.potential, path, units=units)
 
     def plot_momentum(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
@@ -280,7 +280,7 @@ class Result:
         """Momentum and angular momentum over time; saved if there is a path."""
         from fem_lie.pictures.diagrams import momenta
 
-        return momenta(self, path, units=units)
+        return momenta(self.times, self.momentum, self.angular_momentum, path, units=units)
 
     def plot(
         self,
@@ -291,7 +291,8 @@ class Result:
         """Positions of points over time; saved if there is a path."""
         from fem_lie.pictures.diagrams import positions
 
-        return positions(self, points, path, units=units)
+        places = [(_label(point), self.position(point)) for point in points]
+        return positions(self.times, places, path, units=units)
 
     def picture(
         self,
@@ -362,3 +363,8 @@ class Result:
 
     def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
         return [self.position(point) for point in points]
+
+
+def _label(point: Point | str | int) -> str:
+    """Of a point in diagrams."""
+    return point if isinstance(point, str) else str(getattr(point, "label", f"node {point}"))

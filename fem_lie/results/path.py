@@ -23,6 +23,8 @@ from fem_lie.solve.stability.controls import Arc
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from fem_lie.pictures.path_diagram import PathCurve
+
 
 class Critical(Enum):
     """Kinds of critical points.
@@ -267,10 +269,24 @@ class EquilibriumPath(StaticResult):
 
         chosen = self._values(values)
         name = label or (values if isinstance(values, str) else "")
-        paths = [(self, chosen), *((other, other._values(v)) for other, v in others)]
+        paths = [self._curve(chosen), *(other._curve(other._values(v)) for other, v in others)]
+        rows = sorted({0, *(point.index for point in self.critical), len(self) - 1})
         return plot_paths(
-            paths, path, (name, load_label), load, reference=reference, shape=shape, units=units
+            paths,
+            path,
+            (name, load_label),
+            load,
+            reference=reference,
+            states=(self.info, self.frames[rows]) if shape else None,
+            units=units,
         )
+
+    def _curve(self, values: Array) -> PathCurve:
+        """The path in a diagram of ``values`` (k,)."""
+        from fem_lie.pictures.path_diagram import PathCurve
+
+        critical = [(point.index, point.factor, point.kind.value) for point in self.critical]
+        return PathCurve(values, self.factors, self.negative_pivots, critical)
 
     def animate(
         self,

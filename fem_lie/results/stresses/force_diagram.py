@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_lie._arrays import Array
+from fem_lie.bodies.beam import Beam
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.units import Units
 from fem_lie.results.stresses.beam_quantities import unit
@@ -15,32 +17,35 @@ from fem_lie.results.stresses.beam_quantities import unit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem_lie.results.stresses.section_forces import SectionForces
 
 _PALEST = 0.25
 _HEIGHT = 1.5  # of a diagram, inches
 
 
 def diagrams(
-    found: SectionForces,
-    names: Sequence[str],
+    beam: Beam,
+    quantities: Sequence[tuple[str, Array]],
     steps: Sequence[int],
-    smooth: bool,
     path: str | os.PathLike[str] | None,
     units: Units,
 ) -> Figure:
     """One diagram for each quantity, one line for each smooth piece of the beam and each state.
 
-    Pieces of a beam with kinks or branches are drawn one after the other. For the arguments see
-    :meth:`fem_lie.results.stresses.section_forces.SectionForces.plot`.
+    Pieces of a beam with kinks or branches are drawn one after the other.
+
+    Args:
+        beam: The beam; m elements.
+        quantities: Name and values at both ends of each element, shape (T, m, 2), of each.
+        steps: Which of the T states, the later the darker.
+        path: Name of the picture; saved if there is one.
+        units: For the labels.
     """
-    figure, axes = figure_of_rows(len(names), f"Section forces of {found.beam.label}", units)
-    figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(names))
-    chains = found.beam.chains
+    figure, axes = figure_of_rows(len(quantities), f"Section forces of {beam.label}", units)
+    figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(quantities))
+    chains = beam.chains
     pieces = np.split(chains.order, chains.first[1:])
     strengths = np.linspace(_PALEST, 1.0, len(steps)) if len(steps) > 1 else [1.0]
-    for ax, name in zip(axes, names, strict=True):
-        values = (found.smooth if smooth else found.raw)(name)
+    for ax, (name, values) in zip(axes, quantities, strict=True):
         ax.axhline(0.0, color="#777777", linewidth=0.8)
         start = 0.0
         for number, cells in enumerate(pieces):

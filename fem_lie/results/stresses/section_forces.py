@@ -260,7 +260,9 @@ class SectionForces:
         """
         from fem_lie.results.stresses.force_diagram import diagrams
 
-        return diagrams(self, names or COMPONENTS, steps, smooth, path, units)
+        values = self.smooth if smooth else self.raw
+        found = [(name, values(name)) for name in names or COMPONENTS]
+        return diagrams(self.beam, found, steps, path, units)
 
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each state.
@@ -274,6 +276,10 @@ class SectionForces:
         Raises:
             ValueError: The name does not end in ``.pvd``.
         """
-        from fem_lie.pictures.vtk import write_section_forces
+        from fem_lie.pictures.vtk import write_elements
 
-        write_section_forces(path, self)
+        at_ends = {name: self.ends[..., i] for i, name in enumerate(self.components)}
+        at_ends |= {"force": self.cut_forces, "moment": self.cut_moments}
+        in_middle = {name: self.middle[..., i] for i, name in enumerate(self.components)}
+        places = self.frames[:, self.beam.elements[:, :2], 0]
+        write_elements(path, self.times, places, at_ends, in_middle)
