@@ -3,26 +3,42 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.history import Result
 from fem_lie.results.rows import write_all
 from fem_lie.results.steps import StepHistory
 
 _FORMAT, _VERSION = "fem_lie results", 8
-_NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
-_OTHERS = (*_NUMBERS, "info", "steps")
-_ARRAYS = tuple(f.name for f in fields(Result) if f.name not in _OTHERS)
+NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
+"""What a result says of the work, the last in seconds."""
+
 _INVARIANTS = {"kinetic": 0, "momentum": slice(1, 4), "angular_momentum": slice(4, 7)}
 
 
-def write(result: Result, path: str | os.PathLike[str]) -> None:
+class Stored(NamedTuple):
+    """What is in a file.
+
+    Attributes:
+        arrays: By their names in :class:`~fem_lie.Result`, one row for each time.
+        numbers: Those of :data:`NUMBERS`.
+        info: Bodies and joints.
+        steps: The steps that were made, if they changed.
+    """
+
+    arrays: dict[str, Array]
+    numbers: dict[str, float]
+    info: SceneInfo
+    steps: StepHistory | None
+
+
+def write(path: str | os.PathLike[str], result: Stored) -> None:
     """Write a file that appears under its name only when it is whole."""
     import h5py
 
@@ -30,10 +46,10 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
     # made in memory: a library that cannot write to a full disk ends the process
     with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
         file.attrs.update({"format": _FORMAT, "version": _VERSION})
-        for name in _ARRAYS:
-            file[name] = getattr(result, name)
-        for name in _NUMBERS:
-            file.attrs[name] = getattr(result, name)
+        for name, values in result.arrays.items():
+            file[name] = values
+        for name in NUMBERS:
+            file.attrs[name] = result.numbers[name]
         if result.steps is not None:
             for field in fields(StepHistory):
                 file[f"steps/{field.name}"] = getattr(result.steps, field.name)
@@ -68,7 +84,7 @@ def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], r
     try:
         with h5py.File(unfinished, "w") as file:
             file.attrs.update({"format": _FORMAT, "version": _VERSION})
-            for name in _NUMBERS:
+            for name in NUMBERS:
                 file.attrs[name] = 0.0
             properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
             properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
@@ -88,7 +104,7 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
     import h5py
 
     with h5py.File(path, "r+") as file:
-        for name in _NUMBERS:
+        for name in NUMBERS:
             file.attrs.modify(name, float(numbers[name]))
 
 
@@ -102,8 +118,11 @@ def _write_info(file: Any, info: SceneInfo) -> None:
         file[f"supports/{field.name}"] = getattr(info.supports, field.name)
 
 
-def read(path: str | os.PathLike[str]) -> Result:
-    """Read what :func:`write` wrote; see :meth:`fem_lie.results.history.Result.load` for errors."""
+def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
+    """Read arrays of these names, and all else that :func:`write` wrote.
+
+    For errors see :meth:`fem_lie.Result.load`.
+    """
     import h5py
 
     source = Path(path)
@@ -114,7 +133,7 @@ def read(path: str | os.PathLike[str]) -> Result:
     try:
         with h5py.File(source, "r") as file:
             _check_format(file, source)
-            return _read(file)
+            return _read(file, names)
     except (OSError, KeyError) as error:
         raise ValueError(f"{str(source)!r} is damaged: {error}") from error
 
@@ -128,29 +147,24 @@ def _check_format(file: Any, source: Path) -> None:
         )
 
 
-def _read(file: Any) -> Result:
+def _read(file: Any, names: Sequence[str]) -> Stored:
     steps = None
     if "steps" in file:
         steps = StepHistory(**{f.name: file[f"steps/{f.name}"][()] for f in fields(StepHistory)})
     rows = slice(int(file["rows"][0]) if "rows" in file else None)
-    arrays = {name: file[name][rows] for name in _ARRAYS if name in file}
+    arrays = {name: file[name][rows] for name in names if name in file}
     if "invariants" in file:
         invariants = file["invariants"][rows]
         arrays |= {name: invariants[:, part] for name, part in _INVARIANTS.items()}
-    return Result(
-        **arrays,
-        steps=steps,
-        factorisations=int(file.attrs["factorisations"]),
-        k_updates=int(file.attrs["k_updates"]),
-        phi_updates=int(file.attrs["phi_updates"]),
-        seconds=float(file.attrs["seconds"]),
-        info=SceneInfo(
-            tuple(_read_body(group) for group in _groups(file, "bodies")),
-            tuple(_read_joint(group) for group in _groups(file, "joints")),
-            float(file.attrs["mass"]),
-            SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
-        ),
+    *counts, seconds = NUMBERS
+    numbers: dict[str, float] = {name: int(file.attrs[name]) for name in counts}
+    info = SceneInfo(
+        tuple(_read_body(group) for group in _groups(file, "bodies")),
+        tuple(_read_joint(group) for group in _groups(file, "joints")),
+        float(file.attrs["mass"]),
+        SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
     )
+    return Stored(arrays, numbers | {seconds: float(file.attrs[seconds])}, info, steps)
 
 
 def _groups(file: Any, name: str) -> list[Any]:

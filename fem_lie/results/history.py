@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,9 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results import balances
+from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.reactions import Support, reaction
+from fem_lie.results.resampling import resampled
 from fem_lie.results.steps import StepHistory
 
 if TYPE_CHECKING:
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
     from fem_lie.bodies.body import Point
     from fem_lie.joints import Connection
-    from fem_lie.results.stresses.section_forces import SectionForces
+    from fem_lie.pictures.vtk import ForcesInBeam
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,9 +226,9 @@ class Result:
         Raises:
             ValueError: Times that are not within.
         """
-        from fem_lie.results.resampling import resampled
-
-        return resampled(self, times)
+        rows = {name: getattr(self, name) for name in _ARRAYS}
+        changed: dict[str, Any] = dict(resampled(rows, times))
+        return replace(self, **changed)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to an HDF5 file; an old file is replaced only when the new is whole.
@@ -234,9 +236,8 @@ class Result:
         Raises:
             OSError: It cannot be written, as on a full disk; the message names it.
         """
-        from fem_lie.results.file import write
-
-        write(self, path)
+        arrays, numbers = ({n: getattr(self, n) for n in names} for names in (_ARRAYS, NUMBERS))
+        write(path, Stored(arrays, numbers, self.info, self.steps))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -246,12 +247,12 @@ class Result:
             FileNotFoundError: There is no such file.
             ValueError: It is not a file of results, or one of another version.
         """
-        from fem_lie.results.file import read
-
-        return read(path)
+        found = read(path, _ARRAYS)
+        values: dict[str, Any] = {**found.arrays, **found.numbers}
+        return cls(**values, info=found.info, steps=found.steps)
 
     def write_vtk(
-        self, path: str | os.PathLike[str], *, forces: Sequence[SectionForces] = ()
+        self, path: str | os.PathLike[str], *, forces: Sequence[ForcesInBeam] = ()
     ) -> None:
         """Write a time series for ParaView.
 
@@ -363,6 +364,11 @@ class Result:
 
     def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
         return [self.position(point) for point in points]
+
+
+_ARRAYS = tuple(
+    field.name for field in fields(Result) if field.name not in (*NUMBERS, "info", "steps")
+)
 
 
 def _label(point: Point | str | int) -> str:

@@ -8,15 +8,12 @@ velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any other to
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.results.history import Result
 
 _OTHERWISE = ("times", "frames", "velocities", "iterations")
 
@@ -24,10 +21,10 @@ _SAME = 1e-9
 """Part of an interval within which two times are the same."""
 
 
-def resampled(result: Result, times: npt.ArrayLike) -> Result:
-    """See :meth:`fem_lie.results.history.Result.resampled`."""
+def resampled(rows: Mapping[str, Array], times: npt.ArrayLike) -> dict[str, Array]:
+    """:func:`between` at times that are checked; see :meth:`fem_lie.Result.resampled`."""
     at: Array = np.asarray(times, dtype=np.float64).reshape(-1)
-    kept = result.times
+    kept = rows["times"]
     if len(kept) < 2 or not len(at):
         raise ValueError(f"wanted times between two that were kept, got {len(at)} and {len(kept)}")
     slack = _SAME * (kept[-1] - kept[0])
@@ -35,10 +32,7 @@ def resampled(result: Result, times: npt.ArrayLike) -> Result:
         raise ValueError(
             f"times must be within [{kept[0]:g}, {kept[-1]:g}], got {at.min():g} … {at.max():g}"
         )
-    rows = {field.name: getattr(result, field.name) for field in fields(result)}
-    arrays = {name: values for name, values in rows.items() if isinstance(values, np.ndarray)}
-    changed: dict[str, Any] = between(arrays, at)
-    return replace(result, **changed)
+    return between(rows, at)
 
 
 def between(rows: Mapping[str, Array], at: Array) -> dict[str, Array]:
