@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,6 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.buckling import check_displaces, chosen, moved_along, shown
 from fem_lie.results.equilibrium import StaticResult
-from fem_lie.solve.stability.controls import Arc
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -324,6 +323,13 @@ class EquilibriumPath(StaticResult):
         return given
 
 
+class Metric(Protocol):
+    """How long a way along a path is."""
+
+    def norm(self, u: Array, d: float, /) -> float:
+        """Of displacements (n, 3) and a change of the load factor."""
+
+
 @dataclass(frozen=True, eq=False)
 class Station:
     """A polished state on a path, with what the next step needs.
@@ -350,7 +356,7 @@ class Station:
     iterations: int
     test: float = np.nan
 
-    def direction(self, arc: Arc) -> tuple[Array, float]:
+    def direction(self, metric: Metric) -> tuple[Array, float]:
         """Unit tangent of the path: displacements and load factor."""
-        scale = self.sign / arc.norm(self.velocity, 1.0)
+        scale = self.sign / metric.norm(self.velocity, 1.0)
         return scale * self.velocity, scale
