@@ -10,7 +10,7 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from fem_lie.results.history import Result
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, amplitudes, histories
 from fem_lie.scene.scene import Scene
+from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step import free_body
 from fem_lie.solve.alpha.step import node as scheme
 from fem_lie.solve.motion.convergence import failure
@@ -31,9 +32,6 @@ from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.system import refuse_ranks
-
-if TYPE_CHECKING:
-    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
@@ -119,7 +117,7 @@ class Run:
 
     def __init__(
         self,
-        options: GeneralisedAlpha,
+        options: Options,
         scene: Scene,
         step: float,
     ) -> None:
@@ -200,7 +198,7 @@ class Run:
         free_body.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
     def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
-        """All steps; see :meth:`GeneralisedAlpha.run`."""
+        """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
         info = SceneInfo(self.numbering.bodies(), (), float(self.bodies.mass.sum()))
         history = History(info, steps, self.p.h, saving, progress)
         self.start()

@@ -13,17 +13,15 @@ SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from fem_lie._arrays import choice, number
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.results.history import Result
 from fem_lie.scene.scene import Scene
 from fem_lie.solve.alpha import free_bodies, variable
-from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
-from fem_lie.solve.motion.integrator import Integrator, check_kinds
-from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.system import System
@@ -32,7 +30,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class GeneralisedAlpha(Integrator):
+class GeneralisedAlpha(Options, Integrator):
     """Options of the scheme; :meth:`run` integrates.
 
     Scenes of rigid bodies alone, without joints, clamps and motions, need no matrix of the scene:
@@ -49,31 +47,6 @@ class GeneralisedAlpha(Integrator):
         index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
-
-    radius: float = 0.8
-    tolerance: float = 2e-8
-    policy: Policy = field(default_factory=Automatic)
-    max_iterations: int = 30
-    parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
-    components: Components = Components.LOCAL
-    index: Index = Index.THREE
-    petsc_options_prefix: str = "fem_lie_dynamics_"
-
-    def __post_init__(self) -> None:
-        """Check the options."""
-        check_kinds(self.tolerance, self.max_iterations, self.policy)
-        number(self.radius, "radius")
-        if not 0.0 <= self.radius <= 1.0:
-            raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
-        # plain numbers are welcome
-        choice(self.parametrisation, Parametrisation, "parametrisation")
-        choice(self.components, Components, "components")
-        choice(self.index, Index, "index")
-        if not self.tolerance > 0 or self.max_iterations < 1:
-            raise ValueError(
-                "wanted tolerance > 0 and max_iterations ≥ 1, got "
-                f"{self.tolerance}, {self.max_iterations}"
-            )
 
     def _system(self, scene: Scene) -> System:
         return System(scene, dynamics=True, parametrisation=self.parametrisation)

@@ -1,8 +1,14 @@
-"""Choices of the time integration."""
+"""Options of generalised-α."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from enum import IntEnum
+
+from fem_lie._arrays import choice, number
+from fem_lie.lie.motions import Parametrisation
+from fem_lie.solve.motion.integrator import check_kinds
+from fem_lie.solve.motion.policies import Automatic, Policy
 
 
 class Components(IntEnum):
@@ -26,3 +32,33 @@ class Index(IntEnum):
 
     THREE = 3
     STABILISED_TWO = 2
+
+
+@dataclass(frozen=True)
+class Options:
+    """Those of :class:`~fem_lie.GeneralisedAlpha`, which says what they are."""
+
+    radius: float = 0.8
+    tolerance: float = 2e-8
+    policy: Policy = field(default_factory=Automatic)
+    max_iterations: int = 30
+    parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
+    components: Components = Components.LOCAL
+    index: Index = Index.THREE
+    petsc_options_prefix: str = "fem_lie_dynamics_"
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
+        number(self.radius, "radius")
+        if not 0.0 <= self.radius <= 1.0:
+            raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+        # plain numbers are welcome
+        choice(self.parametrisation, Parametrisation, "parametrisation")
+        choice(self.components, Components, "components")
+        choice(self.index, Index, "index")
+        if not self.tolerance > 0 or self.max_iterations < 1:
+            raise ValueError(
+                "wanted tolerance > 0 and max_iterations ≥ 1, got "
+                f"{self.tolerance}, {self.max_iterations}"
+            )

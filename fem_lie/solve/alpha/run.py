@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.history import Result
 from fem_lie.solve.alpha.books import Books
-from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.alpha.options import Components, Index, Options
 from fem_lie.solve.alpha.projection import project
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
@@ -42,9 +42,6 @@ from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.system import System
 
-if TYPE_CHECKING:
-    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
-
 _log = logging.getLogger(__name__)
 
 _STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
@@ -65,7 +62,7 @@ class Run(Integration[Recorder]):
     _refreshes: ClassVar[bool] = True
     """Whether the border of the kept matrix may be made anew by itself."""
 
-    def __init__(self, options: GeneralisedAlpha, system: System, step: float) -> None:
+    def __init__(self, options: Options, system: System, step: float) -> None:
         """Allocate everything; nothing is computed yet.
 
         Args:

@@ -16,7 +16,7 @@ sequence are rejected, accelerations are made consistent anew, as at the start.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.linear.levels import KeptFactors
 from fem_lie.results.history import Result
+from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
@@ -44,9 +45,6 @@ from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.system import System
 
-if TYPE_CHECKING:
-    from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
-
 ORDER = 2
 
 ITERATION = 0.01
@@ -57,14 +55,14 @@ SWEEPS = 3
 
 
 def run(
-    options: GeneralisedAlpha,
+    options: Options,
     system: System,
     duration: float,
     choice: StepChoice,
     saving: Saving,
     progress: bool | None,
 ) -> Result:
-    """Integrate with the steps of ``choice``; see :meth:`GeneralisedAlpha.run`."""
+    """Integrate with the steps of ``choice``; see :meth:`fem_lie.GeneralisedAlpha.run`."""
     control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
     recorder = GrowingRecorder(system, duration, saving, progress)
     stepper, finer = AlphaSteps(options, system, control), None
@@ -89,7 +87,7 @@ class AlphaSteps(Run):
     # factors are kept whole
     _refreshes = False
 
-    def __init__(self, options: GeneralisedAlpha, system: System, control: Control) -> None:
+    def __init__(self, options: Options, system: System, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""
         super().__init__(options, system, control.size)
         self.control = control
