@@ -60,7 +60,7 @@ def test_a_sweep_gives_to_the_last_bit_what_new_scenes_give(solution):
     solve = SOLUTIONS[solution]
     base, two, _ = beams()
     swept = [solve(base.with_loads(*loads(two, k))) for k in (0.1, 1.0, 0.2)]
-    assert base._shared.made == 1
+    assert base.family.setup.made == 1
     for k, result in zip((0.1, 1.0, 0.2), swept, strict=True):
         scene, two, _ = beams()
         for load in loads(two, k):
@@ -81,7 +81,7 @@ def test_shells_forget_the_load_before(formulation):
             scene, own = shells(formulation=formulation)
             scene.add(fl.PointLoad(own.node(-1), (0, 0, f)))
             same(result, solve(scene))
-    assert base._shared.made == 1
+    assert base.family.setup.made == 1
 
 
 def test_a_moment_makes_a_shell_drill_in_its_own_scene_only():
@@ -90,7 +90,7 @@ def test_a_moment_makes_a_shell_drill_in_its_own_scene_only():
     pushed = base.with_loads(fl.PointLoad(plate.node(-1), (0, 0, 1e-3)))
     assert turned.drills(plate) and not pushed.drills(plate)
     results = [fl.statics(scene) for scene in (turned, pushed, turned)]
-    assert base._shared.made == 3
+    assert base.family.setup.made == 3
     same(results[2], results[0])
     scene, own = shells()
     scene.add(fl.PointLoad(own.node(-1), (0, 0, 1e-3)))
@@ -105,7 +105,7 @@ def test_drives_change_alone():
         scene = base.with_drives({drive: lambda t, rate=rate: rate * t * t})
         result = scheme.run(scene, duration=0.02, step=1e-3)
         assert result.coordinate(drive)[-1] == pytest.approx(rate * 4e-4, abs=1e-9)
-    assert base._shared.made == 1 and drive.function(1.0) == 1.0
+    assert base.family.setup.made == 1 and drive.function(1.0) == 1.0
     new, two, other = beams()
     new.add(fl.PointLoad(two.end, (0.1, 0, 0)))
     new.connections[new.connections.index(other)] = fl.Drive(
@@ -121,7 +121,7 @@ def test_bodies_that_change_are_set_up_anew():
     first = fl.GeneralisedAlpha().run(base.with_loads(), duration=2e-3, step=1e-3)
     bar.move((0.0, 0.0, 0.3))
     second = fl.GeneralisedAlpha().run(base.with_loads(), duration=2e-3, step=1e-3)
-    assert base._shared.made == 2
+    assert base.family.setup.made == 2
     assert np.abs(first.velocities - second.velocities).max() > 0.1
 
 

@@ -6,7 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,13 +18,23 @@ from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.held_rotations import Holding, held_by
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion
-from fem_lie.system.nodes.numbering import Numbering
-from fem_lie.system.nodes.shared_setup import SharedSetup
 
 if TYPE_CHECKING:
     from fem_lie.pictures.units import Units
 
 Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
+
+
+class Family:
+    """Scenes that differ in loads and drives alone.
+
+    Attributes:
+        setup: What equations have set up for all of them, if any have.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is set up yet."""
+        self.setup: Any = None
 
 
 def require_scene(value: object) -> None:
@@ -40,6 +50,7 @@ class Scene:
         redundant: What to do with constraints that follow from others.
         bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
         connections: Springs, drives and gears.
+        family: Of the scenes made from it by :meth:`with_loads` and :meth:`with_drives`, if any.
     """
 
     def __init__(
@@ -70,7 +81,7 @@ class Scene:
         self._known: set[Body] = set()
         self._names: set[str] = set()
         self._kinds: Counter[type[Body]] = Counter()
-        self._shared: SharedSetup | None = None
+        self.family: Family | None = None
 
     @property
     def gravity(self) -> Array:
@@ -200,24 +211,9 @@ class Scene:
         scene._kinds = Counter(self._kinds)
         scene.connections, scene.links = list(connections), list(self.links)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
-        self._shared = self._shared or SharedSetup()
-        scene._shared = self._shared
+        self.family = self.family or Family()
+        scene.family = self.family
         return scene
-
-    def numbered(self) -> Numbering:
-        """The numbering of its nodes, with the assembled forms of the elements, made anew.
-
-        Raises:
-            ValueError: Two bodies were given the same name after they were added.
-        """
-        twice = [name for name, count in Counter(b.name for b in self.bodies).items() if count > 1]
-        if twice:
-            raise ValueError(f"the scene has several bodies named {twice[0]!r}")
-        return Numbering(self.bodies, self.links, self.held_rotations())
-
-    def numbering_for(self, user: object) -> Numbering:
-        """The same, shared with scenes that differ in loads and drives alone, if there are any."""
-        return self.numbered() if self._shared is None else self._shared.numbering(self, user)
 
     def picture(
         self,

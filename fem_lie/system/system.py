@@ -41,6 +41,7 @@ from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.masses import inertia_of
+from fem_lie.system.nodes.shared_setup import numbering_for
 from fem_lie.system.nodes.sums import Loads, add_mass_damping, report, residual, rigid_residual
 from fem_lie.system.tangent import Tangent
 
@@ -104,7 +105,7 @@ class System:
         if not scene.bodies:
             raise ValueError("the scene has no body")
         self.scene = scene
-        self.numbering = scene.numbering_for(self)
+        self.numbering = numbering_for(scene, self)
         self.count = self.numbering.count
         # what is held along fixed axes is held exactly where translations are along fixed axes
         supported = np.isfinite(self.numbering.supports[:, 0, 0])

@@ -31,6 +31,7 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.nodes.shared_setup import numbered
 from fem_lie.system.system import refuse_ranks
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
@@ -138,7 +139,7 @@ class Run:
             float(rule[1]),
             options.policy.rescue,
         )
-        self.scene, self.numbering = scene, scene.numbered()
+        self.scene, self.numbering = scene, numbered(scene)
         n = self.numbering.count
         self.blocks = np.empty((n, 4, 4))
         size = np.empty(n)

@@ -8,14 +8,29 @@ to what they were when they were made.
 from __future__ import annotations
 
 import weakref
-from typing import TYPE_CHECKING, Any
+from collections import Counter
+from typing import Any
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.told import Told, told_of_body
+from fem_lie.scene.scene import Scene
 from fem_lie.system.nodes.numbering import Numbering
 
-if TYPE_CHECKING:
-    from fem_lie.scene.scene import Scene
+
+def numbering_for(scene: Scene, user: object) -> Numbering:
+    """The numbering of a scene's nodes, with the assembled forms of the elements, for ``user``.
+
+    It is shared with scenes that differ in loads and drives alone, if there are any.
+
+    Raises:
+        ValueError: Two bodies were given the same name after they were added.
+    """
+    if scene.family is None:
+        return numbered(scene)
+    if scene.family.setup is None:
+        scene.family.setup = SharedSetup()
+    found: SharedSetup = scene.family.setup
+    return found.numbering(scene, user)
 
 
 class SharedSetup:
@@ -41,9 +56,9 @@ class SharedSetup:
         """
         mark, used = _mark(scene), self._user is not None and self._user() is not None
         if used:
-            return scene.numbered()
+            return numbered(scene)
         if self._numbering is None or mark != self._mark:
-            self._numbering, self._mark = scene.numbered(), mark
+            self._numbering, self._mark = numbered(scene), mark
             self._carried = [a.carried.copy() for _, a in self._numbering.assemblies]
             self.made += 1
         else:
@@ -53,6 +68,18 @@ class SharedSetup:
                 assembly.reset(carried)
         self._user = weakref.ref(user)
         return self._numbering
+
+
+def numbered(scene: Scene) -> Numbering:
+    """The numbering of its nodes, with the assembled forms of the elements, made anew.
+
+    Raises:
+        ValueError: Two bodies were given the same name after they were added.
+    """
+    twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
+    if twice:
+        raise ValueError(f"the scene has several bodies named {twice[0]!r}")
+    return Numbering(scene.bodies, scene.links, scene.held_rotations())
 
 
 def _mark(scene: Scene) -> bytes:
