@@ -1,0 +1,146 @@
+"""The house: which room may import which, and that nothing goes round in circles.
+
+Imports are read from the sources, those within functions and for type hints alone included.
+"""
+
+import ast
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import fem_lie
+
+PACKAGE = Path(fem_lie.__file__).parent
+MOST_FILES = 12
+OUTSIDE = {"__init__", "_arrays", "_compat", "_jit"}
+
+FLOOR = {"_arrays", "_compat", "_jit"}
+"""What everybody may import."""
+
+MAY_IMPORT = {
+    "lie": set(),
+    "linear": set(),
+    "mesh": set(),
+    "sections": {"mesh"},
+    "forms": {"lie"},
+    "elements": set(),
+    "elements.beams": {"forms"},
+    "elements.shells": {"forms"},
+    "bodies": {"elements.beams", "elements.shells", "sections"},
+    "joints.equations": {"lie"},
+    "joints": {"joints.equations", "bodies"},
+    "pictures": {"bodies"},
+    "scene": {"joints", "pictures"},
+    "system.nodes": {"scene"},
+    "system": {"system.nodes", "linear"},
+    "results": {"scene"},
+    "results.stresses": {"results"},
+    "solve": {"system", "results.stresses"},
+    "solve.statics": {"solve"},
+    "solve.stability": {"solve.statics"},
+    "solve.recording": {"solve"},
+    "solve.motion": {"solve.recording"},
+    "solve.alpha.step": {"solve.motion"},
+    "solve.alpha": {"solve.alpha.step"},
+    "solve.conserving.step": {"solve.motion"},
+    "solve.conserving": {"solve.conserving.step"},
+}
+"""Rooms and what they may import besides; what those may is theirs, too."""
+
+
+def modules():
+    """Files of the package by name; a room's front door is called as the room."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+MODULES = modules()
+
+
+def room_of(module):
+    """The room in which a file stands; a file at the entrance is a room of its own."""
+    return module if module in MAY_IMPORT else module.rpartition(".")[0] or module
+
+
+def imports_of(module):
+    """Files of the package that a file names, at import, within functions or for type hints."""
+    found = set()
+    for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}: wanted absolute imports"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            package, _, inside = name.partition(".")
+            if package == PACKAGE.name:
+                found.add(inside if inside in MODULES else inside.rpartition(".")[0])
+    return found - {""}
+
+
+IMPORTS = {module: imports_of(module) for module in MODULES}
+
+
+def allowed(room):
+    """All rooms that a room may import."""
+    found, left = {room} | FLOOR, [room]
+    while left:
+        for lower in MAY_IMPORT[left.pop()] - found:
+            found.add(lower)
+            left.append(lower)
+    return found
+
+
+def test_all_rooms_are_in_the_table():
+    rooms = {room_of(module) for module in MODULES if module} - FLOOR
+    assert rooms == set(MAY_IMPORT)
+
+
+def test_what_stands_outside_of_rooms():
+    assert {path.stem for path in PACKAGE.glob("*.py")} == OUTSIDE
+
+
+@pytest.mark.parametrize("room", MAY_IMPORT)
+def test_no_arrow_up(room):
+    up = {
+        f"{module} imports {other}"
+        for module, others in IMPORTS.items()
+        for other in others
+        if module and room_of(module) == room and room_of(other) not in allowed(room)
+    }
+    assert not up
+
+
+@pytest.mark.parametrize("module", sorted(FLOOR))
+def test_the_floor_imports_nothing_but_itself(module):
+    assert IMPORTS[module] <= FLOOR
+
+
+def test_no_circle_of_files():
+    try:
+        TopologicalSorter(IMPORTS).prepare()
+    except CycleError as error:
+        pytest.fail(" → ".join(reversed(error.args[1])))
+
+
+def test_no_circle_of_rooms():
+    rooms = {room: set() for room in MAY_IMPORT}
+    for module, others in IMPORTS.items():
+        if module and module not in FLOOR:
+            rooms[room_of(module)] |= {room_of(other) for other in others} - {room_of(module)}
+    try:
+        TopologicalSorter(rooms).prepare()
+    except CycleError as error:
+        pytest.fail(" → ".join(reversed(error.args[1])))
+
+
+@pytest.mark.parametrize("room", MAY_IMPORT)
+def test_rooms_are_small(room):
+    files = PACKAGE.joinpath(*room.split(".")).glob("*.py")
+    assert len([path for path in files if path.stem != "__init__"]) <= MOST_FILES
