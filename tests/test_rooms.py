@@ -26,7 +26,7 @@ MAY_IMPORT = {
     "forms": {"lie"},
     "elements": set(),
     "elements.beams": {"forms"},
-    "elements.shells": {"forms"},
+    "elements.shells": {"forms", "mesh"},
     "bodies": {"elements.beams", "elements.shells", "sections"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies"},

@@ -19,6 +19,7 @@ from fem_lie.elements.shells.drilling import Parameters, drilling_stiffness
 from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
+from fem_lie.mesh.shapes import rule, tabulated
 from fem_lie.mesh.surfaces import KINK_ANGLE, SurfaceMesh
 from fem_lie.sections.shell_section import ShellSection
 
@@ -258,15 +259,9 @@ class Shell(SupportedSurface):
 
     def _measure(self) -> tuple[Array, Array]:
         """Shape functions (g, k) and weights times area (m, g) at points of integration."""
-        element = basix.create_element(
-            basix.ElementFamily.P,
-            basix.CellType[self.mesh.cell],
-            self.mesh.degree,
-            basix.LagrangeVariant.gll_warped,
-        )
-        rule = basix.make_quadrature(basix.CellType[self.mesh.cell], 2 * self.mesh.degree + 2)
-        points, w = (np.asarray(part, dtype=np.float64) for part in rule)
-        table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
+        cell, degree = self.mesh.cell, self.mesh.degree
+        points, w = rule(cell, 2 * degree + 2)
+        table = tabulated(cell, degree, points)
         x = self.frames[self.mesh.cells, 0]
         g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
         return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)

@@ -18,6 +18,34 @@ _DEGREES = {
 }
 
 
+def tabulated(cell: str, degree: int, points: Array) -> Array:
+    """Shape functions at points of the reference cell, and their slopes, shape (3, p, k).
+
+    Args:
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        degree: Of its edges.
+        points: Shape (p, 2).
+    """
+    return np.asarray(_element(cell, degree).tabulate(1, points), dtype=np.float64)[..., 0]
+
+
+def nodes_of(cell: str, degree: int) -> Array:
+    """Nodes of the reference cell, shape (k, 2)."""
+    return np.asarray(_element(cell, degree).points, dtype=np.float64)
+
+
+def rule(cell: str, degree: int) -> tuple[Array, Array]:
+    """Points of integration of the reference cell, shape (g, 2), and their weights (g,)."""
+    points, weights = basix.make_quadrature(basix.CellType[cell], degree)
+    return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+
+
+def _element(cell: str, degree: int) -> basix.finite_element.FiniteElement:
+    return basix.create_element(
+        basix.ElementFamily.P, basix.CellType[cell], degree, basix.LagrangeVariant.gll_warped
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class FaceRule:
     """Points of integration of a reference cell.
@@ -35,13 +63,8 @@ class FaceRule:
     @classmethod
     def of(cls, cell: str, degree: int) -> FaceRule:
         """For the Lagrange cells of :class:`~fem_lie.mesh.surfaces.SurfaceMesh`."""
-        kind = basix.CellType[cell]
-        element = basix.create_element(
-            basix.ElementFamily.P, kind, degree, basix.LagrangeVariant.gll_warped
-        )
-        rule = basix.make_quadrature(kind, _DEGREES[cell, degree])
-        points, weights = (np.asarray(part, dtype=np.float64) for part in rule)
-        table = np.asarray(element.tabulate(1, points), dtype=np.float64)[..., 0]
+        points, weights = rule(cell, _DEGREES[cell, degree])
+        table = tabulated(cell, degree, points)
         parts = table[0], table[1:], weights
         return cls(*(np.ascontiguousarray(part) for part in parts))
 
@@ -90,21 +113,12 @@ def cell_normals(points: Array, cells: Indices, cell: str) -> Array:
 
 def _places(cell: str, degree: int) -> tuple[Array, Array]:
     """Nodes of the reference cell, and points inside."""
-    rule = basix.make_quadrature(basix.CellType[cell], 2 * degree)
-    element = _element(cell, degree)
-    return np.asarray(element.points, dtype=np.float64), np.asarray(rule[0], dtype=np.float64)
-
-
-def _element(cell: str, degree: int) -> basix.finite_element.FiniteElement:
-    return basix.create_element(
-        basix.ElementFamily.P, basix.CellType[cell], degree, basix.LagrangeVariant.gll_warped
-    )
+    return nodes_of(cell, degree), rule(cell, 2 * degree)[0]
 
 
 def _normals(points: Array, cells: Indices, cell: str, places: Array) -> tuple[Array, Array]:
     """``x,₁ × x,₂`` at places of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
-    element = _element(cell, DEGREES[cell][cells.shape[1]])
-    slopes = np.asarray(element.tabulate(1, places), dtype=np.float64)[1:, :, :, 0]
+    slopes = tabulated(cell, DEGREES[cell][cells.shape[1]], places)[1:]
     # about a point of the cell: far from the origin differences of places are small
     x = points[cells] - points[cells[:, :1]]
     g1, g2 = np.einsum("apk,mkj->ampj", slopes, x)

@@ -20,6 +20,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.lie.motions import add_turning
+from fem_lie.mesh.shapes import rule, tabulated
 
 
 @compiled
@@ -176,11 +177,9 @@ class DrillingAssembly:
             stiffness: γ of each cell, shape (m,).
             pattern: Rows and columns of the blocks of the tangent.
         """
-        variant = basix.LagrangeVariant.gll_warped
-        element = basix.create_element(basix.ElementFamily.P, kind, degree, variant)
-        points, w = (np.asarray(p) for p in basix.make_quadrature(kind, quadrature_degree))
+        points, w = rule(kind.name, quadrature_degree)
         middle = np.asarray(basix.geometry(kind)).mean(axis=0, keepdims=True)
-        table = np.asarray(element.tabulate(1, np.vstack([points, middle])))[..., 0]
+        table = tabulated(kind.name, degree, np.vstack([points, middle]))
         self._cells, self._N = cells.astype(np.int64), np.ascontiguousarray(table[0, :-1])
         tangents = np.einsum("agk,mkj->mgaj", table[1:], frames[cells, 0])
         normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])

@@ -11,6 +11,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 
@@ -29,7 +30,7 @@ class CellPoints:
     @classmethod
     def of(cls, mesh: SurfaceMesh, points: Array) -> CellPoints:
         """Tabulate at reference coordinates, shape (q, 2)."""
-        table = np.asarray(_lagrange(mesh).tabulate(1, points), dtype=np.float64)[..., 0]
+        table = tabulated(mesh.cell, mesh.degree, points)
         return cls(table[0], table[1:])
 
     @classmethod
@@ -48,7 +49,7 @@ class CellPoints:
 
 def node_coordinates(mesh: SurfaceMesh) -> Array:
     """Reference coordinates of the nodes, shape (k, 2)."""
-    return np.asarray(_lagrange(mesh).points, dtype=np.float64)
+    return nodes_of(mesh.cell, mesh.degree)
 
 
 def extrapolation(mesh: SurfaceMesh, points: Array) -> Array:
@@ -199,15 +200,6 @@ def _round(mesh: SurfaceMesh) -> Indices:
     if mesh.degree == 1:
         return ends
     return np.column_stack([ends, len(basix.topology(cell)[0]) + np.arange(len(ends))])
-
-
-def _lagrange(mesh: SurfaceMesh) -> basix.finite_element.FiniteElement:
-    return basix.create_element(
-        basix.ElementFamily.P,
-        basix.CellType[mesh.cell],
-        mesh.degree,
-        basix.LagrangeVariant.gll_warped,
-    )
 
 
 def nearby(patches: SharedValues) -> tuple[Indices, Indices]:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from math import atan2, cos, sin
 
-import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.shell import Shell
 from fem_lie.elements.shells.drilling import Parameters
+from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -127,14 +127,8 @@ class CarriedDrilling:
 
 def _slopes(body: Shell) -> Array:
     """Derivatives of the shape functions at each node of a cell in its frame, (m, k, 2, k)."""
-    element = basix.create_element(
-        basix.ElementFamily.P,
-        basix.CellType[body.mesh.cell],
-        body.mesh.degree,
-        basix.LagrangeVariant.gll_warped,
-    )
-    nodes = np.asarray(element.points, dtype=np.float64)
-    table = np.asarray(element.tabulate(1, nodes), dtype=np.float64)[1:, :, :, 0]
+    cell, degree = body.mesh.cell, body.mesh.degree
+    table = tabulated(cell, degree, nodes_of(cell, degree))[1:]
     x, frames = body.frames[body.connectivity, 0], body.frames[body.connectivity]
     tangents = np.einsum("aik,mkj->miaj", table, x)
     jacobian = np.einsum("miaj,mibj->miab", tangents, frames[:, :, 1:3])
