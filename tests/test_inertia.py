@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mass_matrix import mass_matrix_6x6
 from models import few
 
 from fem_lie import lie
 from fem_lie.bodies.rigid import gram_from_rigid
 from fem_lie.forms import frames
 from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import mass_matrix_6x6
 
 seeds = st.integers(0, 2**32 - 1)
 

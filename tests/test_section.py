@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mass_matrix import mass_matrix_6x6
 
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.rigid import gram_from_rigid
 from fem_lie.sections.material import Material
 from fem_lie.sections.section import Section, rectangle_torsion_constant
-from fem_lie.system.nodes.inertia import mass_matrix_6x6
 
 STEEL = Material(E=210e9, nu=0.3, density=7850.0)
 SIZE = st.floats(1e-3, 10.0)

@@ -13,12 +13,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.frames import push
-from fem_lie.lie import hat
 
 
 @compiled
@@ -216,25 +214,6 @@ def local_twists(H, qdot, out):  # type: ignore[no-untyped-def]
             b, c = (a + 1) % 3, (a + 2) % 3
             out[i, a] = turned[0, a]
             out[i, 3 + a] = 0.5 * (turned[1 + b, c] - turned[1 + c, b])
-
-
-def mass_matrix_6x6(gram: npt.ArrayLike) -> Array:
-    """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
-
-    Args:
-        gram: Gram matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
-
-    Returns:
-        Symmetric matrix, shape (6, 6); J is about the frame's origin.
-    """
-    G = np.asarray(gram, dtype=np.float64)
-    E = G[1:, 1:]
-    M = np.empty((6, 6))
-    M[:3, :3] = G[0, 0] * np.eye(3)
-    M[3:, :3] = hat(G[0, 1:])
-    M[:3, 3:] = -M[3:, :3]
-    M[3:, 3:] = np.trace(E) * np.eye(3) - E
-    return M
 
 
 class Inertia(NamedTuple):

@@ -1,0 +1,28 @@
+"""The mass matrix in twists of a frame from its Gram matrix, beside the sums of compiled code."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+
+
+def mass_matrix_6x6(gram: npt.ArrayLike) -> Array:
+    """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
+
+    Args:
+        gram: Gram matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
+
+    Returns:
+        Symmetric matrix, shape (6, 6); J is about the frame's origin.
+    """
+    G = np.asarray(gram, dtype=np.float64)
+    E = G[1:, 1:]
+    M = np.empty((6, 6))
+    M[:3, :3] = G[0, 0] * np.eye(3)
+    M[3:, :3] = lie.hat(G[0, 1:])
+    M[:3, 3:] = -M[3:, :3]
+    M[3:, 3:] = np.trace(E) * np.eye(3) - E
+    return M
