@@ -6,9 +6,9 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.motions import add_turning
+from fem_lie.lie.motions import add_turning, advance
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.statics.load_steps import LoadSteps, advance
+from fem_lie.solve.statics.load_steps import LoadSteps
 from fem_lie.system.system import System
 
 SOFT = fl.Material(100.0, 0.3, 2.0)

@@ -334,7 +334,7 @@ def test_failure_keeps_the_states_before():
 
 def test_increment_that_is_nan_anywhere_is_seen():
     """One nan, followed by numbers, must come out: the step has failed."""
-    from fem_lie.solve.statics.load_steps import advance
+    from fem_lie.lie.motions import advance
 
     dx = np.full(12, 1e-3)
     dx[2] = np.nan

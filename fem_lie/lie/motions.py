@@ -238,3 +238,25 @@ def add_turnings(r: Array, factor: float, diagonal: Indices, chosen: Flags, bloc
     for i in range(chosen.shape[0]):
         if chosen[i]:
             add_turning(r[i], factor, blocks[diagonal[i]])
+
+
+@compiled
+def advance(H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float) -> float:
+    """Move the nodes by ``−dx``; returns the largest increment over ``size``.
+
+    ``H ← H exp(−dx)``, or for uncoupled nodes the motion of :mod:`fem_lie.elements.shells.maps`.
+    """
+    largest, h = 0.0, np.empty((1, 6))
+    for i in range(held.shape[0]):
+        if not held[i].all():
+            for k in range(6):
+                h[0, k] = -dx[6 * i + k]
+                step = abs(h[0, k]) / (size if k < 3 else 1.0)
+                if step > largest or step != step:  # nan stays
+                    largest = step
+            if uncoupled[i]:
+                retract(H[i : i + 1], h)
+            else:
+                lie.retract(H[i], h[0], H[i])
+                lie.reorthonormalise(H[i])
+    return largest

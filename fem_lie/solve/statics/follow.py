@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.lie.motions import advance
 from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene.load import StrainLoad
@@ -15,7 +16,6 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import Scene, require_scene
 from fem_lie.solve.methods import methods_for
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
-from fem_lie.solve.statics.load_steps import advance
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
 from fem_lie.solve.stopwatch import Stopwatch

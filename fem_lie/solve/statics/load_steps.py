@@ -7,10 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem_lie import lie
-from fem_lie._arrays import Array, Flags
-from fem_lie._jit import compiled
-from fem_lie.lie.motions import retract
+from fem_lie._arrays import Array
+from fem_lie.lie.motions import advance
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
@@ -24,28 +22,6 @@ from fem_lie.system.nodes.element_turns import FoldedElementError
 from fem_lie.system.system import System
 
 _log = logging.getLogger(__name__)
-
-
-@compiled
-def advance(H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float) -> float:
-    """Move the nodes by ``−dx``; returns the largest increment over ``size``.
-
-    ``H ← H exp(−dx)``, or for uncoupled nodes the motion of :mod:`fem_lie.elements.shells.maps`.
-    """
-    largest, h = 0.0, np.empty((1, 6))
-    for i in range(held.shape[0]):
-        if not held[i].all():
-            for k in range(6):
-                h[0, k] = -dx[6 * i + k]
-                step = abs(h[0, k]) / (size if k < 3 else 1.0)
-                if step > largest or step != step:  # nan stays
-                    largest = step
-            if uncoupled[i]:
-                retract(H[i : i + 1], h)
-            else:
-                lie.retract(H[i], h[0], H[i])
-                lie.reorthonormalise(H[i])
-    return largest
 
 
 class SingularStartError(ConvergenceError):
