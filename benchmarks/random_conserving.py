@@ -20,7 +20,7 @@ import numpy as np
 
 import fem_lie as fl
 from benchmarks.random_scenes import SCALES
-from fem_lie.results.balances import energy_scale
+from fem_lie.bodies.balances import energy_scale
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
 from tests.scene_data import DriveData, SceneData

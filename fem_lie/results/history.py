@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results import balances
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.reactions import Support, reaction
 from fem_lie.results.resampling import resampled
@@ -46,7 +46,7 @@ class Result:
             of forces fixed in space without a history.
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
-        balance: Work of all that acts and has no potential (see :mod:`fem_lie.results.balances`),
+        balance: Work of all that acts and has no potential (see :mod:`fem_lie.bodies.balances`),
             loss by damping, and numerical loss as far as the scheme knows it, each up to these
             times, shape (T, 3).
         impulses: Of loads (gravity included) and of reactions, force before moment about the
@@ -178,7 +178,7 @@ class Result:
     def energy_error(self) -> float:
         """Largest gap between the change of energy and work less loss, over the energy in play.
 
-        That is the largest energy that is turned over, see :mod:`fem_lie.results.balances`: never
+        That is the largest energy that is turned over, see :mod:`fem_lie.bodies.balances`: never
         a matter of where the potential is zero.
         """
         return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
@@ -198,7 +198,7 @@ class Result:
     def momentum_error(self) -> float:
         """Largest gap between the change of momentum and impulses, over the momentum in play.
 
-        That is the largest momentum that is turned over, see :mod:`fem_lie.results.balances`.
+        That is the largest momentum that is turned over, see :mod:`fem_lie.bodies.balances`.
         """
         return self._relative_momentum(self.momentum, slice(0, 3), 1.0)
 

@@ -1,7 +1,7 @@
 """What acts on a scene at one time: power, loss by damping, and forces from outside, compiled.
 
 Of each it is the sum over all nodes, with moments about the origin: one row
-``(power, loss, loads (6), reactions (6))``, in the order of :mod:`fem_lie.results.balances`. What
+``(power, loss, loads (6), reactions (6))``, in the order of :mod:`fem_lie.bodies.balances`. What
 acts between the bodies of the scene has no resultant and is not looked at.
 """
 
@@ -14,13 +14,13 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.forms.frames import push
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.results.balances import BY_LOADS
 from fem_lie.system.nodes import inertia
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14

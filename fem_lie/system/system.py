@@ -223,7 +223,7 @@ class System:
     def conservative(self) -> Array:
         """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3).
 
-        They alone have a potential; all other loads do work (:mod:`fem_lie.results.balances`).
+        They alone have a potential; all other loads do work (:mod:`fem_lie.bodies.balances`).
         """
         return self._loads.constant
 

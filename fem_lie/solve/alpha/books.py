@@ -1,6 +1,6 @@
 """Books of a run of generalised-α: what loads, drives and supports did, and what damping took.
 
-What is booked is said in :mod:`fem_lie.results.balances`. Powers and forces are known at the ends
+What is booked is said in :mod:`fem_lie.bodies.balances`. Powers and forces are known at the ends
 of the steps and are summed up by the trapezoidal rule, of second order as the scheme; of drives and
 prescribed motions the increments are known exactly, and the mean of their forces does work on them.
 """
@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.balances import BY_REACTIONS, TOTAL
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.results.balances import BY_REACTIONS, TOTAL
 from fem_lie.system.acting import Acting
 from fem_lie.system.outer_forces import POWER, SIZE, look_and_sum_up, sum_up
 from fem_lie.system.system import System

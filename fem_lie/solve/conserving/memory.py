@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
-from fem_lie.results.balances import TOTAL
 from fem_lie.scene.pressure import Pressure
 from fem_lie.solve.conserving.step.balance import Model, State, Step
 from fem_lie.solve.motion.convergence import ROTATION

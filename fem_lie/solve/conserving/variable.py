@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.balances import BY_REACTIONS
 from fem_lie.forms.frames import push
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
-from fem_lie.results.balances import BY_REACTIONS
 from fem_lie.results.history import Result
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
+from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.fixed_arrays import (
     FixedArrays,
     integers1,
@@ -23,7 +24,6 @@ from fem_lie.forms.fixed_arrays import (
 from fem_lie.forms.frames import push
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.results.balances import COLUMNS
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand, expand_twists
 from fem_lie.system.nodes.element_turns import nearest

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.results import balances
 from fem_lie.results.resampling import between
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.saving import NEAR
@@ -31,7 +31,7 @@ class Window:
         row: Where in the arrays the next state goes.
         times: Of the rows, as are all other arrays.
         iterations: So far.
-        balance: Work, damping, numerical loss, see :mod:`fem_lie.results.balances`, shape (T, 3);
+        balance: Work, damping, numerical loss, see :mod:`fem_lie.bodies.balances`, shape (T, 3);
             zero where a row is not yet written, as ``impulses`` are.
         impulses: Of loads and reactions, shape (T, 2, 6).
         arrays: Those that :mod:`fem_lie.solve.recording.result_row` fills.
@@ -124,7 +124,7 @@ class Window:
 
     @property
     def gap(self) -> float:
-        """Gap in the balance of energy at the last row, see :mod:`fem_lie.results.balances`."""
+        """Gap in the balance of energy at the last row, see :mod:`fem_lie.bodies.balances`."""
         if self.row:
             if np.isnan(self._first[0]):
                 self._first = self._energies(0)

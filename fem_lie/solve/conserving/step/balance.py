@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS
 from fem_lie.lie.tuples import (
     cross,
     load,
@@ -23,7 +24,6 @@ from fem_lie.lie.tuples import (
     store,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.results.balances import BY_LOADS, BY_REACTIONS
 from fem_lie.solve.conserving.step.cayley import span
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.copies import put

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms import cells as elements
 from fem_lie.lie.tuples import (
     cross,
@@ -23,7 +24,6 @@ from fem_lie.lie.tuples import (
     store,
 )
 from fem_lie.lie.wrenches import add_wrench
-from fem_lie.results.balances import BY_LOADS
 from fem_lie.solve.conserving.step.cayley import follow
 from fem_lie.solve.conserving.step.copies import put
 from fem_lie.solve.conserving.step.discrete_gradient import add_elastic, filtered_forces

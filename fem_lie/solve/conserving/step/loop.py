@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.joints.equations.terms import unwrap
 from fem_lie.lie.tuples import (
@@ -32,7 +33,6 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.linear.factors import solve
-from fem_lie.results.balances import BY_LOADS
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.cayley import advance
 from fem_lie.solve.conserving.step.copies import put
