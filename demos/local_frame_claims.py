@@ -44,7 +44,7 @@ from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 RESULTS = Path(__file__).parents[1] / "results"
 LOCAL, INERTIAL = fl.Components.LOCAL, fl.Components.INERTIAL

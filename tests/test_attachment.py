@@ -5,8 +5,8 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.system import System
 from fem_lie.system.nodes.attachment import Attachment
-from fem_lie.system.system import System
 
 MATERIAL = fl.Material(2.1e9, 0.3, 2000.0)
 SECTION = fl.Section.rectangle(0.03, 0.05, MATERIAL)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
 NAN = float("nan")

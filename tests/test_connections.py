@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.solve.alpha.options import Index
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 Z = (0, 0, 1)
 SCHEME = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)

@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.elements.shells.drilling import FRACTION
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 SHEAR = 100.0 / 2.6

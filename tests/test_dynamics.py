@@ -12,7 +12,7 @@ from fem_lie import lie
 from fem_lie.solve.alpha import run as alpha_run
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step.nodes import correct
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3

@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])

@@ -12,9 +12,9 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.joints.equations import terms
 from fem_lie.solve.alpha.run import Run
+from fem_lie.system import System
 from fem_lie.system.constraints import Connections
 from fem_lie.system.nodes.numbering import Numbering
-from fem_lie.system.system import System
 
 seeds = st.integers(0, 2**32 - 1)
 PLACE, AXIS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8)

@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.scene.pressure import Pressure
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 MASS = np.diag([0.5, 0.0, 1e-4, 2e-4])

@@ -12,7 +12,7 @@ from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.methods import methods_in_time
 from fem_lie.solve.motion.policies import AutomaticDecisions, Update
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 NONE, CONSTRAINTS, ALL = Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)

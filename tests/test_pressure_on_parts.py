@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 STEEL = fl.Material(2e9, 0.3, 1000.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)

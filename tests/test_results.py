@@ -21,7 +21,7 @@ from fem_lie.pictures.bodies import _round_step, _surfaces, draw
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import joint_places, shapes
 from fem_lie.pictures.units import Units
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 
 SPIN = np.array([0.3, -0.8, 1.5])
 NODES = 5

@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 SECTION = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
 LAYER = fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0))

@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from demos.elastica import elastica
 from fem_lie import lie
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))

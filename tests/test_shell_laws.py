@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 import fem_lie as fl
 from fem_lie.lie.motions import retract
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 MODULUS, THICKNESS, CUBIC = 100.0, 0.1, 40.0
 LAYER = fl.ShellSection.layer(THICKNESS, fl.Material(MODULUS, 0.0, 2.0))

@@ -7,7 +7,7 @@ from scipy.integrate import solve_bvp
 import fem_lie as fl
 from fem_lie.lie.motions import retract
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)

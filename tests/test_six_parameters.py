@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie.lie.motions import add_turning, advance
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.load_steps import LoadSteps
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.joints.equations import sliding
+from fem_lie.system import System
 from fem_lie.system.constraints import Connections
-from fem_lie.system.system import System
 
 SECTION = fl.Section.circle(0.01, fl.Material(2e9, 0.3, 1000.0))
 KINDS = [fl.Sliding, fl.Collar, fl.Sleeve]

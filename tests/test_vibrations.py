@@ -13,8 +13,8 @@ from demos.rotating_beam import flapping
 from fem_lie import lie
 from fem_lie.linear.spectrum import Pencil
 from fem_lie.solve.statics.steady import linearised
+from fem_lie.system import System
 from fem_lie.system.nodes import inertia
-from fem_lie.system.system import System
 
 E, RHO = 2e11, 7800.0
 STEEL = fl.Material(E, 0.3, RHO)

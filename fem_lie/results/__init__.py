@@ -1,1 +1,5 @@
 """What was found: histories, equilibria, paths, modes and files."""
+
+from fem_lie.results.history import Result
+
+__all__ = ["Result"]

@@ -1,1 +1,5 @@
 """What there is: bodies, joints, loads, supports and choices."""
+
+from fem_lie.scene.scene import Scene
+
+__all__ = ["Scene"]

@@ -10,7 +10,7 @@ from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRI
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
     from fem_lie.linear.direct import Method
-    from fem_lie.system.system import System
+    from fem_lie.system import System
 
 
 def methods_in_time(system: System) -> tuple[Method, ...]:

@@ -1,1 +1,5 @@
 """The equations of a scene: residual, matrix and invariants."""
+
+from fem_lie.system.system import System
+
+__all__ = ["System"]

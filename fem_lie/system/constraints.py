@@ -15,7 +15,7 @@ from fem_lie.joints.equations import rolling, sliding, terms
 from fem_lie.joints.equations.functions import DISTANCE
 from fem_lie.joints.equations.table import PackedJoints, views
 from fem_lie.joints.histories import declared, until_next
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.system.joint_tables import Pair, Tables
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.outer_forces import joint_reactions

@@ -8,10 +8,10 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie.scene import Scene
 from fem_lie.scene.load import History, NodalLoad, StrainLoad, amplitudes, histories
 from fem_lie.scene.pressure import Pressure
 from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
-from fem_lie.scene.scene import Scene
 from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.nodes.sums import Loads

@@ -28,9 +28,9 @@ from fem_lie.joints.histories import declared, until_next
 from fem_lie.lie.motions import Group, Parametrisation, retract
 from fem_lie.linear.idle_multipliers import IdleMultipliers
 from fem_lie.linear.redundancy import redundant_constraints
+from fem_lie.scene import Scene
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.pressure import Pressure
-from fem_lie.scene.scene import Scene
 from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.system.constraints import Connections, refuse
 from fem_lie.system.elastic import Elastic

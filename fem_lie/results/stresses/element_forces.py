@@ -18,8 +18,8 @@ from fem_lie.bodies.beam_assembly import BeamAssembly
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.orientation import middle_frames
 from fem_lie.joints import Sliding
+from fem_lie.scene import Scene
 from fem_lie.scene.nodal_loads import PointLoad
-from fem_lie.scene.scene import Scene
 
 
 class ElementForces:

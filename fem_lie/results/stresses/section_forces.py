@@ -35,8 +35,9 @@ from fem_lie.results.stresses.element_forces import (
     single_forces,
     without_jumps,
 )
+from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad, amplitudes
-from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.scene.scene import require_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,9 +15,9 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.balances import BY_REACTIONS, TOTAL
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.system import System
 from fem_lie.system.acting import Acting
 from fem_lie.system.outer_forces import POWER, SIZE, look_and_sum_up, sum_up
-from fem_lie.system.system import System
 
 
 class Seen(NamedTuple):

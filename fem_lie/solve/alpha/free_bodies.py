@@ -19,10 +19,10 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.motions import from_local, move_all
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.results.history import Result
+from fem_lie.results import Result
+from fem_lie.scene import Scene
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, amplitudes, histories
-from fem_lie.scene.scene import Scene
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step import free_body
 from fem_lie.solve.alpha.step import node as scheme

@@ -16,15 +16,15 @@ import logging
 from dataclasses import dataclass
 
 from fem_lie.lie.motions import Parametrisation
-from fem_lie.results.history import Result
-from fem_lie.scene.scene import Scene
+from fem_lie.results import Result
+from fem_lie.scene import Scene
 from fem_lie.solve.alpha import free_bodies, variable
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.nodes import State, change_velocities
 from fem_lie.solve.motion.start import with_driven
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _ITERATIONS = 20
 _CONTRACTION = 1e-12  # of the violation, or what the round-off of velocities leaves

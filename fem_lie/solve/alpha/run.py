@@ -16,7 +16,7 @@ from fem_lie._arrays import Array
 from fem_lie.lie.motions import turn_all, turn_all_back, twists
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.alpha.books import Books
 from fem_lie.solve.alpha.options import Components, Index, Options
 from fem_lie.solve.alpha.projection import project
@@ -40,7 +40,7 @@ from fem_lie.solve.motion.start import check_velocities
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 

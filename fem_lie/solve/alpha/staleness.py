@@ -15,7 +15,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.nodes import State, correct
 from fem_lie.solve.motion.convergence import ROTATION
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 PROBE = 1e-6
 """Size of the differences, see :data:`~.convergence.ROTATION`: far above round-off, and small."""

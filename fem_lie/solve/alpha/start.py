@@ -10,7 +10,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State, extrapolate
 from fem_lie.solve.motion.start import accelerations, fill_matrix
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 def set_start(

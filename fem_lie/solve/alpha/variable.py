@@ -23,7 +23,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.linear.levels import KeptFactors
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
@@ -43,7 +43,7 @@ from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 ORDER = 2
 

@@ -33,9 +33,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from fem_lie._arrays import number
-from fem_lie.results.history import Result
+from fem_lie.results import Result
+from fem_lie.scene import Scene
 from fem_lie.scene.choices import Redundant
-from fem_lie.scene.scene import Scene
 from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.solve.conserving import variable
 from fem_lie.solve.conserving.run import Options, Run
@@ -43,7 +43,7 @@ from fem_lie.solve.motion.integrator import Integrator, check_kinds
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from fem_lie.solve.motion.step_error import StepError, largest
 from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
-    from fem_lie.system.system import System
+    from fem_lie.system import System
 
 
 class End(NamedTuple):

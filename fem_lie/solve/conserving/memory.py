@@ -12,9 +12,9 @@ from fem_lie.forms.cells import Cells
 from fem_lie.scene.pressure import Pressure
 from fem_lie.solve.conserving.step.balance import Model, State, Step
 from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.system import System
 from fem_lie.system.acting import supported
 from fem_lie.system.nodes.inertia import Inertia
-from fem_lie.system.system import System
 
 
 def start_state(system: System, cells: Cells) -> State:

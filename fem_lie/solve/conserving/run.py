@@ -17,7 +17,7 @@ from fem_lie.lie.motions import Group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, factorise
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.pressure import Pressure
 from fem_lie.solve.conserving.end_forces import at_end
@@ -34,8 +34,8 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
+from fem_lie.system import System
 from fem_lie.system.nodes import inertia
-from fem_lie.system.system import System
 
 _log = logging.getLogger(__name__)
 

@@ -21,7 +21,7 @@ from fem_lie.forms.frames import push
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import PREFIX, Options, Run, local
@@ -35,8 +35,8 @@ from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
+from fem_lie.system import System
 from fem_lie.system.nodes.sums import report_rates
-from fem_lie.system.system import System
 
 ORDER = 2
 _USUAL = 4

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.idle_multipliers import IdleMultipliers
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 FAR = 1e3
 """A violation is one of the iteration below this times its last increment and its tolerance."""

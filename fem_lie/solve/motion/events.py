@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fem_lie.joints.histories import declared
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.solve.motion.step_control import SAME
 
 

@@ -8,7 +8,7 @@ from tqdm import tqdm
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.solve.recording.recorder import History, Recorder
 from fem_lie.solve.recording.saving import NEAR, Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _ROWS = 256
 _PERCENT = 100

@@ -14,14 +14,14 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system import System
 from fem_lie.system.nodes.element_turns import FoldedElementError
-from fem_lie.system.system import System
 
 _log = logging.getLogger(__name__)
 

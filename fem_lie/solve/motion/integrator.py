@@ -14,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive
-from fem_lie.results.history import Result
-from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import require_scene
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
@@ -23,7 +24,7 @@ from fem_lie.solve.motion.step_control import ConstantStep, StepChoice
 from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 class Integrator(ABC):

@@ -8,7 +8,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _LARGEST = 1e150  # the square of more is no number
 

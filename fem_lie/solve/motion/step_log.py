@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.results.steps import StepHistory
 from fem_lie.solve.motion.step_control import Control
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 @dataclass

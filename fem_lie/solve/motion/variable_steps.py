@@ -13,14 +13,14 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.step_control import Control
 from fem_lie.solve.motion.step_error import StepError, largest_gaps
 from fem_lie.solve.motion.step_log import StepLog
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system import System
 from fem_lie.system.nodes.element_turns import FoldedElementError
-from fem_lie.system.system import System
 
 SIDE = 1e-9
 """How far from an event its two sides are, in steps."""

@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie.bodies.told import Told, attributes, told_of_body
-from fem_lie.scene.scene import Scene
-from fem_lie.system.system import System
+from fem_lie.scene import Scene
+from fem_lie.system import System
 
 _DIGEST = "digest "
 _SHORT = 60

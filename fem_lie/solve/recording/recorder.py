@@ -11,12 +11,12 @@ from tqdm import tqdm
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.results.history import Result
+from fem_lie.results import Result
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.recording.window import Window
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 class History(Window):

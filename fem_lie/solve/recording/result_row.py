@@ -31,7 +31,7 @@ from fem_lie.system.nodes.sums import report_rates
 
 if TYPE_CHECKING:
     from fem_lie.solve.recording.window import Window
-    from fem_lie.system.system import System
+    from fem_lie.system import System
 
 
 class ResultRow:

@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.buckling import check_displaces, chosen
 from fem_lie.results.path import CriticalPoint, Station
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.solve.stability.controls import Along, Arc
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.path_step import LostError, Walker

@@ -21,7 +21,7 @@ from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectrum import padded, to_petsc
 from fem_lie.results.buckling import BucklingModes
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.solve.stopwatch import Stopwatch

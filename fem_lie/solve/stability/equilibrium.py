@@ -20,7 +20,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.spectrum import Pencil
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.solve.methods import methods_on_paths
 from fem_lie.solve.stability.mode_scaling import node_lengths, scaled
 from fem_lie.solve.stability.rigid_motions import rigid_motions

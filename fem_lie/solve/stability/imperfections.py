@@ -19,7 +19,8 @@ from fem_lie._arrays import Array, instance, number, numbers, positive, whole
 from fem_lie.bodies.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.results.buckling import BucklingModes, chosen
-from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import require_scene
 
 _STEP = 1e-5  # of the body: differences of a field
 _WAVES = 64

@@ -15,8 +15,8 @@ import numpy as np
 from fem_lie._arrays import instance, number, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, Station
+from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.scene.scene import Scene
 from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.locate import Bracket

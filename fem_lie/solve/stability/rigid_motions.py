@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.linear.rigid_parts import FREE
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 def rigid_motions(system: System, H: Array, weight: Array) -> list[tuple[Indices, Array]]:

@@ -23,14 +23,14 @@ from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.spectrum import Complex, Pencil
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.vibrations import Modes
+from fem_lie.scene import Scene
 from fem_lie.scene.choices import Redundant
 from fem_lie.scene.rotation import Rotation
-from fem_lie.scene.scene import Scene
 from fem_lie.solve.stability.mode_scaling import node_lengths, scaled
 from fem_lie.solve.stability.rigid_motions import rigid_motions, stress_terms
 from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.steady import linearised
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 _log = logging.getLogger(__name__)
 

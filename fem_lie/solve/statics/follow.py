@@ -11,16 +11,17 @@ from fem_lie._arrays import Array
 from fem_lie.lie.motions import advance
 from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
 from fem_lie.results.equilibrium import PathResult
+from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
-from fem_lie.scene.scene import Scene, require_scene
+from fem_lie.scene.scene import require_scene
 from fem_lie.solve.methods import methods_for
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system import System
 from fem_lie.system.nodes.sums import load_vector
-from fem_lie.system.system import System
 
 
 def follow_loads(

@@ -12,14 +12,14 @@ from fem_lie.lie.motions import advance
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.scene.scene import Scene
 from fem_lie.solve.methods import methods_for
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.steady import fill_steady
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system import System
 from fem_lie.system.nodes.element_turns import FoldedElementError
-from fem_lie.system.system import System
 
 _log = logging.getLogger(__name__)
 

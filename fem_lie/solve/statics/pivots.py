@@ -12,7 +12,7 @@ from fem_lie.linear.pivots import inertia, negative_determinant
 from fem_lie.scene.choices import Redundant
 
 if TYPE_CHECKING:
-    from fem_lie.system.system import System
+    from fem_lie.system import System
 
 _SOFT = 1e-6  # give of constraints, over that of the stiffest spring
 

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from fem_lie._arrays import number, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.scene.scene import Scene
 from fem_lie.solve.statics.arc_length import ArcLength, increasing
 from fem_lie.solve.statics.follow import followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, SingularStartError

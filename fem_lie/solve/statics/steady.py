@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
-from fem_lie.system.system import System
+from fem_lie.system import System
 
 
 def linearised(

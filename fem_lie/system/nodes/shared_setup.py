@@ -13,7 +13,7 @@ from typing import Any
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.told import Told, told_of_body
-from fem_lie.scene.scene import Scene
+from fem_lie.scene import Scene
 from fem_lie.system.nodes.numbering import Numbering
 
 
