@@ -45,9 +45,11 @@ def work(H: np.ndarray, step: np.ndarray, F: np.ndarray, director: bool) -> floa
     span(H, step, delta, mean, end, middle)
     nodes, A = np.arange(len(H)), np.empty((3, 3))
     f, s, Ms = np.empty((3, len(H), 6))
-    fit = discrete_gradient.metric_and_fit(nodes, director, mean, delta, step, A)
-    discrete_gradient.mean_forces(nodes, director, H, end, F, F, mean, fit, A, f)
-    discrete_gradient.deformation(nodes, director, mean, delta, step, fit, s, Ms)
+    path = discrete_gradient.Path(mean, delta, step)
+    fit = discrete_gradient.metric_and_fit(nodes, director, path, A)
+    ends = discrete_gradient.Ends(H, end, F, F)
+    discrete_gradient.mean_forces(nodes, director, ends, mean, fit, A, f)
+    discrete_gradient.deformation(nodes, director, path, fit, s, Ms)
     return float(np.sum(f * s))
 
 

@@ -22,8 +22,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 
-COLUMNS = 3
-"""Work, loss by damping, numerical loss."""
+WORK, DAMPING, NUMERICAL, COLUMNS = 0, 1, 2, 3
+"""Work, loss by damping, numerical loss, and how many these are."""
 BY_LOADS, BY_REACTIONS, TOTAL = 3, 9, 15
 """Where impulses begin in rows that have them after those three, and how long such rows are."""
 

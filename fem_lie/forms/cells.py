@@ -79,7 +79,7 @@ class Cells:
     """The cells of all assemblies of a scene.
 
     Attributes:
-        table: For compiled code, as a plain tuple.
+        table: Of all cells.
         count: Number of cells.
         places: Number of pairs of a cell and one of its nodes.
     """
@@ -99,13 +99,12 @@ class Cells:
         columns = {
             name: np.concatenate([_EMPTY[name], *(part[name] for part in parts)]) for name in _EMPTY
         }
-        self._table = CellTable(
+        self.table = CellTable(
             **columns,
             first=np.cumsum(sizes).astype(np.int64),
             nodes=np.concatenate([np.empty(0), *(n.ravel() for n in nodes)]).astype(np.int64),
         )
-        self.table = tuple(self._table)
-        self.count, self.places = len(self._table.x), len(self._table.nodes)
+        self.count, self.places = len(self.table.x), len(self.table.nodes)
 
     def _rows(self, start: int, assembly: Assembly) -> dict[str, Indices]:
         """Columns of the table for one assembly."""
@@ -203,7 +202,7 @@ def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
 
 
 @compiled
-def evaluate(cells: tuple[Any, ...], H: Array, more: Array, F: Array, W: Array) -> None:
+def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> None:
     """Forces ``F`` in the nodes' frames, (places, 6), and energies ``W`` (M,) at ``H + more``.
 
     Local fields are brought to those of the frames by one step of Newton, exact where the energy is
@@ -251,7 +250,7 @@ def evaluate(cells: tuple[Any, ...], H: Array, more: Array, F: Array, W: Array) 
 
 
 @compiled
-def viscous_forces(cells: tuple[Any, ...], H: Array, v: Array, F: Array) -> None:
+def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
     """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
     kernel, w, c, at, x, _, _, first, nodes = cells
     place = stack(6 * 64)

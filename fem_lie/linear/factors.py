@@ -7,7 +7,7 @@ solution would be a good part of that.
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,6 +28,13 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 
+Triangle: TypeAlias = tuple[Array, Indices, Indices]
+"""Values, row indices and column pointers."""
+
+PlainFactors: TypeAlias = tuple[Array, Array, Indices, Indices, Array, Triangle, Triangle]
+"""Of :class:`Factors`, for compiled functions."""
+
+
 class Factors(NamedTuple):
     """``(A_left A A_right)ᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
 
@@ -37,8 +44,8 @@ class Factors(NamedTuple):
         row: Permutation ``Pᵣ``, shape (n,).
         column: Permutation ``P_c``.
         diagonal: Inverse of that of ``U``.
-        lower: Values, row indices and column pointers of ``L``.
-        upper: The same of ``U``.
+        lower: ``L``.
+        upper: ``U``.
     """
 
     left: Array
@@ -46,8 +53,13 @@ class Factors(NamedTuple):
     row: Indices
     column: Indices
     diagonal: Array
-    lower: tuple[Array, Indices, Indices]
-    upper: tuple[Array, Indices, Indices]
+    lower: Triangle
+    upper: Triangle
+
+    @property
+    def plain(self) -> PlainFactors:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
 
 
 def factorise(kkt: KKT) -> Factors:
@@ -68,7 +80,7 @@ def factorise(kkt: KKT) -> Factors:
         except RuntimeError as error:
             raise SingularMatrixError("the matrix is singular") from error
         factors = _unpacked(lu, own)
-        solve(tuple(factors), b / own.left, y, x)
+        solve(factors.plain, b / own.left, y, x)
         left = own.backward_error(b, x / own.right, r)
         if left <= ACCURATE:
             return factors
@@ -86,9 +98,7 @@ def _unpacked(lu: spla.SuperLU, own: Equilibrated) -> Factors:
 
 
 @compiled
-def _strict(  # type: ignore[no-untyped-def]
-    values, indices, pointers, diagonal
-):
+def _strict(values: Array, indices: Indices, pointers: Indices, diagonal: Array) -> Triangle:
     """A triangle by columns without its diagonal, which is written into ``diagonal``."""
     n = diagonal.shape[0]
     kept, rows = np.empty(values.shape[0]), np.empty(values.shape[0], dtype=np.int64)
@@ -105,7 +115,7 @@ def _strict(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def solve(factors: tuple[Any, ...], b: Array, y: Array, x: Array) -> None:
+def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
     """``x = A⁻¹ b``; ``y`` is work, all of shape (n,)."""
     left, right, row, column, diagonal, lower, upper = factors
     values, indices, pointers = upper

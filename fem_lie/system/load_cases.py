@@ -13,8 +13,8 @@ from fem_lie.scene.load import History, NodalLoad, StrainLoad, amplitudes, histo
 from fem_lie.scene.pressure import Pressure
 from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
 from fem_lie.scene.surface_pressure import SurfacePushes
+from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.numbering import Numbering
-from fem_lie.system.nodes.sums import Loads
 
 
 class _Case:
@@ -26,7 +26,7 @@ class _Case:
         self.following = np.zeros((count, 6))
 
     def arrays(self) -> tuple[Array, Array, Array]:
-        """In the order of :class:`~fem_lie.system.nodes.sums.Loads`."""
+        """In the order of :class:`~fem_lie.system.nodes.loads.Loads`."""
         return self.dead, self.moment, self.following
 
 

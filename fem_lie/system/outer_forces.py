@@ -55,7 +55,7 @@ def add_loads(
     Args:
         H: Frames, shape (≥ n, 4, 3).
         v: Twists, shape (≥ n, 6).
-        loads: See :class:`~fem_lie.system.nodes.sums.Loads`.
+        loads: See :class:`~fem_lie.system.nodes.loads.Loads`.
         conservative: Part of the dead loads.
         work: Shape (≥ 1, n, 4, 3).
         out: Shape (14,), updated.

@@ -40,9 +40,10 @@ from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.fixed_axes import wrenches
 from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.masses import inertia_of
 from fem_lie.system.nodes.shared_setup import numbering_for
-from fem_lie.system.nodes.sums import Loads, add_mass_damping, report, residual, rigid_residual
+from fem_lie.system.nodes.sums import add_mass_damping, report, residual, rigid_residual
 from fem_lie.system.tangent import Tangent
 
 _log = logging.getLogger(__name__)

@@ -10,11 +10,12 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
 from fem_lie.scene.pressure import Pressure
-from fem_lie.solve.conserving.step.balance import Model, State, Step
+from fem_lie.solve.conserving.step.records import Leaders, Model, Pieces, Scheme, State, Step
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.system import System
 from fem_lie.system.acting import supported
 from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
 
 
 def start_state(system: System, cells: Cells) -> State:
@@ -50,11 +51,16 @@ def room_for_step(system: System, cells: Cells) -> Step:
         rows=np.stack([*[system.frames] * 3, z(system.frames.shape)]),
         V1=z((n, 4, 3)),
         F1=z((cells.places, 6)),
-        energies=z((2, cells.count)),
+        W1=z(cells.count),
+        work=z(cells.count),
         change=z(m),
         losses=z(TOTAL),
-        nodes=z((6, total, 4, 3)),
-        steps=z((3, total, 6)),
+        start=z((total, 4, 3)),
+        nodes=z((4, total, 4, 3)),
+        exact=z((total, 4, 3)),
+        steps=z((total, 6)),
+        twists=z((total, 6)),
+        on_nodes=z((total, 6)),
         forces=z((n, 6)),
         q=z((2, n, 4, 3)),
         F_viscous=z((cells.places, 6)),
@@ -64,10 +70,8 @@ def room_for_step(system: System, cells: Cells) -> Step:
     )
 
 
-def model_of(
-    system: System, cells: Cells, pressures: Sequence[Pressure], scheme: tuple[float, float, float]
-) -> Model:
-    """What a step sees of the scene; ``scheme``: see :class:`~.balance.Model`."""
+def model_of(system: System, cells: Cells, pressures: Sequence[Pressure], scheme: Scheme) -> Model:
+    """What a step sees of the scene."""
     attachment = system.numbering.attachment
     turns = system.connections.angular
     lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
@@ -75,14 +79,15 @@ def model_of(
     return Model(
         cells=cells.table,
         joints=system.connections.packed,
-        inertia=tuple(system.inertia),
-        damping=tuple(system.mass_damping or Inertia.none()),
-        attachment=(attachment.leader, attachment.offset, attachment.trivial),
+        inertia=system.inertia,
+        damping=system.mass_damping or Inertia.none(),
+        leaders=Leaders(attachment.leader, attachment.offset, attachment.trivial),
         held=system.held,
         measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),
         scale=np.ones(system.m),
-        loads=(*(array.copy() for array in system.loads), system.conservative),
-        pressure=(
+        loads=Loads(*(array.copy() for array in system.loads)),
+        conservative=system.conservative,
+        pressure=Pieces(
             np.concatenate([np.zeros((0, 2), dtype=np.int64), *pieces]),
             across(pressures),
         ),

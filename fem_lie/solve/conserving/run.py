@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.forms.frames import push
 from fem_lie.lie.motions import Group
@@ -24,8 +25,9 @@ from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import EndRates, local_rates, spatial
 from fem_lie.solve.conserving.memory import across, model_of, room_for_step, start_state
 from fem_lie.solve.conserving.step import loop, stopping
-from fem_lie.solve.conserving.step.balance import residual
+from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS
+from fem_lie.solve.conserving.step.records import Packed, Scheme, Solution, Span
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
@@ -94,9 +96,9 @@ class Run(Integration[History]):
             isinstance(load, StrainLoad) and load.history is not None for load in system.scene.loads
         )
         self.s, self.this = start_state(system, self.cells), room_for_step(system, self.cells)
-        scheme = (self.h, options.loss, options.learning)
+        scheme = Scheme(self.h, options.loss, options.learning)
         self.model = model_of(system, self.cells, self._pressures, scheme)
-        self._plain = tuple(self.model), tuple(self.s), tuple(self.this)
+        self._packed = Packed(self.model, self.s, self.this)
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
         self.counts = np.zeros(2, dtype=np.int64)
         self._factors: Factors | None = None
@@ -183,19 +185,20 @@ class Run(Integration[History]):
         spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
         given = (options.tolerance, options.max_iterations, *rule, spare)
         while True:
-            factors = () if self._factors is None else tuple(self._factors)
+            packed = self._packed
+            tables = packed.model, packed.state, packed.step
             if self._factors is None:
                 code = loop.MATRIX
                 if counters[stopping.ITERATION] == 0:
                     counters[stopping.ITERATION], counters[stopping.ASKED] = 1, 1
-                    model, *rest = self._plain
-                    motion = loop.begin(model[5], model[6], model[11], *rest)
+                    motion = loop.packed_begin(*tables)
                     self.numbers[stopping.MOTION] = max(motion, self.numbers[stopping.MOTION])
                     self.numbers[stopping.PREVIOUS] = self.numbers[stopping.LEAST] = np.inf
                     self.numbers[stopping.FELT] = 0.0
                     counters[stopping.STALLS] = 0
             else:
-                code = loop.run(*self._plain, factors, given, counters, self.numbers, last)
+                factors = self._factors.plain
+                code = loop.run(*tables, factors, given, counters, self.numbers, last)
             if code == loop.DONE and self.rule is None:
                 self.decisions.after_step(int(counters[stopping.LAST]))
             if code != loop.MATRIX:
@@ -211,7 +214,7 @@ class Run(Integration[History]):
 
     def _failure(self, steps: int) -> str:
         increment = float(self.numbers[stopping.INCREMENT])
-        largest = float(np.abs(self.this.r[0]).max())
+        largest = float(np.abs(Solution(*self.this.r).residual).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         rescued = self.options.policy.rescue
         index = self.index + 1
@@ -221,29 +224,28 @@ class Run(Integration[History]):
 
     def _set_time(self, start: float, end: float) -> None:
         """Loads in the middle of the next step, prescribed motions at its end."""
-        system, rows, n = self.system, self.this.rows, self.system.count
+        system, rows, n = self.system, Span(*self.this.rows), self.system.count
         self._set_loads(0.5 * (start + end))
         connections = system.connections
         if connections.driven:
             self.model.driven[:] = connections.targets(end) - connections.targets(start)
-        if len(rows[0]) > n + 1:
-            rows[0, n + 1 :] = system.prescribed_frames(end)
-            before, after = self.s.H[n + 1 :], rows[0, n + 1 :]
-            rows[1, n + 1 :], rows[3, n + 1 :] = 0.5 * (before + after), after - before
-            rows[2, n + 1 :] = after
+        if len(rows.end) > n + 1:
+            before, after = self.s.H[n + 1 :], system.prescribed_frames(end)
+            rows.end[n + 1 :], rows.middle[n + 1 :] = after, after
+            rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
 
     def _set_loads(self, time: float) -> None:
         """Forces of the loads at ``time``; strains without stress do work when they change."""
         self.system.set_time(time)
-        for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
+        for array, value in zip(self.model.loads, self.system.loads, strict=True):
             array[:] = value
-        self.model.pressure[1][:] = across(self._pressures)
+        self.model.pressure.across[:] = across(self._pressures)
         if self._strained:
             before = self.s.W.copy()
             self.cells.pack()
             gain = self._evaluate_start() - before
             self.s.account[:] += gain
-            self.s.books[0] += gain.sum()
+            self.s.books[WORK] += gain.sum()
 
     # --- matrix ---
 
@@ -263,8 +265,9 @@ class Run(Integration[History]):
         """
         s, this, n = self.s, self.this, self.system.count
         if self.counters[stopping.ITERATION] > 1:
-            residual(*self._plain)
-            H = this.rows[0]
+            packed = self._packed
+            packed_residual(packed.model, packed.state, packed.step)
+            H = Span(*this.rows).end
             v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
             age = 0.0
         else:
@@ -378,7 +381,7 @@ class Run(Integration[History]):
         if self.system.time_dependent:
             self.system.set_time(max(self.index - 0.5, 0.0) * self.h)
             self.cells.pack()
-            for array, value in zip(self.model.loads[:3], self.system.loads, strict=True):
+            for array, value in zip(self.model.loads, self.system.loads, strict=True):
                 array[:] = value
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.balances import BY_REACTIONS
+from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.forms.frames import push
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
@@ -26,8 +26,8 @@ from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import PREFIX, Options, Run, local
 from fem_lie.solve.conserving.step import stopping
-from fem_lie.solve.conserving.step.balance import State
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
+from fem_lie.solve.conserving.step.records import Span, State
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.start import accelerations, allowed_velocities
@@ -64,7 +64,7 @@ class _Saved(NamedTuple):
     """What a step may change.
 
     Attributes:
-        s: See :class:`~fem_lie.solve.conserving.step.balance.State`.
+        s: See :class:`~fem_lie.solve.conserving.step.records.State`.
         counters: Of the loop, likewise ``numbers``.
         joints: Memory of the connections.
         fields: Of the cells.
@@ -118,8 +118,8 @@ class ConservingSteps(Run):
 
     def _set_size(self, h: float) -> None:
         self.h = h
-        self.model = self.model._replace(scheme=(h, *self.model.scheme[1:]))
-        self._plain = tuple(self.model), *self._plain[1:]
+        self.model = self.model._replace(scheme=self.model.scheme._replace(h=h))
+        self._packed.set_scheme(self.model)
 
     def set_step(self, time: float, h: float) -> None:
         """See the protocol."""
@@ -179,7 +179,7 @@ class ConservingSteps(Run):
         before = self._invariants()
         s.V[:] += change
         gain = self._invariants() - before
-        s.books[0] += gain[0]
+        s.books[WORK] += gain[0]
         s.books[BY_REACTIONS:] += gain[1:]
 
     def _invariants(self) -> Array:
@@ -226,13 +226,13 @@ class ConservingSteps(Run):
     def estimate(self, before: _Saved, start: float, end: float) -> StepError:
         """See the protocol."""
         s, old, h = self.s, before.s, self.h
-        delta = self.this.rows[3, : self.system.count]
+        delta = Span(*self.this.rows).delta[: self.system.count]
         ends = End(old.H, old.V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
         self._error.load(h, *ends, delta, s.weights, self.levels.mass, r)
         factors = self.levels.present
         assert factors is not None
-        solve(tuple(factors), r, y, x)
+        solve(factors.plain, r, y, x)
         return self._error.of(x)
 
     def record(self, recorder: GrowingHistory, index: int, iterations: int) -> None:

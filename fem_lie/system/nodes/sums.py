@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,20 +18,6 @@ from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
     from fem_lie.system.nodes.inertia import Inertia
-
-
-class Loads(NamedTuple):
-    """Nodal loads at one time.
-
-    Attributes:
-        dead: Force on (x, d₁, d₂, d₃) fixed in space, gravity included, shape (n, 4, 3).
-        moment: Moment fixed in space, shape (n, 3).
-        following: Force and moment in the nodes' frames, shape (n, 6).
-    """
-
-    dead: Array
-    moment: Array
-    following: Array
 
 
 @compiled

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie.bodies.balances import BY_LOADS
+from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
+from fem_lie.forms.cells import CellTable
 from fem_lie.lie.tuples import (
     cross,
     dot,
@@ -26,7 +27,13 @@ from fem_lie.lie.tuples import (
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.step.cayley import follow
 from fem_lie.solve.conserving.step.copies import put
-from fem_lie.solve.conserving.step.discrete_gradient import add_elastic, filtered_forces
+from fem_lie.solve.conserving.step.discrete_gradient import (
+    Ends,
+    Energies,
+    Path,
+    add_elastic,
+    filtered_forces,
+)
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     ENERGY,
@@ -38,100 +45,128 @@ from fem_lie.solve.conserving.step.dissipation import (
     SQUARES,
     WORKS,
 )
+from fem_lie.solve.conserving.step.records import (
+    Leaders,
+    Model,
+    Pieces,
+    Scheme,
+    State,
+    Step,
+    span_of,
+)
+
+
+class Motion(NamedTuple):
+    """What all nodes do in a step, see :class:`~fem_lie.solve.conserving.step.records.Step`.
+
+    Attributes:
+        start: Frames at the start, (N, 4, 3), as the next five.
+        end: At the end.
+        mean: Means.
+        middle: Half-way frames.
+        delta: Increments.
+        exact: With the digits that do not fit into the frames.
+        step: Translation and rotation, (N, 6).
+    """
+
+    start: Array
+    end: Array
+    mean: Array
+    middle: Array
+    delta: Array
+    exact: Array
+    step: Array
 
 
 @linked
-def add_from_nodes(model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...]) -> None:
+def add_from_nodes(model: Model, state: State, this: Step) -> None:
     """Add the forces of the cells and of pressure, which are on all nodes, to the leaders."""
-    leader, offset, trivial = model[4]
-    cells, pressure = model[0], model[9]
-    H, rest = state[0], state[1]
-    step, rows, nodes, steps, forces = this[0], this[1], this[7], this[8], this[9]
-    if cells[4].shape[0] == 0:  # nothing but rigid bodies
+    leader, offset, trivial = model.leaders
+    H, step, steps, forces = state.H, this.step, this.steps, this.forces
+    rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
+    if model.cells.x.shape[0] == 0:  # nothing but rigid bodies
         return
     for i in range(step.shape[0]):
         for k in range(4):
             for j in range(3):
-                nodes[5, i, k, j] = rows[3, i, k, j] + rest[i, k, j]
+                exact[i, k, j] = rows.delta[i, k, j] + state.rest[i, k, j]
     if trivial:
         on_all = forces
-        parts = (H, rows[0], rows[1], rows[2], rows[3], nodes[5], step)
+        motion = Motion(H, rows.end, rows.mean, rows.middle, rows.delta, exact, step)
     else:
-        put(nodes[5, : step.shape[0]], this[10][0])
-        follow(H, leader, offset, nodes[0])
+        own = this.q[0]
+        put(exact[: step.shape[0]], own)
+        follow(H, leader, offset, this.start)
         for k in range(4):
-            follow(rows[k], leader, offset, nodes[1 + k])
-        follow(this[10][0], leader, offset, nodes[5])
+            follow(this.rows[k], leader, offset, this.nodes[k])
+        follow(own, leader, offset, exact)
         for i in range(leader.shape[0]):
-            store(steps[0, i], 0, load_row(nodes[4, i], 0))
-            store(steps[0, i], 3, load(step[leader[i]], 3))
-        on_all = steps[2]
+            store(steps[i], 0, load_row(nodes.delta[i], 0))
+            store(steps[i], 3, load(step[leader[i]], 3))
+        on_all = this.on_nodes
         on_all[:] = 0.0
-        parts = (nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[5], steps[0])
-    _add_cells(model, state, this, parts, on_all)
-    this[6][0] += _add_pressure(pressure, parts[2], parts[3], parts[4], on_all, this[6])
+        motion = Motion(this.start, nodes.end, nodes.mean, nodes.middle, nodes.delta, exact, steps)
+    _add_cells(model, state, this, motion, on_all)
+    this.losses[WORK] += _add_pressure(model.pressure, motion, on_all, this.losses)
     if not trivial:
-        collect(leader, nodes[2], rows[1], on_all, forces)
+        collect(leader, nodes.mean, rows.mean, on_all, forces)
 
 
 ULP = float(np.finfo(np.float64).eps)
 
 
 @compiled
-def _add_cells(  # type: ignore[no-untyped-def]
-    model, state, this, parts, out
-):
+def _add_cells(model: Model, state: State, this: Step, motion: Motion, out: Array) -> None:
     """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
-    cells, viscous, h, χ = model[0], model[10], model[11][0], model[11][1]
-    F, W, account, w_F, lag = state[5], state[6], state[7], state[9], state[10]
-    F1, energies, losses, steps = this[3], this[4], this[6], this[8]
-    H, end, mean, middle, delta, more, step = parts
-    elements.evaluate(cells, H, more, F1, energies[0])
-    ends = (H, end, F, F1, W, energies[0])
+    cells, h, lag = model.cells, model.scheme.h, state.lag
+    H, end, mean, middle, delta, more, step = motion
+    elements.evaluate(cells, H, more, this.F1, this.W1)
+    ends = Ends(H, end, state.F, this.F1)
+    path = Path(mean, delta, step)
+    energies = Energies(state.W, this.W1, state.account)
     repay = _repayment(lag)
-    typical, unknown = lag[SQUARES] / W.shape[0], ULP * lag[ENERGY] / W.shape[0]
-    squares = add_elastic(
-        cells, ends, (mean, delta, step), account, energies[1], repay, typical, unknown, out
-    )
+    count = energies.start.shape[0]
+    typical, unknown = lag[SQUARES] / count, ULP * lag[ENERGY] / count
+    squares = add_elastic(cells, ends, path, energies, this.work, (repay, typical, unknown), out)
     lag[SQUARES], lag[REPAID] = squares, repay * squares
-    if χ > 0.0:
-        lag[WORKS], lag[WORKS + 1] = filtered_forces(
-            cells, (H, end, F, F1), (mean, delta, step), w_F, this[14]
-        )
-    if viscous:
+    if model.scheme.loss > 0.0:
+        lag[WORKS], lag[WORKS + 1] = filtered_forces(cells, ends, path, state.w_F, this.filtered)
+    if model.viscous:
+        twists = this.twists
         for i in range(step.shape[0]):
             m = middle[i]
             for at in (0, 3):
                 rate = scaled(1.0 / h, load(step[i], at))
                 turned = rotate_back(load_row(m, 1), load_row(m, 2), load_row(m, 3), rate)
-                store(steps[1, i], at, turned)
-        losses[1] += h * _add_viscous(cells, middle, steps[1], this[11], out)
+                store(twists[i], at, turned)
+        this.losses[DAMPING] += h * _add_viscous(cells, middle, twists, this.F_viscous, out)
 
 
 @compiled
-def add_filtered_forces(  # type: ignore[no-untyped-def]
-    kinds, attachment, scheme, state, this
-):
+def add_filtered_forces(
+    kinds: int, leaders: Leaders, scheme: Scheme, state: State, this: Step
+) -> None:
     """Add forces of the changes of elastic forces less their memory, to the leaders.
 
     ``kinds``: how many of cells there are.
     """
-    leader, _, trivial = attachment
-    lag, nodes, on_all, given, losses = state[10], this[7], this[8][2], this[14], this[6]
+    lag, given, losses = state.lag, this.filtered, this.losses
     if kinds == 0:
         return
-    a = 0.5 * scheme[1] * lag[REMEMBERS] * lag[ELASTIC]
+    a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
     b = a * lag[MEMORY]
-    losses[2] += a * lag[WORKS] - b * lag[WORKS + 1]
-    if trivial:
-        on_all = this[9]
+    losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
+    if leaders.trivial:
+        on_all = this.forces
     else:
+        on_all = this.on_nodes
         on_all[:] = 0.0
     for i in range(on_all.shape[0]):
         for k in range(6):
             on_all[i, k] += a * given[0, i, k] - b * given[1, i, k]
-    if not trivial:
-        collect(leader, nodes[2], this[1][1], on_all, this[9])
+    if not leaders.trivial:
+        means = span_of(this.nodes).mean, span_of(this.rows).mean
+        collect(leaders.leader, *means, on_all, this.forces)
 
 
 @inlined
@@ -146,11 +181,9 @@ def _repayment(lag: Array) -> float:
 
 
 @compiled
-def _add_viscous(  # type: ignore[no-untyped-def]
-    cells, middle, twists, F, out
-):
+def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: Array) -> float:
     """Add viscous forces at the half-way frames; returns their power."""
-    first, nodes, power = cells[7], cells[8], 0.0
+    first, nodes, power = cells.first, cells.nodes, 0.0
     elements.viscous_forces(cells, middle, twists, F)
     for e in range(first.shape[0] - 1):
         for a in range(first[e], first[e + 1]):
@@ -164,12 +197,10 @@ def _add_viscous(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_pressure(  # type: ignore[no-untyped-def]
-    pressure, mean, middle, delta, out, losses
-):
+def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -> float:
     """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece; returns work."""
     pairs, across = pressure
-    work = 0.0
+    mean, middle, delta, work = motion.mean, motion.middle, motion.delta, 0.0
     for e in range(pairs.shape[0]):
         i, j = pairs[e, 0], pairs[e, 1]
         push = (0.0, 0.0, 0.0)

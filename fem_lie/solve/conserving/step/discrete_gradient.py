@@ -35,12 +35,13 @@ deforms more: divided by a small ``s``, whose sign is open, it would be no funct
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.cells import CellTable
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -60,6 +61,82 @@ ROUND_OFF = 16 * float(np.finfo(np.float64).eps)
 """Relative error of positions and energies."""
 KNOWN = 16.0
 """Errors of energies from which the energy of a single step counts as known."""
+
+
+class Ends(NamedTuple):
+    """Both ends of a step.
+
+    Attributes:
+        H0: Frames of all nodes at the start, (N, 4, 3).
+        H1: At the end.
+        F0: Forces of all elements at the start, in the frames of their nodes, (places, 6).
+        F1: At the end.
+    """
+
+    H0: Array
+    H1: Array
+    F0: Array
+    F1: Array
+
+
+class Path(NamedTuple):
+    """What is between the ends, of all nodes.
+
+    Attributes:
+        mean: Means of (x, d₁, d₂, d₃), (N, 4, 3).
+        delta: Increments of them.
+        step: Spatial translations and rotations ψ, (N, 6).
+    """
+
+    mean: Array
+    delta: Array
+    step: Array
+
+
+class Energies(NamedTuple):
+    """Of all elements, each of shape (M,).
+
+    Attributes:
+        start: Stored at the start of the step.
+        end: At its end.
+        account: Work done on them up to its start.
+    """
+
+    start: Array
+    end: Array
+    account: Array
+
+
+class RigidPart(NamedTuple):
+    """Of an element's step.
+
+    Attributes:
+        centre: Mean of its nodes.
+        ρ2: Their mean square distance from it: what rotations are measured by.
+        shift: Translation.
+        ω: Rotation, as a vector of Cayley's map.
+    """
+
+    centre: Vector
+    ρ2: float
+    shift: Vector
+    ω: Vector
+
+
+class Memory(NamedTuple):
+    """Work for one element after the other.
+
+    Attributes:
+        A: Metric of rotations, (3, 3).
+        f: Forces on its nodes, (k, 6), as the next two.
+        s: The step without its rigid part.
+        Ms: That in the metric.
+    """
+
+    A: Array
+    f: Array
+    s: Array
+    Ms: Array
 
 
 @inlined
@@ -110,13 +187,9 @@ def _unshrunk(ω: Vector, v: Vector) -> Vector:
 
 
 @inlined
-def metric_and_fit(  # type: ignore[no-untyped-def]
-    nodes, director, mean, delta, step, A
-):
-    """Centre, ``ρ²``, translation and rotation ω of the rigid part of an element's step.
-
-    ``A`` (3, 3) gets the metric of rotations about the centre.
-    """
+def metric_and_fit(nodes: Indices, director: bool, path: Path, A: Array) -> RigidPart:
+    """The rigid part of an element's step; ``A`` (3, 3) gets the metric of rotations about it."""
+    mean, delta, step = path
     share = 1.0 / nodes.shape[0]
     centre, shift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for i in nodes:
@@ -137,7 +210,7 @@ def metric_and_fit(  # type: ignore[no-untyped-def]
         else:
             for k in range(3):
                 A[k, k] += ρ2
-    return centre, ρ2, shift, solve_symmetric(A, b)
+    return RigidPart(centre, ρ2, shift, solve_symmetric(A, b))
 
 
 @inlined
@@ -156,11 +229,21 @@ def _on_director(f: Array) -> Vector:
 
 
 @inlined
-def mean_forces(  # type: ignore[no-untyped-def]
-    nodes, director, H0, H1, F0, F1, mean, fit, A, out
-):
-    """Mean of the forces (k, 6) at both ends, freed of its net force and moment; into ``out``."""
-    centre, ρ2, _, ω = fit
+def mean_forces(
+    nodes: Indices,
+    director: bool,
+    ends: Ends,
+    mean: Array,
+    fit: RigidPart,
+    A: Array,
+    out: Array,
+) -> None:
+    """Mean of the forces (k, 6) at both ends, freed of its net force and moment; into ``out``.
+
+    The forces in ``ends`` are those of the element alone.
+    """
+    H0, H1, F0, F1 = ends
+    centre, ρ2, ω = fit.centre, fit.ρ2, fit.ω
     φ = half(ω)
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for a in range(nodes.shape[0]):
@@ -186,8 +269,11 @@ def mean_forces(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def deformation(nodes, director, mean, delta, step, fit, s, Ms):  # type: ignore[no-untyped-def]
+def deformation(
+    nodes: Indices, director: bool, path: Path, fit: RigidPart, s: Array, Ms: Array
+) -> float:
     """The step without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
+    mean, delta, step = path
     centre, ρ2, shift, ω = fit
     square = 0.0
     for a in range(nodes.shape[0]):
@@ -240,51 +326,49 @@ def round_off(F: Array, reach: float) -> float:
 
 @compiled
 def add_elastic(
-    cells: tuple[Any, ...],
-    ends: tuple[Any, ...],
-    span: tuple[Any, ...],
-    account: Array,
+    cells: CellTable,
+    ends: Ends,
+    path: Path,
+    energies: Energies,
     work: Array,
-    repay: float,
-    typical: float,
-    unknown: float,
+    factors: tuple[float, float, float],
     out: Array,
 ) -> float:
     """Add the elastic forces of a step to ``out``.
 
     Args:
-        cells: See :class:`~fem_lie.forms.cells.CellTable`.
-        ends: Frames of all nodes at start and end, (N, 4, 3), forces (places, 6) and
-            energies (M,) there.
-        span: Means and increments (N, 4, 3) and steps (N, 6) of all nodes.
-        account: Work done on each element up to the start of the step, shape (M,).
-        work: That of this step, overwritten.
-        repay: Factor of ``M s`` in forces beside, whose work is on no account.
-        typical: ``|s|²`` of an element on the average, before.
-        unknown: What of its energy cannot be seen in that of the scene.
+        cells: All cells.
+        ends: Of the step.
+        path: Between them.
+        energies: Of the cells.
+        work: Done on each element in this step, shape (M,), overwritten.
+        factors: Of ``M s`` in forces beside, whose work is on no account; ``|s|²`` of an element on
+            the average, before; and what of its energy cannot be seen in that of the scene.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
 
     Returns:
         The sum of ``|s|²``.
     """
-    unknowns, first, nodes = cells[6], cells[7], cells[8]
-    H0, H1, F0, F1, W, W1 = ends
-    mean, delta, step = span
+    unknowns, first, nodes = cells.unknowns, cells.first, cells.nodes
+    H0, H1, F0, F1 = ends
+    W, W1, account = energies
+    repay, typical, unknown = factors
     A, f, s, Ms = _memory(first)
     squares = 0.0
     for e in range(unknowns.shape[0]):
         here = slice(first[e], first[e + 1])
         mine, director = nodes[here], unknowns[e] == 5
         count = mine.shape[0]
-        fit = metric_and_fit(mine, director, mean, delta, step, A)
-        mean_forces(mine, director, H0, H1, F0[here], F1[here], mean, fit, A, f[:count])
-        square = deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
+        fit = metric_and_fit(mine, director, path, A)
+        own = Ends(H0, H1, F0[here], F1[here])
+        mean_forces(mine, director, own, path.mean, fit, A, f[:count])
+        square = deformation(mine, director, path, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
-        noise, debt = round_off(F0[here], sqrt(fit[1])) + unknown, W[e] - account[e]
+        noise, debt = round_off(F0[here], sqrt(fit.ρ2)) + unknown, W[e] - account[e]
         missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
         missing += debt if abs(debt) > noise else 0.0
         # below the second a factor of noise would be as large as a stiffness by present forces
-        least = max(0.01 * typical, ROUND_OFF * fit[1])
+        least = max(0.01 * typical, ROUND_OFF * fit.ρ2)
         factor = _factor(missing, KNOWN * noise, square, least)
         work[e] = done + factor * square
         squares += square
@@ -296,9 +380,9 @@ def add_elastic(
 
 @compiled
 def filtered_forces(
-    cells: tuple[Any, ...],
-    ends: tuple[Any, ...],
-    span: tuple[Any, ...],
+    cells: CellTable,
+    ends: Ends,
+    path: Path,
     memory: Array,
     out: Array,
 ) -> tuple[float, float]:
@@ -306,17 +390,16 @@ def filtered_forces(
 
     Args:
         cells: See :func:`add_elastic`.
-        ends: Frames of all nodes and forces at start and end.
-        span: See :func:`add_elastic`.
+        ends: See :func:`add_elastic`.
+        path: See :func:`add_elastic`.
         memory: Forces in the frames of the nodes, (places, 6).
         out: Both, forces and moments on all nodes, global components, (2, N, 6), overwritten.
 
     Returns:
         The works of ``F₁ − F₀`` and of the memory.
     """
-    unknowns, first, nodes = cells[6], cells[7], cells[8]
+    unknowns, first, nodes = cells.unknowns, cells.first, cells.nodes
     H0, H1, F0, F1 = ends
-    mean, delta, step = span
     A, f, s, Ms = _memory(first)
     change, kept = np.empty_like(f), np.empty_like(f)
     by_change = by_memory = 0.0
@@ -325,14 +408,15 @@ def filtered_forces(
         here = slice(first[e], first[e + 1])
         mine, director = nodes[here], unknowns[e] == 5
         count = mine.shape[0]
-        fit = metric_and_fit(mine, director, mean, delta, step, A)
-        deformation(mine, director, mean, delta, step, fit, s[:count], Ms[:count])
+        fit = metric_and_fit(mine, director, path, A)
+        deformation(mine, director, path, fit, s[:count], Ms[:count])
         for a in range(count):
             for k in range(6):
                 f[a, k] = F1[first[e] + a, k] - F0[first[e] + a, k]
-        mean_forces(mine, director, H0, H1, f[:count], f[:count], mean, fit, A, change[:count])
-        w = memory[here]
-        mean_forces(mine, director, H0, H1, w, w, mean, fit, A, kept[:count])
+        changes = Ends(H0, H1, f[:count], f[:count])
+        mean_forces(mine, director, changes, path.mean, fit, A, change[:count])
+        before = Ends(H0, H1, memory[here], memory[here])
+        mean_forces(mine, director, before, path.mean, fit, A, kept[:count])
         by_change += _work(change[:count], s[:count])
         by_memory += _work(kept[:count], s[:count])
         for a in range(count):
@@ -343,9 +427,10 @@ def filtered_forces(
 
 
 @compiled
-def _memory(first: Indices) -> tuple[Array, Array, Array, Array]:
-    """A matrix (3, 3), and three of six numbers for each node of the largest cell."""
+def _memory(first: Indices) -> Memory:
+    """For the largest cell."""
     most = 1
     for e in range(first.shape[0] - 1):
         most = max(most, first[e + 1] - first[e])
-    return np.empty((3, 3)), np.empty((most, 6)), np.empty((most, 6)), np.empty((most, 6))
+    room = np.empty((3, 3)), np.empty((most, 6)), np.empty((most, 6)), np.empty((most, 6))
+    return Memory(*room)

@@ -33,7 +33,6 @@ methods: Dahlquist, BIT 18 (1978) 384.)
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -43,6 +42,7 @@ from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
 from fem_lie.solve.conserving.step.copies import put
 from fem_lie.solve.conserving.step.discrete_gradient import solve_symmetric
 from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.inertia import Inertia
 
 MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
 """Places in the array of lagged numbers: β, the share of elastic forces that is filtered, whether
@@ -55,9 +55,17 @@ _TURNS = 30
 
 
 @compiled
-def end_velocities(  # type: ignore[no-untyped-def]
-    mass, V, V1, delta, w, lag, χ, h, q
-):
+def end_velocities(
+    mass: Inertia,
+    V: Array,
+    V1: Array,
+    delta: Array,
+    w: Array,
+    lag: Array,
+    χ: float,
+    h: float,
+    q: Array,
+) -> None:
     """Velocities ``V₁`` at the end from the increments, with the present β; (n, 4, 3).
 
     With ``V̄`` given, ``ΔV = a + χ/(1 + χ) Ω × V̄`` with ``a`` from the increments, and Ω, the
@@ -90,9 +98,7 @@ def end_velocities(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def choose_memory(
-    mass: tuple[Any, ...], V: Array, V1: Array, w: Array, q: Array, lag: Array
-) -> None:
+def choose_memory(mass: Inertia, V: Array, V1: Array, w: Array, q: Array, lag: Array) -> None:
     """β for velocities ``V₁`` that were found with the one before; ``q`` (2, n, 4, 3) is work."""
     A = np.zeros((3, 3))
     turn_change = _projection(mass, V, V1, V1, V, 1.0, q, A)
@@ -125,9 +131,9 @@ def remember(lag: Array, μ: float) -> None:
 
 
 @compiled
-def _projection(  # type: ignore[no-untyped-def]
-    mass, V, V1, a, b, sign, q, A
-):
+def _projection(
+    mass: Inertia, V: Array, V1: Array, a: Array, b: Array, sign: float, q: Array, A: Array
+) -> Vector:
     """Rotation that makes ``Ω × V̄`` nearest to ``a − sign b`` in the metric of inertia."""
     indptr, indices, blocks = mass
     n = V.shape[0]
@@ -176,9 +182,9 @@ def _mean(V: Array, V1: Array, i: int, k: int) -> Vector:
 
 
 @compiled
-def _loss(  # type: ignore[no-untyped-def]
-    mass, V, V1, a, b, sign, Ω, q
-):
+def _loss(
+    mass: Inertia, V: Array, V1: Array, a: Array, b: Array, sign: float, Ω: Vector, q: Array
+) -> float:
     """``ΔV·G (a − sign b − Ω × V̄)``."""
     indptr, indices, blocks = mass
     for i in range(V.shape[0]):
@@ -187,16 +193,14 @@ def _loss(  # type: ignore[no-untyped-def]
             for j in range(3):
                 q[0, i, k, j] = a[i, k, j] - sign * b[i, k, j] - turned[j]
     inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    return np.sum((V1 - V) * q[1])
+    return float(np.sum((V1 - V) * q[1]))
 
 
 @compiled
-def velocity_loss(  # type: ignore[no-untyped-def]
-    mass, V, V1, delta, h, q
-):
+def velocity_loss(mass: Inertia, V: Array, V1: Array, delta: Array, h: float, q: Array) -> float:
     """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly."""
     indptr, indices, blocks = mass
     n = V.shape[0]
     put(delta[:n] / h - 0.5 * (V + V1), q[0])
     inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    return np.sum((V1 - V) * q[1])
+    return float(np.sum((V1 - V) * q[1]))

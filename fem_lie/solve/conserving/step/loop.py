@@ -7,14 +7,13 @@ when a step fails.
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie.bodies.balances import BY_LOADS
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
+from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import unwrap
 from fem_lie.lie.tuples import (
     Vector,
@@ -32,7 +31,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.linear.factors import solve
+from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.cayley import advance
 from fem_lie.solve.conserving.step.copies import put
@@ -43,6 +42,18 @@ from fem_lie.solve.conserving.step.dissipation import (
     REMEMBERS,
     REPAID,
     remember,
+)
+from fem_lie.solve.conserving.step.records import (
+    Model,
+    PackedModel,
+    Scheme,
+    State,
+    Step,
+    model_of,
+    solution_of,
+    span_of,
+    state_of,
+    step_of,
 )
 from fem_lie.solve.conserving.step.stopping import (
     ASKED,
@@ -64,6 +75,8 @@ from fem_lie.solve.conserving.step.stopping import (
     stagnates,
 )
 from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
 
 DONE, MATRIX, FAILED = 0, 1, 2
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -72,15 +85,19 @@ _FELT = 8.0
 """Increments are round-off if they are at most as large as this many changes by it."""
 
 
+@linked
+def packed_begin(model: PackedModel, state: Indices, step: Indices) -> float:
+    """:func:`begin` of :class:`~fem_lie.solve.conserving.step.records.Packed`."""
+    m = model_of(model)
+    return begin(m.held, m.measure, m.scheme.h, state_of(state), step_of(step))
+
+
 @compiled
-def begin(  # type: ignore[no-untyped-def]
-    held, measure, scheme, state, this
-):
+def begin(held: Flags, measure: Array, h: float, state: State, this: Step) -> float:
     """Predict the step; returns the size of its largest motion."""
-    h = scheme[0]
-    H, V, trend, step, V1 = state[0], state[2], state[13], this[0], this[2]
-    put(V, V1)
-    put(state[3], this[13])
+    H, V, trend, step = state.H, state.V, state.trend, this.step
+    put(V, this.V1)
+    put(state.weights, this.weights)
     ahead, largest = h * h, 0.0
     for i in range(step.shape[0]):
         u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
@@ -101,7 +118,7 @@ def _spin(H: Array, V: Array) -> Vector:
 
 
 @inlined
-def _hold(H: Array, held: Any, u: Vector, ψ: Vector, step: Array) -> None:
+def _hold(H: Array, held: Flags, u: Vector, ψ: Vector, step: Array) -> None:
     """``step = (u, ψ)`` without its parts along the held axes of the frame."""
     any_held = False
     for k in range(6):
@@ -118,10 +135,11 @@ def _hold(H: Array, held: Any, u: Vector, ψ: Vector, step: Array) -> None:
 
 
 @compiled
-def correction(measure: Array, r: Array, factors: tuple[Any, ...]) -> float:
+def correction(measure: Array, r: Array, factors: PlainFactors) -> float:
     """Solve for the correction; returns the size of its largest part."""
-    x, largest = r[1], 0.0
-    solve(factors, r[0], r[2], x)
+    residual, x, work = solution_of(r)
+    largest = 0.0
+    solve(factors, residual, work, x)
     for k in range(x.shape[0]):
         size = abs(x[k]) * measure[k]
         if size > largest or size != size:  # nan stays
@@ -130,13 +148,11 @@ def correction(measure: Array, r: Array, factors: tuple[Any, ...]) -> float:
 
 
 @compiled
-def correct(  # type: ignore[no-untyped-def]
-    held, scale, scheme, state, this
-):
+def correct(held: Flags, scale: Array, scheme: Scheme, state: State, this: Step) -> None:
     """Apply the correction."""
-    χ = scheme[1] * state[10][REMEMBERS]
-    H, weights = state[0], state[3]
-    step, middle, x = this[0], this[1][2], this[12][1]
+    χ = scheme.loss * state.lag[REMEMBERS]
+    H, weights = state.H, state.weights
+    step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x
     n = step.shape[0]
     for i in range(n):
         m, dx = middle[i], x[6 * i : 6 * i + 6]
@@ -150,14 +166,23 @@ def correct(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def accept(  # type: ignore[no-untyped-def]
-    mass, joints, probes, loads, scheme, state, this
-):
-    """Make the end of the step the start of the next."""
-    H, rest, V, _, gap, F, W, account, w, w_F, lag, carry, books, trend, earlier, sizes = state
-    step, rows, V1, F1, energies, change, losses = this[:7]
+def accept(
+    mass: Inertia,
+    tables: tuple[PackedJoints, PackedJoints],
+    loads: Loads,
+    conservative: Array,
+    scheme: Scheme,
+    state: State,
+    this: Step,
+) -> None:
+    """Make the end of the step the start of the next; ``tables``: of joints and of probes."""
+    H, V, F, lag, trend = state.H, state.V, state.F, state.lag, state.trend
+    w, w_F, books, account = state.w, state.w_F, state.books, state.account
+    step, V1, F1, losses = this.step, this.V1, this.F1, this.losses
+    end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
-    _keep_what_is_left(rows[2], step, this[12][0], 0.5 * (1.0 + χ * lag[REMEMBERS]), lag, carry)
+    share = 0.5 * (1.0 + χ * lag[REMEMBERS])
+    _keep_what_is_left(middle, step, solution_of(this.r).residual, share, lag, state.carry)
     if χ > 0.0:
         # the first step knows of no change before
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
@@ -165,32 +190,34 @@ def accept(  # type: ignore[no-untyped-def]
         remember(lag, μ)
         w += μ * (V1 - V - w)
         w_F += μ * (F1 - F - w_F)
-    books[0] += losses[0] + _work_of_loads(loads, rows, step, losses)
-    books[1] += losses[1]
-    books[2] += losses[2]
+    books[WORK] += losses[WORK] + _work_of_loads(loads, conservative, this.rows, step, losses)
+    books[DAMPING] += losses[DAMPING]
+    books[NUMERICAL] += losses[NUMERICAL]
     books[BY_LOADS:] += h * losses[BY_LOADS:]
-    advance(H[:n], rest, rows[3, :n])
+    advance(H[:n], state.rest, delta[:n])
     for i in range(n, H.shape[0]):
         for k in range(4):
-            store_row(H[i], k, load_row(rows[0, i], k))
+            store_row(H[i], k, load_row(end[i], k))
+    joints, probes = tables
     unwrap(H, joint_table(joints))
     unwrap(H, joint_table(probes))
     put(V1, V)
-    indptr, indices, blocks = mass
-    inertia.multiply(indptr, indices, blocks, V, this[10][1])
-    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * this[10][1]) + np.sum(energies[0]))
+    momenta = this.q[1]
+    inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
+    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * momenta) + np.sum(this.W1))
     for i in range(n):
         for at in (0, 3):
-            end = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
-            store(trend[i], at, combined(1.0 / h, end, -1.0 / h**2, load(step[i], at)))
+            later = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
+            store(trend[i], at, combined(1.0 / h, later, -1.0 / h**2, load(step[i], at)))
     put(F1, F)
-    put(energies[0], W)
+    put(this.W1, state.W)
     for e in range(account.shape[0]):
-        account[e] += energies[1, e]
+        account[e] += this.work[e]
+    sizes, earlier = state.sizes, state.earlier
     sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
-    for c in range(gap.shape[0]):
-        gap[c] += change[c]
-        earlier[1, c], earlier[0, c] = earlier[0, c], this[13][c]
+    for c in range(state.gap.shape[0]):
+        state.gap[c] += this.change[c]
+        earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
 
 
 @compiled
@@ -213,10 +240,11 @@ def _keep_what_is_left(
 
 
 @compiled
-def _work_of_loads(loads: tuple[Any, ...], rows: Array, step: Array, losses: Array) -> float:
+def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, losses: Array) -> float:
     """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
-    dead, moment, following, constant = loads
-    mean, middle, delta, work = rows[1], rows[2], rows[3], 0.0
+    dead, moment, following = loads
+    _, mean, middle, delta = span_of(rows)
+    work = 0.0
     for i in range(step.shape[0]):
         for k in range(4):
             for j in range(3):
@@ -232,10 +260,10 @@ def _work_of_loads(loads: tuple[Any, ...], rows: Array, step: Array, losses: Arr
 
 @linked
 def run(
-    model: tuple[Any, ...],
-    state: tuple[Any, ...],
-    this: tuple[Any, ...],
-    factors: tuple[Any, ...],
+    packed: PackedModel,
+    starts: Indices,
+    steps: Indices,
+    factors: PlainFactors,
     options: tuple[float, int, int, float, float],
     counters: Indices,
     numbers: Array,
@@ -244,9 +272,9 @@ def run(
     """Go on until step ``last``, or until a new matrix is wanted, or a step fails.
 
     Args:
-        model: See :class:`~fem_lie.solve.conserving.step.balance.Model`.
-        state: See :class:`~fem_lie.solve.conserving.step.balance.State`.
-        this: See :class:`~fem_lie.solve.conserving.step.balance.Step`.
+        packed: The model, see :class:`~fem_lie.solve.conserving.step.records.Packed`.
+        starts: The state.
+        steps: The step.
         factors: Of the matrix.
         options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
@@ -255,12 +283,13 @@ def run(
         numbers: Shape (9,), updated.
         last: Step to reach.
     """
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
     tolerance, limit, patience, cost, spare = options
     # what takes all of the model is much code at each call
-    held, measure, scale, scheme = model[5], model[6], model[7], model[11]
+    held, measure, scale, scheme = model.held, model.measure, model.scale, model.scheme
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
-            numbers[MOTION] = max(begin(held, measure, scheme, state, this), numbers[MOTION])
+            numbers[MOTION] = max(begin(held, measure, scheme.h, state, this), numbers[MOTION])
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
             counters[ITERATION], counters[STALLS] = 1, 0
         iteration = counters[ITERATION]
@@ -275,7 +304,7 @@ def run(
             if due:
                 return MATRIX
         residual(model, state, this)
-        numbers[INCREMENT] = correction(measure, this[12], factors)
+        numbers[INCREMENT] = correction(measure, this.r, factors)
         counters[TOTAL] += 1
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
@@ -289,7 +318,8 @@ def run(
             if not noise:
                 correct(held, scale, scheme, state, this)
                 residual(model, state, this)
-            accept(model[2], model[1], model[12], model[8], scheme, state, this)
+            joints = model.joints, model.probes
+            accept(model.inertia, joints, model.loads, model.conservative, scheme, state, this)
             count(counters, numbers)
             counters[STEPS] += 1
             counters[ITERATION] = counters[ASKED] = 0
@@ -303,18 +333,16 @@ def run(
 
 
 @linked
-def _round_off(
-    model: tuple[Any, ...], state: tuple[Any, ...], this: tuple[Any, ...], factors: tuple[Any, ...]
-) -> float:
+def _round_off(model: Model, state: State, this: Step, factors: PlainFactors) -> float:
     """How much the correction changes with the unknowns' last digits.
 
     That is what round-off makes of it in this scene and posture, where stiffness over inertia, or
     constraints that are hardly independent, make much of it. An iteration that is at odds with its
     matrix does not feel it.
     """
-    held, measure = model[5], model[6]
-    H, weights, step, r = state[0], state[3], this[0], this[12]
-    kept, kept_weights, x = step.copy(), weights.copy(), r[1].copy()
+    held, measure = model.held, model.measure
+    H, weights, step, solution = state.H, state.weights, this.step, solution_of(this.r)
+    kept, kept_weights, x = step.copy(), weights.copy(), solution.x.copy()
     n, sign = step.shape[0], 1.0
     for i in range(n):
         for k in range(6):
@@ -326,12 +354,12 @@ def _round_off(
         weights[c] *= 1.0 + sign * _ULP
         sign = -sign
     residual(model, state, this)
-    correction(measure, this[12], factors)
+    correction(measure, this.r, factors)
     largest = 0.0
     for k in range(x.shape[0]):
-        largest = max(largest, abs(r[1, k] - x[k]) * measure[k])
+        largest = max(largest, abs(solution.x[k] - x[k]) * measure[k])
     put(kept, step)
     put(kept_weights, weights)
     residual(model, state, this)
-    put(x, r[1])
+    put(x, solution.x)
     return largest

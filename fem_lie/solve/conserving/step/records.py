@@ -1,0 +1,373 @@
+"""What a step of a conserving scheme works on: the scene, the start of the step, the step.
+
+In Python and in compiled code these are the same records. Between the two stand tables of
+addresses, :class:`Packed`: a call from Python takes the longer the more arrays there are, and
+records longer than plain tuples.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import inlined
+from fem_lie.forms.cells import CellTable
+from fem_lie.forms.fixed_arrays import (
+    FixedArrays,
+    integers1,
+    integers2,
+    numbers1,
+    numbers2,
+    numbers3,
+    numbers4,
+)
+from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
+
+
+class Scheme(NamedTuple):
+    """Parameters of a scheme.
+
+    Attributes:
+        h: Step size.
+        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
+        learning: μ.
+    """
+
+    h: float
+    loss: float
+    learning: float
+
+
+class Leaders(NamedTuple):
+    """Which node follows which, see :class:`~fem_lie.system.nodes.attachment.Attachment`.
+
+    Attributes:
+        leader: Of each node, (N,).
+        offset: Frame of each node in that of its leader, (N, 4, 3).
+        trivial: Whether all lead themselves.
+    """
+
+    leader: Indices
+    offset: Array
+    trivial: bool
+
+
+class Pieces(NamedTuple):
+    """Pieces of lines under pressure.
+
+    Attributes:
+        pairs: Their nodes, (s, 2).
+        across: Axes across them times the pressure, (s, 3); they may be changed.
+    """
+
+    pairs: Indices
+    across: Array
+
+
+class Model(NamedTuple):
+    """What does not change in a step.
+
+    Attributes:
+        cells: All cells.
+        joints: Table of all joints.
+        inertia: Mass matrix.
+        damping: The same of damping that goes with mass; without rows there is none.
+        leaders: Who leads.
+        held: Which unknowns are zero, (n, 6).
+        measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
+        scale: Factor of each constraint, (m,).
+        loads: In the middle of the step; they may be changed.
+        conservative: Those of ``loads.dead`` that have a potential, (n, 4, 3).
+        pressure: Where it acts.
+        viscous: Whether cells have viscous forces.
+        scheme: Parameters.
+        probes: Table of the coordinates that results report.
+        driven: Increments of the constraints' targets in the step, (m,); they may be changed.
+        supported: Which unknowns are held from outside, (n, 6).
+    """
+
+    cells: CellTable
+    joints: PackedJoints
+    inertia: Inertia
+    damping: Inertia
+    leaders: Leaders
+    held: Flags
+    measure: Array
+    scale: Array
+    loads: Loads
+    conservative: Array
+    pressure: Pieces
+    viscous: bool
+    scheme: Scheme
+    probes: PackedJoints
+    driven: Array
+    supported: Flags
+
+
+class State(NamedTuple):
+    """Start of a step, and its end with index 1.
+
+    Attributes:
+        H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
+        rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
+        V: Velocities of (x, d₁, d₂, d₃), (n, 4, 3).
+        weights: Multipliers, (m,).
+        gap: Values of the constraints, (m,).
+        F: Forces of the cells, in the frames of their nodes, (places, 6).
+        W: Energies of the cells, (M,).
+        account: Work done on each cell, (M,).
+        w: Memory of changes of velocity, (n, 4, 3).
+        w_F: Of changes of forces, (places, 6).
+        lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
+            (11,).
+        carry: Forces and moments left over by the last step, global components, (n, 6).
+        books: Work of loads and drives that has no potential, of damping, numerical loss, and
+            impulses of loads and of reactions, (15,).
+        trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
+        earlier: Multipliers of the two steps before the last one, (2, m).
+        sizes: Of the last three steps since the start or an event, 0 for those before, (3,).
+    """
+
+    H: Array
+    rest: Array
+    V: Array
+    weights: Array
+    gap: Array
+    F: Array
+    W: Array
+    account: Array
+    w: Array
+    w_F: Array
+    lag: Array
+    carry: Array
+    books: Array
+    trend: Array
+    earlier: Array
+    sizes: Array
+
+
+class Step(NamedTuple):
+    """What a step consists of, and memory without meaning between two of them.
+
+    Attributes:
+        step: Spatial translation and rotation of the nodes, (n, 6).
+        rows: :class:`Span` of all rows, (4, rows, 4, 3).
+        V1: Velocities at the end, (n, 4, 3).
+        F1: Forces of the cells at the end, (places, 6).
+        W1: Their energies, (M,).
+        work: Done on them in the step, (M,).
+        change: Of the constraints, (m,).
+        losses: Work of drives, of damping, numerical loss in the step, and forces and moments about
+            the origin of pressure and mass damping, and of reactions, (15,).
+        start: Frames of all nodes at the start, (N, 4, 3).
+        nodes: :class:`Span` of all nodes, (4, N, 4, 3).
+        exact: Increments of all nodes with ``rest``, (N, 4, 3).
+        steps: Translation and rotation of all nodes, (N, 6).
+        twists: In half-way frames, (N, 6).
+        on_nodes: Forces on all nodes, (N, 6).
+        forces: On the leaders, (n, 6).
+        q: For inertia, (2, n, 4, 3).
+        F_viscous: Viscous forces of the cells, (places, 6).
+        r: :class:`Solution` of the equations, (3, 6 n + m).
+        weights: Multipliers at the start of the step, (m,).
+        filtered: Forces of the changes of elastic forces and of their memory, on all nodes,
+            (2, N, 6).
+    """
+
+    step: Array
+    rows: Array
+    V1: Array
+    F1: Array
+    W1: Array
+    work: Array
+    change: Array
+    losses: Array
+    start: Array
+    nodes: Array
+    exact: Array
+    steps: Array
+    twists: Array
+    on_nodes: Array
+    forces: Array
+    q: Array
+    F_viscous: Array
+    r: Array
+    weights: Array
+    filtered: Array
+
+
+class Span(NamedTuple):
+    """What lies between the two levels of a step, see :mod:`.cayley`; of k nodes, (k, 4, 3).
+
+    Attributes:
+        end: Frames at the end.
+        mean: Means of (x, d₁, d₂, d₃).
+        middle: Mean positions with the half-way rotations.
+        delta: Increments of (x, d₁, d₂, d₃).
+    """
+
+    end: Array
+    mean: Array
+    middle: Array
+    delta: Array
+
+
+class Solution(NamedTuple):
+    """Of the equations, each of shape (6 n + m,).
+
+    Attributes:
+        residual: What is wrong.
+        x: The correction.
+        work: Of the solver.
+    """
+
+    residual: Array
+    x: Array
+    work: Array
+
+
+PackedModel: TypeAlias = tuple[Indices, Flags, Flags, tuple[bool, bool], tuple[float, float, float]]
+"""Table of the arrays of a :class:`Model`; ``held`` and ``supported``; whether all lead themselves,
+and ``viscous``; the scheme."""
+
+
+class Packed:
+    """Records by the addresses of their arrays, which must not be replaced by others.
+
+    Attributes:
+        model: For :func:`model_of`.
+        state: For :func:`state_of`.
+        step: For :func:`step_of`.
+    """
+
+    def __init__(self, model: Model, state: State, step: Step) -> None:
+        """In the order of the fields."""
+        self._fixed = (
+            FixedArrays(
+                (
+                    *model.cells,
+                    *model.joints,
+                    *model.inertia,
+                    *model.damping,
+                    model.leaders.leader,
+                    model.leaders.offset,
+                    model.measure,
+                    model.scale,
+                    *model.loads,
+                    model.conservative,
+                    *model.pressure,
+                    *model.probes,
+                    model.driven,
+                )
+            ),
+            FixedArrays(state),
+            FixedArrays(step),
+        )
+        self.state, self.step = (fixed.table for fixed in self._fixed[1:])
+        self.model = self._model(model)
+
+    def _model(self, model: Model) -> PackedModel:
+        flags = model.leaders.trivial, model.viscous
+        return self._fixed[0].table, model.held, model.supported, flags, (*model.scheme,)
+
+    def set_scheme(self, model: Model) -> None:
+        """Take the scheme of a ``model`` that differs in it alone."""
+        self.model = self._model(model)
+
+
+@inlined
+def model_of(packed: PackedModel) -> Model:
+    """The model of :class:`Packed`."""
+    table, held, supported, (trivial, viscous), (h, loss, learning) = packed
+    return Model(
+        CellTable(
+            integers2(table, 0),
+            integers2(table, 1),
+            integers2(table, 2),
+            integers2(table, 3),
+            integers1(table, 4),
+            integers1(table, 5),
+            integers1(table, 6),
+            integers1(table, 7),
+            integers1(table, 8),
+        ),
+        (numbers1(table, 9), integers1(table, 10)),
+        Inertia(integers1(table, 11), integers1(table, 12), numbers3(table, 13)),
+        Inertia(integers1(table, 14), integers1(table, 15), numbers3(table, 16)),
+        Leaders(integers1(table, 17), numbers3(table, 18), trivial),
+        held,
+        numbers1(table, 19),
+        numbers1(table, 20),
+        Loads(numbers3(table, 21), numbers2(table, 22), numbers2(table, 23)),
+        numbers3(table, 24),
+        Pieces(integers2(table, 25), numbers2(table, 26)),
+        viscous,
+        Scheme(h, loss, learning),
+        (numbers1(table, 27), integers1(table, 28)),
+        numbers1(table, 29),
+        supported,
+    )
+
+
+@inlined
+def state_of(table: Indices) -> State:
+    """The state of :class:`Packed`."""
+    return State(
+        numbers3(table, 0),
+        numbers3(table, 1),
+        numbers3(table, 2),
+        numbers1(table, 3),
+        numbers1(table, 4),
+        numbers2(table, 5),
+        numbers1(table, 6),
+        numbers1(table, 7),
+        numbers3(table, 8),
+        numbers2(table, 9),
+        numbers1(table, 10),
+        numbers2(table, 11),
+        numbers1(table, 12),
+        numbers2(table, 13),
+        numbers2(table, 14),
+        numbers1(table, 15),
+    )
+
+
+@inlined
+def step_of(table: Indices) -> Step:
+    """The step of :class:`Packed`."""
+    return Step(
+        numbers2(table, 0),
+        numbers4(table, 1),
+        numbers3(table, 2),
+        numbers2(table, 3),
+        numbers1(table, 4),
+        numbers1(table, 5),
+        numbers1(table, 6),
+        numbers1(table, 7),
+        numbers3(table, 8),
+        numbers4(table, 9),
+        numbers3(table, 10),
+        numbers2(table, 11),
+        numbers2(table, 12),
+        numbers2(table, 13),
+        numbers2(table, 14),
+        numbers4(table, 15),
+        numbers2(table, 16),
+        numbers2(table, 17),
+        numbers1(table, 18),
+        numbers3(table, 19),
+    )
+
+
+@inlined
+def span_of(rows: Array) -> Span:
+    """Parts of ``rows`` (4, k, 4, 3)."""
+    return Span(rows[0], rows[1], rows[2], rows[3])
+
+
+@inlined
+def solution_of(r: Array) -> Solution:
+    """Parts of ``r`` (3, size)."""
+    return Solution(r[0], r[1], r[2])
