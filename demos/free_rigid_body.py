@@ -202,7 +202,7 @@ def against_table(
     """A run compared with the rows of its reference that lie in it."""
     make, text, columns, whole = TABLES[case]
     # turning about the middle axis is unstable: it multiplies what the iteration leaves
-    scheme = replace(scheme, tolerance=1e-10)
+    scheme = replace(scheme, tolerance=1e-11)
     result = scheme.run(make(), duration=duration or whole, step=step)
     table = np.array(text.split(), dtype=float).reshape(-1, columns)
     table = table[table[:, 0] < result.times[-1] + 0.5 * step]

@@ -40,6 +40,19 @@ def log_coincident(what: str, points: Array) -> None:
         )
 
 
+def diameter(points: Array) -> float:
+    """The largest distance of two points, however they lie; shape (n, 3).
+
+    Found from point to farthest point, which may miss a little of it in clouds without corners.
+    """
+    start, found = points.mean(axis=0), -1.0
+    while True:
+        away = np.linalg.norm(points - start, axis=1)
+        if not away.max() > found * (1.0 + 1e-12):
+            return float(away.max())
+        found, start = float(away.max()), points[away.argmax()]
+
+
 def whole_number(cells: int) -> int:
     """``cells`` as a number of at least 1, or ``ValueError``."""
     try:

@@ -20,7 +20,7 @@ from mpi4py import MPI
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, diameter
 from fem_lie.bodies.catalogue import SceneInfo, SupportInfo
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations import terms
@@ -82,7 +82,7 @@ class System:
             the matrix are like those of positions.
         choices: What :meth:`fill_matrix` takes in.
         turns: How far elements turn from end to end.
-        length: Diagonal of the initial bounding box, or a body's size: the length of tolerances.
+        length: Largest distance of two nodes, or a body's size: the length of tolerances.
     """
 
     def __init__(
@@ -132,9 +132,7 @@ class System:
             raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
         places = self.frames[: self.count, 0]
-        # twice the distance from the middle: that of a box would depend on how the scene lies
-        across = 2.0 * np.linalg.norm(places - places.mean(axis=0), axis=1).max()
-        self.length = max(float(across), *(body.size for body in scene.bodies))
+        self.length = max(diameter(places), *(body.size for body in scene.bodies))
         required = dynamics or bool(scene.gravity.any())
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         self._damping = damping if dynamics else None

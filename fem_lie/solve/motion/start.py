@@ -110,8 +110,8 @@ def accelerations(
         Shapes (n, 6) and (m,).
 
     Raises:
-        ValueError: The mass matrix is singular, or forces are beyond the range of numbers.
-        InaccurateSolutionError: No solver could solve the equations.
+        ValueError: The mass matrix is singular, forces are beyond the range of numbers, or no
+            solver could solve the equations.
     """
     n, m = system.count, system.m
     v, driven = with_driven(system, v, time, step)
@@ -136,8 +136,8 @@ def accelerations(
     try:
         solver.factorise()
         solver.solve()
-    except InaccurateSolutionError:
-        raise
+    except InaccurateSolutionError as error:
+        raise ValueError(f"initial accelerations cannot be computed: {error}") from error
     except SingularMatrixError as error:
         raise ValueError(
             "the mass matrix is singular: a body or section lacks (rotary) inertia"
