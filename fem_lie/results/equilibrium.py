@@ -8,15 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from fem_lie import lie
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.joints import Connection
+from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.reactions import Support, reaction
+from fem_lie.results.states import LoadedStates, StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
 if TYPE_CHECKING:
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class StaticResult:
+class StaticResult(StateSeries, LoadedStates):
     """Equilibrium states.
 
     Attributes:
@@ -50,14 +48,14 @@ class StaticResult:
     factors: Array
     frames: Array
     joint_forces: Array
-    iterations: npt.NDArray[np.int64]
+    iterations: Indices
     failed_iterations: int
     info: SceneInfo
     initial: Array
     steady_rotation: Rotation
     seconds: float
     reactions: Array
-    negative_pivots: npt.NDArray[np.int64] = field(
+    negative_pivots: Indices = field(
         default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True
     )
     factorisations: int = field(default=0, kw_only=True)
@@ -76,49 +74,22 @@ class StaticResult:
         """Linear solutions in all."""
         return int(self.iterations.sum()) + self.failed_iterations
 
-    def position(self, point: Point | str) -> Array:
-        """Positions of a point at all steps, shape (k, 3)."""
-        return self.frames[:, self.info.node(point), 0]
-
-    def joint_force(self, joint: Connection | str) -> Array:
-        """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6)."""
-        return self.joint_forces[:, self.info.joint(joint)]
-
-    def reaction(self, *supports: Support) -> Array:
-        """Force and moment of a clamp or guide, or of several together, shape (k, 6).
-
-        See :meth:`fem_lie.Result.reaction`.
-        """
-        return reaction(self, supports)
-
-    def rotation(self, point: Point | str) -> Array:
-        """Rotation matrices of a point at all steps, shape (k, 3, 3)."""
-        return lie.rotation(self.frames[:, self.info.node(point)])
-
     def plot(
         self,
-        *points: Point | str,
+        *points: Point | str | int,
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
     ) -> Figure:
         """Displacements of points over the load factor; saved if there is a path."""
-        from fem_lie.pictures.diagrams import displacements
-
-        moved = [
-            (
-                point if isinstance(point, str) else point.label,
-                self.position(point) - self.initial[self.info.node(point), 0],
-            )
-            for point in points
-        ]
-        return displacements(self.factors, moved, path, units=units)
+        moved = [(label_of(point), self.displacement(point)) for point in points]
+        return diagrams.displacements(self.factors, moved, path, units=units)
 
     def picture(
         self,
         path: str | os.PathLike[str],
         at: Sequence[int | float] | None = None,
         *,
-        trace: Sequence[Point | str] = (),
+        trace: Sequence[Point | str | int] = (),
         frames: bool = False,
         title: str = "",
         units: Units = SI,
@@ -137,30 +108,30 @@ class StaticResult:
         Raises:
             ValueError: There is no such state.
         """
-        from fem_lie.pictures.bodies import draw
+        rows = self._instants(_DRAWN) if at is None else [self._row(state) for state in at]
+        drawn = np.concatenate([self.initial[np.newaxis], self.frames[rows]])
+        paths = self._traces(trace)
+        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
 
-        states = np.concatenate([self.initial[np.newaxis], self.frames])
-        paths = [states[:, self.info.node(point), 0] for point in trace]
-        drawn = states[[0, *(1 + row for row in self._rows(at))]]
-        draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
-
-    def _rows(self, at: Sequence[int | float] | None) -> list[int]:
-        """Numbers of the states to be drawn."""
+    def _row(self, state: int | float) -> int:
+        """Number of a state that is asked for by its index or by a load factor."""
         count = len(self.factors)
-        if at is None:
-            even = np.linspace(0, count - 1, min(_DRAWN, count))
-            return [int(row) for row in even.round()]
-        rows = []
-        for state in at:
-            if isinstance(state, int | np.integer):
-                if not -count <= state < count:
-                    raise ValueError(f"there are {count} states, got the index {state}")
-                rows.append(int(state) % count)
-            elif np.isfinite(state):
-                rows.append(int(np.abs(self.factors - state).argmin()))
-            else:
-                raise ValueError(f"a load factor must be finite, got {state}")
-        return rows
+        if isinstance(state, int | np.integer):
+            if not -count <= state < count:
+                raise ValueError(f"there are {count} states, got the index {state}")
+            return int(state) % count
+        if not np.isfinite(state):
+            raise ValueError(f"a load factor must be finite, got {state}")
+        return nearest(self.factors, state)
+
+    def _instants(self, images: int) -> Indices:
+        """Numbers of so many states at most, evenly."""
+        return evenly(len(self.factors), images)
+
+    def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
+        """Paths of points through all states, from the unloaded one on."""
+        starts = [self.initial[[self.info.node(point)], 0] for point in points]
+        return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
 
 
 @dataclass(frozen=True)

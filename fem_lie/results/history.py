@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.file import NUMBERS, Stored, read, write
-from fem_lie.results.reactions import Support, reaction
 from fem_lie.results.resampling import resampled
+from fem_lie.results.states import StateSeries, label_of, nearest
 from fem_lie.results.steps import StepHistory
 
 if TYPE_CHECKING:
@@ -26,9 +27,11 @@ if TYPE_CHECKING:
     from fem_lie.joints import Connection
     from fem_lie.pictures.vtk import ForcesInBeam
 
+_DRAWN = 6  # states in a picture
+
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(StateSeries):
     """Histories at the T times that were kept.
 
     Attributes:
@@ -106,23 +109,15 @@ class Result:
             if value.shape != (count, *shape):
                 raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")
 
-    def position(self, point: Point | str | int) -> Array:
-        """Position of a point, global components, shape (T, 3).
+    def velocity(self, point: Point | str | int) -> Array:
+        """Velocity of a point (translation, rotation) in its local frame, shape (T, 6).
 
         Args:
-            point: A point of a body, its name such as "beam 1.end", or a node's number.
+            point: As for :meth:`position`.
 
         Raises:
-            ValueError: There is no such point; likewise below.
+            ValueError: There is no such point.
         """
-        return self.frames[:, self.info.node(point), 0]
-
-    def rotation(self, point: Point | str | int) -> Array:
-        """Rotation of a point's frame, local to global, shape (T, 3, 3)."""
-        return self.frames[:, self.info.node(point), 1:].transpose(0, 2, 1)
-
-    def velocity(self, point: Point | str | int) -> Array:
-        """Velocity of a point (translation, rotation) in its local frame, shape (T, 6)."""
         return self.velocities[:, self.info.node(point)]
 
     def coordinate(self, joint: Connection | str, name: str | None = None) -> Array:
@@ -138,36 +133,16 @@ class Result:
         return self.joint_coordinates[:, self.info.coordinate(joint, name)]
 
     def joint_violation(self, joint: Connection | str) -> Array:
-        """Largest violation of a joint's constraints, shape (T,)."""
-        return self.joint_violations[:, self.info.joint(joint)]
-
-    def joint_force(self, joint: Connection | str) -> Array:
-        """Force and moment of a joint on its point ``a``, in its axes there, shape (T, 6).
+        """Largest violation of a joint's constraints, shape (T,).
 
         Raises:
             ValueError: There is no such joint.
         """
-        return self.joint_forces[:, self.info.joint(joint)]
-
-    def reaction(self, *supports: Support) -> Array:
-        """Force and moment of a clamp, guide or prescribed motion, or of several together, (T, 6).
-
-        Args:
-            supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
-                their names) at which a body is held, as by ``Shell.guide``. What holds the same
-                node counts once.
-
-        Returns:
-            What they exert on the bodies, global components; moments about the first of them.
-
-        Raises:
-            ValueError: None is given, or something is not held.
-        """
-        return reaction(self, supports)
+        return self.joint_violations[:, self.info.joint(joint)]
 
     def index(self, time: float) -> int:
         """The kept time nearest to ``time``."""
-        return int(np.abs(self.times - time).argmin())
+        return nearest(self.times, time)
 
     @property
     def total_energy(self) -> Array:
@@ -204,7 +179,10 @@ class Result:
 
     @property
     def angular_momentum_error(self) -> float:
-        """Likewise for the angular momentum about the origin."""
+        """Largest gap between the change of angular momentum and its impulses, as above.
+
+        About the origin; a momentum at the largest distance from it counts as turned over, too.
+        """
         arm = balances.reach(self.frames[:, :, 0])
         return self._relative_momentum(self.angular_momentum, slice(3, 6), arm)
 
@@ -271,17 +249,15 @@ class Result:
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
         """Energies and the change of their sum over time; saved if there is a path."""
-        from fem_lie.pictures.diagrams import energies
-
-        return energies(self.times, self.kinetic, self.elastic, self.potential, path, units=units)
+        parts = self.kinetic, self.elastic, self.potential
+        return diagrams.energies(self.times, *parts, path, units=units)
 
     def plot_momentum(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
     ) -> Figure:
         """Momentum and angular momentum over time; saved if there is a path."""
-        from fem_lie.pictures.diagrams import momenta
-
-        return momenta(self.times, self.momentum, self.angular_momentum, path, units=units)
+        parts = self.momentum, self.angular_momentum
+        return diagrams.momenta(self.times, *parts, path, units=units)
 
     def plot(
         self,
@@ -290,10 +266,8 @@ class Result:
         units: Units = SI,
     ) -> Figure:
         """Positions of points over time; saved if there is a path."""
-        from fem_lie.pictures.diagrams import positions
-
-        places = [(_label(point), self.position(point)) for point in points]
-        return positions(self.times, places, path, units=units)
+        places = [(label_of(point), self.position(point)) for point in points]
+        return diagrams.positions(self.times, places, path, units=units)
 
     def picture(
         self,
@@ -315,62 +289,16 @@ class Result:
             title: Above the picture.
             units: For the axes.
         """
-        from fem_lie.pictures.bodies import draw
+        rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
+        drawn, paths = self.frames[rows], self._traces(trace)
+        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
 
-        kept = np.linspace(self.times[0], self.times[-1], 6) if times is None else times
-        rows = [self.index(time) for time in kept]
-        draw(
-            self.info,
-            self.frames[rows],
-            path,
-            paths=self._paths(trace),
-            triads=frames,
-            title=title,
-            units=units,
-        )
-
-    def animate(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        images: int = 100,
-        seconds: float = 5.0,
-        trace: Sequence[Point | str | int] = (),
-        title: str = "",
-        units: Units = SI,
-    ) -> None:
-        """Draw the motion as an animated picture.
-
-        Args:
-            path: Name of the ``.gif`` file.
-            images: Number of images, evenly spaced in time.
-            seconds: How long it plays.
-            trace: Points whose paths are drawn, too.
-            title: Above the picture.
-            units: For the axes.
-        """
-        from fem_lie.pictures.bodies import animate
-
-        rows = [self.index(t) for t in np.linspace(self.times[0], self.times[-1], images)]
-        animate(
-            self.info,
-            self.frames[rows],
-            path,
-            seconds=seconds,
-            paths=self._paths(trace),
-            title=title,
-            units=units,
-        )
-
-    def _paths(self, points: Sequence[Point | str | int]) -> list[Array]:
-        return [self.position(point) for point in points]
+    def _instants(self, images: int) -> Indices:
+        """Numbers of the states at evenly spaced times."""
+        at = np.linspace(self.times[0], self.times[-1], images)
+        return np.array([self.index(time) for time in at])
 
 
 _ARRAYS = tuple(
     field.name for field in fields(Result) if field.name not in (*NUMBERS, "info", "steps")
 )
-
-
-def _label(point: Point | str | int) -> str:
-    """Of a point in diagrams."""
-    return point if isinstance(point, str) else str(getattr(point, "label", f"node {point}"))

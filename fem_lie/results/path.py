@@ -9,20 +9,20 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from fem_lie import lie
-from fem_lie._arrays import Array
-from fem_lie.bodies.body import Point
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures.path_diagram import PathCurve, plot_paths
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.buckling import check_displaces, chosen, moved_along, shown
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.mode_shapes import ModeLook, ModeShapes, moved_along
+from fem_lie.results.states import LoadedStates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem_lie.pictures.path_diagram import PathCurve
+
+_BESIDE = (0.0, 0.5, 1.0)  # in pictures of a mode: the critical state, and parts of the amplitude
 
 
 class Critical(Enum):
@@ -36,29 +36,8 @@ class Critical(Enum):
     BIFURCATION = "bifurcation"
 
 
-class _Located:
-    """Where points are in a state."""
-
-    frames: Array
-    initial: Array
-    info: SceneInfo
-
-    def position(self, point: Point | str) -> Array:
-        """Of a point, global components, shape (3,)."""
-        return self.frames[self.info.node(point), 0]
-
-    def displacement(self, point: Point | str) -> Array:
-        """Of a point, global components, shape (3,)."""
-        node = self.info.node(point)
-        return np.asarray(self.frames[node, 0] - self.initial[node, 0])
-
-    def rotation(self, point: Point | str) -> Array:
-        """Of a point, local to global, shape (3, 3)."""
-        return lie.rotation(self.frames[self.info.node(point)])
-
-
 @dataclass(frozen=True, eq=False)
-class PathState(_Located):
+class PathState(LoadedStates):
     """One state, for functions that observe a path or stop it.
 
     Attributes:
@@ -77,7 +56,7 @@ class PathState(_Located):
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalPoint(_Located):
+class CriticalPoint(LoadedStates, ModeShapes):
     """A point of a path where the tangent is singular.
 
     Attributes:
@@ -108,7 +87,7 @@ class CriticalPoint(_Located):
     has_potential: bool
     eigenvalues: Array
     shapes: Array
-    turns_only: npt.NDArray[np.bool_]
+    turns_only: Flags
     station: Station
     index: int
     frames: Array
@@ -134,40 +113,11 @@ class CriticalPoint(_Located):
         Raises:
             ValueError: There is no such mode, or it only turns.
         """
-        shape = chosen(self.shapes, mode)
-        check_displaces(bool(self.turns_only[mode - 1]), mode)
-        return moved_along(shape, self.frames, [amplitude])[0]
+        return moved_along(self.displacing_shape(mode), self.frames, np.array([amplitude]))[0]
 
-    def picture(
-        self,
-        path: str | os.PathLike[str],
-        mode: int = 1,
-        *,
-        amplitude: float | None = None,
-        title: str | None = None,
-        units: Units = SI,
-    ) -> None:
-        """Draw a mode: the critical state, and beside it.
-
-        Args:
-            path: Name of the ``.png`` file.
-            mode: Counted from 1.
-            amplitude: Largest displacement; default: a tenth of the model, less where it would turn
-                by more than half a radian, and so much where it only turns.
-            title: Above the picture; default: kind and load factor.
-            units: For the axes.
-
-        Raises:
-            ValueError: There is no such mode, or one that only turns has no such amplitude.
-        """
-        from fem_lie.pictures.bodies import draw
-
-        shape, turns = chosen(self.shapes, mode), bool(self.turns_only[mode - 1])
+    def _look(self, mode: int) -> ModeLook:
         size = float(np.linalg.norm(np.ptp(self.frames[:, 0], axis=0)))
-        largest = shown(shape, turns, mode, size, amplitude)
-        frames = moved_along(shape, self.frames, [0.0, 0.5 * largest, largest])
-        name = f"{self.kind.value} at load factor {self.factor:.6g}"
-        draw(self.info, frames, path, title=name if title is None else title, units=units)
+        return ModeLook(f"{self.kind.value} at load factor {self.factor:.6g}", size, _BESIDE)
 
     def __str__(self) -> str:
         """One line."""
@@ -198,7 +148,7 @@ class EquilibriumPath(StaticResult):
         stations: The states, to begin with again: ``follow_path(scene, start=path.stations[3])``.
     """
 
-    negative_pivots: npt.NDArray[np.int64]
+    negative_pivots: Indices
     critical: tuple[CriticalPoint, ...]
     observed: Mapping[str, Array]
     complete: bool
@@ -210,11 +160,6 @@ class EquilibriumPath(StaticResult):
     def __len__(self) -> int:
         """Number of states."""
         return len(self.factors)
-
-    @property
-    def stable(self) -> npt.NDArray[np.bool_]:
-        """Which states are stable, shape (k,)."""
-        return np.asarray(self.negative_pivots == 0)
 
     @property
     def limits(self) -> tuple[CriticalPoint, ...]:
@@ -230,10 +175,6 @@ class EquilibriumPath(StaticResult):
     def total_iterations(self) -> int:
         """Linear solutions in all."""
         return super().total_iterations + self.locating_iterations
-
-    def displacement(self, point: Point | str) -> Array:
-        """Displacements of a point at all states, shape (k, 3)."""
-        return np.asarray(self.position(point) - self.initial[self.info.node(point), 0])
 
     def plot_path(
         self,
@@ -264,11 +205,9 @@ class EquilibriumPath(StaticResult):
         Raises:
             ValueError: Nothing was observed under this name, or the values are not of all states.
         """
-        from fem_lie.pictures.path_diagram import plot_paths
-
-        chosen = self._values(values)
+        own = self._values(values)
         name = label or (values if isinstance(values, str) else "")
-        paths = [self._curve(chosen), *(other._curve(other._values(v)) for other, v in others)]
+        paths = [self._curve(own), *(other._curve(other._values(v)) for other, v in others)]
         rows = sorted({0, *(point.index for point in self.critical), len(self) - 1})
         return plot_paths(
             paths,
@@ -282,34 +221,8 @@ class EquilibriumPath(StaticResult):
 
     def _curve(self, values: Array) -> PathCurve:
         """The path in a diagram of ``values`` (k,)."""
-        from fem_lie.pictures.path_diagram import PathCurve
-
         critical = [(point.index, point.factor, point.kind.value) for point in self.critical]
         return PathCurve(values, self.factors, self.negative_pivots, critical)
-
-    def animate(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        images: int = 40,
-        seconds: float = 4.0,
-        title: str = "",
-        units: Units = SI,
-    ) -> None:
-        """Draw the states one after the other as an animated picture.
-
-        Args:
-            path: Name of the ``.gif`` file.
-            images: At most so many, evenly taken from the states.
-            seconds: How long it plays.
-            title: Above the picture.
-            units: For the axes.
-        """
-        from fem_lie.pictures.bodies import animate
-
-        count = min(images, len(self))
-        rows = np.unique(np.linspace(0, len(self) - 1, count).round().astype(int))
-        animate(self.info, self.frames[rows], path, seconds=seconds, title=title, units=units)
 
     def _values(self, values: Array | str) -> Array:
         if isinstance(values, str):

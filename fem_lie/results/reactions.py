@@ -6,7 +6,7 @@ prescribed is a joint to something that moves, and has the force of that joint.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,46 +21,35 @@ if TYPE_CHECKING:
 Support = Clamp | PrescribedMotion | Point | str
 
 
-class HeldStates(Protocol):
-    """Any result of dynamics, of statics, or a path."""
-
-    @property
-    def frames(self) -> Array:
-        """Frames of all nodes in all states, shape (k, N, 4, 3)."""
-
-    @property
-    def joint_forces(self) -> Array:
-        """Forces of joints in all states, shape (k, j, 6)."""
-
-    @property
-    def reactions(self) -> Array:
-        """Forces and moments of supports in all states, shape (k, s, 6)."""
-
-    @property
-    def info(self) -> SceneInfo:
-        """Bodies, joints and supports."""
-
-
-def reaction(result: HeldStates, supports: Sequence[Support]) -> Array:
+def reaction(
+    supports: Sequence[Support],
+    info: SceneInfo,
+    frames: Array,
+    joint_forces: Array,
+    reactions: Array,
+) -> Array:
     """Force and moment that supports exert together, global components, shape (k, 6).
 
     Args:
-        result: With k states.
         supports: Clamps, prescribed motions, or points (or their names) that a body holds. What
             holds the same node counts once; moments are about the first, where it is in each state.
+        info: Bodies, joints and supports.
+        frames: Of all nodes in k states, shape (k, N, 4, 3).
+        joint_forces: Of all joints, shape (k, j, 6).
+        reactions: Of all supports, each about its node, shape (k, s, 6).
 
     Raises:
         ValueError: None is given, or something does not hold anything.
     """
     if not supports:
         raise ValueError("give at least one clamp, support or prescribed motion")
-    place = result.frames[:, _node(result.info, supports[0]), 0]
+    place = frames[:, _node(info, supports[0]), 0]
     total, counted = np.zeros((len(place), 6)), set[tuple[str, int]]()
     for support in supports:
-        key, node, wrench = _of(result, support)
+        key, node, wrench = _of(support, info, frames, joint_forces, reactions)
         if key not in counted:
             counted.add(key)
-            lever = result.frames[:, node, 0] - place
+            lever = frames[:, node, 0] - place
             total += wrench
             total[:, 3:] += np.cross(lever, wrench[:, :3])
     return total
@@ -70,13 +59,15 @@ def _node(info: SceneInfo, support: Support) -> int:
     return info.node(support.point if isinstance(support, Clamp | PrescribedMotion) else support)
 
 
-def _of(result: HeldStates, support: Support) -> tuple[tuple[str, int], int, Array]:
+def _of(
+    support: Support, info: SceneInfo, frames: Array, joint_forces: Array, reactions: Array
+) -> tuple[tuple[str, int], int, Array]:
     """What it is, the node about which its moment is, and its force and moment, shape (k, 6)."""
-    info, node = result.info, _node(result.info, support)
+    node = _node(info, support)
     if isinstance(support, PrescribedMotion):
         joint = info.joint(f"motion of {support.point.label}")
-        axes = result.frames[:, node, 1:]
-        parts = result.joint_forces[:, joint].reshape(-1, 2, 3)
+        axes = frames[:, node, 1:]
+        parts = joint_forces[:, joint].reshape(-1, 2, 3)
         return ("motion", joint), node, np.einsum("tij,tki->tkj", axes, parts).reshape(-1, 6)
     row = info.supports.row(node)
     if row is None:
@@ -92,4 +83,4 @@ def _of(result: HeldStates, support: Support) -> tuple[tuple[str, int], int, Arr
             f"{label} is not held; {len(info.supports.nodes)} nodes are, those with names: "
             f"{', '.join(names) or 'none'}"
         )
-    return ("support", row), int(info.supports.at[row]), result.reactions[:, row]
+    return ("support", row), int(info.supports.at[row]), reactions[:, row]

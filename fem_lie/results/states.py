@@ -1,26 +1,173 @@
-"""States of a scene, whatever found them."""
+"""States of a scene, whatever found them: where points are, what holds them, and animations."""
 
 from __future__ import annotations
 
-from typing import Protocol
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
-from fem_lie._arrays import Array, shown
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices, shown, whole
+from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.joints import Connection
+from fem_lie.pictures import bodies
+from fem_lie.pictures.units import SI, Units
+from fem_lie.results.reactions import Support, reaction
 
 
-class States(Protocol):
-    """Any result with frames: of statics, of paths, of dynamics."""
+class States:
+    """Where points are, in one state or in k states.
 
-    @property
-    def frames(self) -> Array:
-        """Frames of all nodes at all steps, shape (k, N, 4, 3)."""
+    Attributes:
+        frames: Frames of the N nodes, shape (N, 4, 3), or (k, N, 4, 3).
+        info: Bodies and joints.
+    """
 
-    @property
-    def info(self) -> SceneInfo:
-        """Which nodes are those of the body."""
+    frames: Array
+    info: SceneInfo
+
+    def position(self, point: Point | str | int) -> Array:
+        """Position of a point, global components, shape (3,), or (k, 3) in k states.
+
+        Args:
+            point: A point of a body, its name such as "beam 1.end", or a node's number.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return np.asarray(self.frames[..., self.info.node(point), 0, :])
+
+    def rotation(self, point: Point | str | int) -> Array:
+        """Rotation of a point's frame, local to global, shape (3, 3), or (k, 3, 3) in k states.
+
+        Args:
+            point: As for :meth:`position`.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return lie.rotation(self.frames[..., self.info.node(point), :, :])
+
+
+class LoadedStates(States):
+    """States that loads have moved away from a configuration without loads.
+
+    Attributes:
+        initial: Frames of the unloaded configuration, shape (N, 4, 3).
+    """
+
+    initial: Array
+
+    def displacement(self, point: Point | str | int) -> Array:
+        """Displacement of a point, global components, shape (3,), or (k, 3) in k states.
+
+        Args:
+            point: As for :meth:`position`.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return np.asarray(self.position(point) - self.initial[self.info.node(point), 0])
+
+
+class StateSeries(States, ABC):
+    """States one after the other, of a motion or along a load.
+
+    Attributes:
+        joint_forces: Force and moment of each joint on its point ``a``, shape (k, j, 6).
+        reactions: Force and moment of each support on its node, shape (k, s, 6).
+    """
+
+    joint_forces: Array
+    reactions: Array
+
+    def joint_force(self, joint: Connection | str) -> Array:
+        """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6).
+
+        Raises:
+            ValueError: There is no such joint.
+        """
+        return np.asarray(self.joint_forces[:, self.info.joint(joint)])
+
+    def reaction(self, *supports: Support) -> Array:
+        """Force and moment of a clamp, guide or prescribed motion, or of several together, (k, 6).
+
+        Args:
+            supports: :class:`~fem_lie.Clamp`, :class:`~fem_lie.PrescribedMotion`, or points (or
+                their names) at which a body is held, as by ``Shell.guide``. What holds the same
+                node counts once.
+
+        Returns:
+            What they exert on the bodies, global components; moments about the first of them.
+
+        Raises:
+            ValueError: None is given, or something is not held.
+        """
+        return reaction(supports, self.info, self.frames, self.joint_forces, self.reactions)
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        images: int = 100,
+        seconds: float = 5.0,
+        trace: Sequence[Point | str | int] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the states one after the other as an animated picture.
+
+        Args:
+            path: Name of the ``.gif`` file.
+            images: Number of images, evenly spaced in time; of states that are no motion at most so
+                many of them.
+            seconds: How long it plays.
+            trace: Points whose paths are drawn, too.
+            title: Above the picture.
+            units: For the axes.
+
+        Raises:
+            ValueError: The name does not end in ``.gif``, there is no such point, or no image.
+        """
+        rows, paths = self._instants(whole(images, "images")), self._traces(trace)
+        bodies.animate(
+            self.info,
+            self.frames[rows],
+            path,
+            seconds=seconds,
+            paths=paths,
+            title=title,
+            units=units,
+        )
+
+    @abstractmethod
+    def _instants(self, images: int) -> Indices:
+        """Numbers of the states in an animation."""
+
+    def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
+        """Paths of points through all states."""
+        return [self.position(point) for point in points]
 
 
 def require_states(value: object) -> None:
     """Raise ``TypeError`` if it is no result of statics, of a path or of dynamics."""
-    if not (hasattr(value, "info") and hasattr(value, "frames")):
+    if not isinstance(value, StateSeries):
         raise TypeError(f"wanted is a result of statics, a path or dynamics, got {shown(value)}")
+
+
+def evenly(count: int, most: int) -> Indices:
+    """Numbers of ``most`` of ``count`` states, first and last among them, or of all."""
+    return np.linspace(0, count - 1, min(most, count)).round().astype(np.int64)
+
+
+def nearest(values: Array, wanted: float) -> int:
+    """Number of the state whose time, or load factor, is nearest to the one that is wanted."""
+    return int(np.abs(values - wanted).argmin())
+
+
+def label_of(point: Point | str | int) -> str:
+    """What diagrams call a point."""
+    return point if isinstance(point, str) else str(getattr(point, "label", f"node {point}"))

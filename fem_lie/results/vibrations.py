@@ -9,14 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags, whole
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures import bodies
 from fem_lie.pictures.units import SI, Units
+from fem_lie.results.mode_shapes import LARGEST_TURN, chosen
 
 Complex = npt.NDArray[np.complex128]
 
 _GROWS = 1e-6  # real part over absolute value; less is round-off
-_LARGEST_TURN = 0.5  # rad: pictures show no more
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class Modes:
 
     eigenvalues: Complex
     shapes: Complex
-    turns_only: npt.NDArray[np.bool_]
+    turns_only: Flags
     frames: Array
     size: float
     residuals: Array
@@ -64,7 +65,7 @@ class Modes:
         return np.asarray(0.0 - self.eigenvalues.real / np.where(size > 0, size, 1.0))
 
     @property
-    def unstable(self) -> npt.NDArray[np.bool_]:
+    def unstable(self) -> Flags:
         """Which of them grow, shape (k,)."""
         return np.asarray(self.eigenvalues.real > _GROWS * np.abs(self.eigenvalues))
 
@@ -93,13 +94,11 @@ class Modes:
         Raises:
             ValueError: There is no such mode, or the amplitude is not positive.
         """
-        if not 1 <= mode <= len(self):
-            raise ValueError(f"modes are 1 … {len(self)}, got {mode}")
+        shape = chosen(self.shapes, mode)
         if not 0.0 < amplitude < np.inf:
             raise ValueError(f"amplitude must be positive, got {amplitude!r}")
-        shape = self.shapes[mode - 1]
         turn = np.abs(shape[:, 3:]).max()
-        factor = min(amplitude, _LARGEST_TURN / turn) if turn > 0 else amplitude
+        factor = min(amplitude, LARGEST_TURN / turn) if turn > 0 else amplitude
         swing = np.exp(1j * np.asarray(phases, dtype=np.float64))
         increments = factor * (swing[:, np.newaxis, np.newaxis] * shape).real
         return lie.se3_retract(self.frames, increments)
@@ -122,10 +121,9 @@ class Modes:
             title: Above the picture; default: number and frequency.
             units: For the axes.
         """
-        from fem_lie.pictures.bodies import draw
-
         frames = self.moved(mode, amplitude, np.linspace(np.pi, 0.0, 7))
-        draw(self.info, frames, path, title=self._title(mode, title, units), units=units)
+        name = self._title(mode, title, units)
+        bodies.draw(self.info, frames, path, title=name, units=units)
 
     def animate(
         self,
@@ -149,18 +147,9 @@ class Modes:
             title: Above the picture; default: number and frequency.
             units: For the axes.
         """
-        from fem_lie.pictures.bodies import animate
-
-        phases = np.linspace(0.0, 2 * np.pi, images, endpoint=False)
-        frames = self.moved(mode, amplitude, phases)
-        animate(
-            self.info,
-            frames,
-            path,
-            seconds=seconds,
-            title=self._title(mode, title, units),
-            units=units,
-        )
+        phases = np.linspace(0.0, 2 * np.pi, whole(images, "images"), endpoint=False)
+        frames, name = self.moved(mode, amplitude, phases), self._title(mode, title, units)
+        bodies.animate(self.info, frames, path, seconds=seconds, title=name, units=units)
 
     def _title(self, mode: int, title: str | None, units: Units) -> str:
         if title is not None:

@@ -18,7 +18,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,8 +26,9 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.pictures.units import SI, Units
+from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
-from fem_lie.results.states import States, require_states
+from fem_lie.results.states import require_states
 from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces
 from fem_lie.results.stresses.element_forces import (
     ElementForces,
@@ -43,16 +44,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class LoadStates(States, Protocol):
-    """Any result of statics, or a path."""
-
-    @property
-    def factors(self) -> Array:
-        """Load factors of the states."""
-
-
 def section_forces(
-    result: Result | LoadStates,
+    result: Result | StaticResult,
     beam: Beam,
     scene: Scene,
     steps: Sequence[int] | None = None,

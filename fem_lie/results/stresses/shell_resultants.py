@@ -14,7 +14,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import SupportsIndex
 
 import dolfinx
 from dolfinx import fem
@@ -23,7 +23,7 @@ from fem_lie._arrays import Array, instance
 from fem_lie.bodies.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.states import require_states
+from fem_lie.results.states import StateSeries, require_states
 from fem_lie.results.stresses.cell_functions import (
     DISCONTINUOUS,
     LAGRANGE,
@@ -37,12 +37,9 @@ from fem_lie.results.stresses.shell_quantities import COMPONENTS, QUANTITIES, qu
 from fem_lie.results.stresses.shell_stress import Along, ShellStress, StressPlaces
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
 
-if TYPE_CHECKING:
-    from fem_lie.results.states import States
-
 
 def resultants(
-    result: States,
+    result: StateSeries,
     shell: Shell,
     step: int = -1,
     *,
@@ -74,7 +71,7 @@ def resultants(
 
 
 def resultant_series(
-    result: States,
+    result: StateSeries,
     shell: Shell,
     *,
     along: Along | None = None,
@@ -86,7 +83,7 @@ def resultant_series(
 
 
 def _of_states(
-    result: States,
+    result: StateSeries,
     shell: Shell,
     steps: range | list[int],
     along: Along | None,

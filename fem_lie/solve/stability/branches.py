@@ -8,7 +8,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, number
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.results.buckling import check_displaces, chosen
 from fem_lie.results.path import CriticalPoint, Station
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.controls import Along, Arc
@@ -68,8 +67,7 @@ def branch(
         raise ValueError(
             f"wanted side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
         )
-    shape = chosen(critical.shapes, mode)
-    check_displaces(bool(critical.turns_only[mode - 1]), mode)
+    shape = critical.displacing_shape(mode)
     model = StableEquilibrium(scene, petsc_options_prefix)
     station, leaders = critical.station, model.system.numbering.attachment.leaders
     if len(critical.frames) != model.system.numbering.total:

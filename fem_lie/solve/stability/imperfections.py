@@ -18,7 +18,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, instance, number, numbers, positive, whole
 from fem_lie.bodies.beam import Beam
 from fem_lie.bodies.body import Body
-from fem_lie.results.buckling import BucklingModes, chosen
+from fem_lie.results.buckling import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 
@@ -60,7 +60,7 @@ class ModeImperfection(Imperfection):
         for name in ("amplitude", "angle"):
             if getattr(self, name) is not None:
                 number(getattr(self, name), f"ModeImperfection: {name}")
-        chosen(self.modes.shapes, self.mode)
+        self.modes.shape(self.mode)
         turns = bool(self.modes.turns_only[self.mode - 1])
         wanted, other = (self.angle, self.amplitude) if turns else (self.amplitude, self.angle)
         if wanted is None or other is not None or not np.isfinite(wanted):
@@ -84,7 +84,7 @@ class ModeImperfection(Imperfection):
         size = self.amplitude if self.angle is None else self.angle
         assert size is not None
         directors = self.modes.frames[nodes, 1:]
-        moved = size * chosen(self.modes.shapes, self.mode)[nodes].reshape(-1, 2, 3)
+        moved = size * self.modes.shape(self.mode)[nodes].reshape(-1, 2, 3)
         u, theta = np.einsum("nij,nki->knj", directors, moved)
         return u, theta
 

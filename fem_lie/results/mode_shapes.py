@@ -1,0 +1,129 @@
+"""Shapes of modes: one of them, frames beside a state along it, and pictures."""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures import bodies
+from fem_lie.pictures.units import SI, Units
+
+LARGEST_TURN = 0.5
+"""Rad: pictures show no more unless they are told to."""
+
+_PART = 0.1  # of the model: the largest displacement in pictures
+
+_Shapes = TypeVar("_Shapes", bound=npt.NDArray[Any])
+
+
+class ModeLook(NamedTuple):
+    """How a mode is drawn.
+
+    Attributes:
+        title: Above the picture.
+        size: Length of the model.
+        parts: Of the amplitude: those at which it is drawn, the last in full colour.
+    """
+
+    title: str
+    size: float
+    parts: Sequence[float] = (1.0,)
+
+
+class ModeShapes(ABC):
+    """Shapes in which a structure becomes unstable.
+
+    Attributes:
+        shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6).
+        turns_only: Which of them have no displacement beyond round-off, shape (k,).
+        frames: The state beside which they are, shape (n, 4, 3).
+        info: Bodies and joints.
+    """
+
+    shapes: Array
+    turns_only: Flags
+    frames: Array
+    info: SceneInfo
+
+    def shape(self, mode: int) -> Array:
+        """Increments of all nodes, shape (n, 6).
+
+        Raises:
+            ValueError: There is no such mode; they are counted from 1.
+        """
+        return chosen(self.shapes, mode)
+
+    def displacing_shape(self, mode: int) -> Array:
+        """Increments of all nodes, shape (n, 6), for an amplitude that is a displacement.
+
+        Raises:
+            ValueError: There is no such mode, or it only turns.
+        """
+        shape = self.shape(mode)
+        if self.turns_only[mode - 1]:
+            raise ValueError(f"mode {mode} only turns: it has no displacement for an amplitude")
+        return shape
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        mode: int = 1,
+        *,
+        amplitude: float | None = None,
+        title: str | None = None,
+        units: Units = SI,
+    ) -> None:
+        """Draw a mode; of a critical point the state, too.
+
+        Args:
+            path: Name of the ``.png`` file.
+            mode: Counted from 1.
+            amplitude: Largest displacement; default: a tenth of the model, less where it would turn
+                by more than half a radian, and so much where it only turns.
+            title: Above the picture; default: what it is, and the load factor.
+            units: For the axes.
+
+        Raises:
+            ValueError: There is no such mode, or one that only turns has no such amplitude.
+        """
+        shape = self.shape(mode) if amplitude is None else self.displacing_shape(mode)
+        look = self._look(mode)
+        largest = self._fitting(mode, look.size) if amplitude is None else amplitude
+        frames = moved_along(shape, self.frames, largest * np.asarray(look.parts))
+        name = look.title if title is None else title
+        bodies.draw(self.info, frames, path, title=name, units=units)
+
+    @abstractmethod
+    def _look(self, mode: int) -> ModeLook:
+        """How a mode is drawn, unless told otherwise."""
+
+    def _fitting(self, mode: int, size: float) -> float:
+        """Factor of a shape in a picture of a model with this length."""
+        turn = float(np.abs(self.shape(mode)[:, 3:]).max())
+        fitting = LARGEST_TURN / turn if turn > 0 else np.inf
+        return fitting if self.turns_only[mode - 1] else min(_PART * size, fitting)
+
+
+def chosen(shapes: _Shapes, mode: int) -> _Shapes:
+    """One of the shapes, counted from 1.
+
+    Raises:
+        ValueError: There is no such mode.
+    """
+    if not 1 <= mode <= len(shapes):
+        raise ValueError(f"modes are 1 … {len(shapes)}, got {mode}")
+    found: _Shapes = shapes[mode - 1]
+    return found
+
+
+def moved_along(shape: Array, frames: Array, amplitudes: Array) -> Array:
+    """Frames (k, n, 4, 3) beside ``frames`` along a shape (n, 6), at amplitudes (k,)."""
+    return lie.se3_retract(frames, amplitudes[:, np.newaxis, np.newaxis] * shape)
