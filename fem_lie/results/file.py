@@ -12,14 +12,12 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.rows import write_all
+from fem_lie.results.rows import INVARIANTS, write_all
 from fem_lie.results.steps import StepHistory
 
 _FORMAT, _VERSION = "fem_lie results", 8
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
 """What a result says of the work, the last in seconds."""
-
-_INVARIANTS = {"kinetic": 0, "momentum": slice(1, 4), "angular_momentum": slice(4, 7)}
 
 
 class Stored(NamedTuple):
@@ -155,7 +153,7 @@ def _read(file: Any, names: Sequence[str]) -> Stored:
     arrays = {name: file[name][rows] for name in names if name in file}
     if "invariants" in file:
         invariants = file["invariants"][rows]
-        arrays |= {name: invariants[:, part] for name, part in _INVARIANTS.items()}
+        arrays |= {name: invariants[:, part] for name, part in INVARIANTS.items()}
     *counts, seconds = NUMBERS
     numbers: dict[str, float] = {name: int(file.attrs[name]) for name in counts}
     info = SceneInfo(

@@ -17,6 +17,7 @@ from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.resampling import resampled
+from fem_lie.results.rows import row_shapes
 from fem_lie.results.states import StateSeries, label_of, nearest
 from fem_lie.results.steps import StepHistory
 
@@ -85,26 +86,8 @@ class Result(StateSeries):
     steps: StepHistory | None = None
 
     def __post_init__(self) -> None:
-        n = self.frames.shape[1] if self.frames.ndim == 4 else 0
-        j = len(self.info.joints)
-        c = sum(len(joint.coordinates) for joint in self.info.joints)
-        count = len(self.times)
-        for name, shape in (
-            ("frames", (n, 4, 3)),
-            ("velocities", (n, 6)),
-            ("joint_forces", (j, 6)),
-            ("reactions", (len(self.info.supports.at), 6)),
-            ("joint_coordinates", (c,)),
-            ("joint_violations", (j,)),
-            ("kinetic", ()),
-            ("elastic", ()),
-            ("potential", ()),
-            ("momentum", (3,)),
-            ("angular_momentum", (3,)),
-            ("balance", (balances.COLUMNS,)),
-            ("impulses", (2, 6)),
-            ("iterations", ()),
-        ):
+        nodes, count = self.frames.shape[1] if self.frames.ndim == 4 else 0, len(self.times)
+        for name, shape in row_shapes(self.info, nodes).items():
             value = getattr(self, name)
             if value.shape != (count, *shape):
                 raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")

@@ -12,6 +12,7 @@ from tqdm import tqdm
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
+from fem_lie.results.rows import INVARIANTS
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
@@ -132,9 +133,7 @@ class History(Window):
         invariants = arrays.pop("invariants")
         return Result(
             **arrays,
-            kinetic=invariants[:, 0],
-            momentum=invariants[:, 1:4],
-            angular_momentum=invariants[:, 4:],
+            **{name: invariants[:, part] for name, part in INVARIANTS.items()},
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,

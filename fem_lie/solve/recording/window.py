@@ -14,6 +14,7 @@ from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results.resampling import between
+from fem_lie.results.rows import INVARIANTS, row_shapes
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.saving import NEAR
 
@@ -50,21 +51,9 @@ class Window:
             store: Where they go, if not into memory.
         """
         n = sum(len(body.nodes) for body in info.bodies)
-        shapes: dict[str, tuple[int, ...]] = {
-            "times": (),
-            "frames": (n, 4, 3),
-            "velocities": (n, 6),
-            "joint_forces": (len(info.joints), 6),
-            "reactions": (len(info.supports.at), 6),
-            "joint_violations": (len(info.joints),),
-            "joint_coordinates": (sum(len(joint.coordinates) for joint in info.joints),),
-            "invariants": (7,),
-            "elastic": (),
-            "potential": (),
-            "balance": (balances.COLUMNS,),
-            "impulses": (2, 6),
-            "iterations": (),
-        }
+        shapes = row_shapes(info, n)
+        shapes = {name: shape for name, shape in shapes.items() if name not in INVARIANTS}
+        shapes["invariants"] = (7,)
         self._wanted, self._store = wanted, store
         self._passes = wanted is not None or store is not None
         if store is not None:
