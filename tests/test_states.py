@@ -1,0 +1,121 @@
+"""What all results have in common: where points are, what is drawn, what is refused."""
+
+import numpy as np
+import pytest
+from test_paths import column
+
+import fem_lie as fl
+from fem_lie.results.states import evenly
+
+
+@pytest.fixture(scope="module")
+def results():
+    """One of each kind; a column beyond its critical load."""
+    scene, _, _ = column("fixed-free", 4)
+    seen = []
+    path = fl.follow_path(scene, 1.1, observe={"state": lambda s: seen.append(s) or 0.0})
+    (critical,) = path.critical
+    section = fl.Section.rectangle(0.1, 0.06, fl.Material(1e6, 0.3, 1.0))
+    moving = fl.Scene(gravity=(0, 0, -9.81))
+    beam = moving.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4, name="column"))
+    moving.add(fl.Clamp(beam.start))
+    return {
+        "statics": fl.statics(moving, load_steps=9),
+        "loads": fl.follow_loads(moving, [0.5, 1.0]),
+        "path": path,
+        "state": seen[-1],
+        "critical": critical,
+        "dynamics": fl.GeneralisedAlpha(0.8).run(moving, duration=0.1, step=0.01),
+        "buckling": fl.buckling(scene, 2),
+        "vibrations": fl.vibrations(moving, 2),
+    }
+
+
+PLACED = ("statics", "loads", "path", "state", "critical", "dynamics")
+LOADED = ("statics", "loads", "path", "state", "critical")
+SERIES = ("statics", "loads", "path", "dynamics")
+
+
+@pytest.mark.parametrize("kind", PLACED)
+def test_points_are_looked_up_by_name_or_number(results, kind):
+    """One state has a place and a rotation, a series has them in each of its states."""
+    result = results[kind]
+    node = int(result.info.body("column").nodes[-1])
+    for point in ("column.end", node, np.int64(node)):
+        np.testing.assert_array_equal(result.position(point), result.frames[..., node, 0, :])
+        R = result.rotation(point)
+        np.testing.assert_array_equal(R[..., :, 1], result.frames[..., node, 2, :])
+    for look in (result.position, result.rotation):
+        with pytest.raises(ValueError, match=r"there is no point 'column\.top'"):
+            look("column.top")
+
+
+@pytest.mark.parametrize("kind", LOADED)
+def test_displacements_are_from_the_unloaded_state(results, kind):
+    result = results[kind]
+    node = result.info.node("column.end")
+    moved = result.initial[node, 0] + result.displacement("column.end")
+    np.testing.assert_allclose(moved, result.position(node), rtol=0, atol=1e-15)
+    assert np.abs(result.displacement("column.end")).max() > 1e-6
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """What is given to be drawn instead of a moving picture."""
+    given = []
+    monkeypatch.setattr(
+        "fem_lie.pictures.bodies.animate",
+        lambda info, frames, path, **options: given.append((frames, options["paths"])),
+    )
+    return given
+
+
+@pytest.mark.parametrize("kind", SERIES)
+@pytest.mark.parametrize("images", [1, 2, 5, 100])
+def test_every_series_of_states_can_be_animated(results, drawn, kind, images):
+    """A motion evenly in time, other states once each at most; from the first to the last."""
+    result = results[kind]
+    result.animate("none.gif", images=images, trace=["column.end"])
+    ((frames, (trace,)),) = drawn
+    assert len(frames) == (images if kind == "dynamics" else min(images, len(result.frames)))
+    np.testing.assert_array_equal(frames[0], result.frames[0])
+    if images > 1:
+        np.testing.assert_array_equal(frames[-1], result.frames[-1])
+    np.testing.assert_array_equal(trace[-len(result.frames) :], result.position("column.end"))
+    if kind in LOADED:
+        np.testing.assert_array_equal(trace[0], result.initial[result.info.node("column.end"), 0])
+
+
+@pytest.mark.parametrize("kind", [*SERIES, "vibrations"])
+def test_an_animation_has_an_image(results, kind):
+    modes = (1,) if kind == "vibrations" else ()
+    with pytest.raises(ValueError, match="images must be at least 1, got 0"):
+        results[kind].animate("none.gif", *modes, images=0)
+    with pytest.raises(TypeError, match=r"images must be a whole number, got 2\.5"):
+        results[kind].animate("none.gif", *modes, images=2.5)
+
+
+@pytest.mark.parametrize("kind", ["state", "critical", "buckling", "vibrations"])
+def test_stresses_are_those_of_a_series_of_states(results, kind):
+    """What has frames of a single state is named, and not taken for as many states as nodes."""
+    scene, beam, _ = column("fixed-free", 4)
+    with pytest.raises(TypeError, match="wanted is a result of statics, a path or dynamics, got"):
+        fl.section_forces(results[kind], beam, scene)
+
+
+@pytest.mark.parametrize("kind", ["critical", "buckling", "vibrations"])
+def test_modes_that_do_not_exist_are_refused(results, kind):
+    for number in (0, 99):
+        with pytest.raises(ValueError, match=f"modes are 1 … \\d, got {number}"):
+            results[kind].picture("none.png", number)
+
+
+@pytest.mark.parametrize(
+    ("count", "most", "wanted"), [(0, 3, []), (1, 3, [0]), (5, 1, [0]), (5, 9, range(5))]
+)
+def test_evenly_chosen_states(count, most, wanted):
+    assert evenly(count, most).tolist() == list(wanted)
+    for n in range(2, 40):
+        for m in range(2, n + 1):
+            rows = evenly(n, m)
+            assert rows[0] == 0 and rows[-1] == n - 1 and (np.diff(rows) >= 1).all()
