@@ -14,7 +14,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.states import LoadedStates, StateSeries, evenly, label_of, nearest
+from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class StaticResult(StateSeries, LoadedStates):
+class StaticResult(StateSeries, Displaced):
     """Equilibrium states.
 
     Attributes:

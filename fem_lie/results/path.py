@@ -16,7 +16,7 @@ from fem_lie.pictures.path_diagram import PathCurve, plot_paths
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.mode_shapes import ModeLook, ModeShapes, moved_along
-from fem_lie.results.states import LoadedStates
+from fem_lie.results.states import Displaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ class Critical(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class PathState(LoadedStates):
+class PathState(Displaced):
     """One state, for functions that observe a path or stop it.
 
     Attributes:
@@ -56,7 +56,7 @@ class PathState(LoadedStates):
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalPoint(LoadedStates, ModeShapes):
+class CriticalPoint(Displaced, ModeShapes):
     """A point of a path where the tangent is singular.
 
     Attributes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from fem_lie.pictures.units import SI, Units
 from fem_lie.results.reactions import Support, reaction
 
 
-class States:
+class Located:
     """Where points are, in one state or in k states.
 
     Attributes:
@@ -52,8 +53,8 @@ class States:
         return lie.rotation(self.frames[..., self.info.node(point), :, :])
 
 
-class LoadedStates(States):
-    """States that loads have moved away from a configuration without loads.
+class Displaced(Located):
+    """States away from a configuration without loads.
 
     Attributes:
         initial: Frames of the unloaded configuration, shape (N, 4, 3).
@@ -73,7 +74,7 @@ class LoadedStates(States):
         return np.asarray(self.position(point) - self.initial[self.info.node(point), 0])
 
 
-class StateSeries(States, ABC):
+class StateSeries(Located, ABC):
     """States one after the other, of a motion or along a load.
 
     Attributes:
@@ -152,9 +153,21 @@ class StateSeries(States, ABC):
         return [self.position(point) for point in points]
 
 
+class States(Protocol):
+    """Any result with k states: of statics, of paths, of dynamics, or frames with their bodies."""
+
+    @property
+    def frames(self) -> Array:
+        """Frames of all nodes in all states, shape (k, N, 4, 3)."""
+
+    @property
+    def info(self) -> SceneInfo:
+        """Which nodes are those of the body."""
+
+
 def require_states(value: object) -> None:
     """Raise ``TypeError`` if it is no result of statics, of a path or of dynamics."""
-    if not isinstance(value, StateSeries):
+    if not hasattr(value, "info") or np.ndim(getattr(value, "frames", 0.0)) != 4:
         raise TypeError(f"wanted is a result of statics, a path or dynamics, got {shown(value)}")
 
 

@@ -23,7 +23,7 @@ from fem_lie._arrays import Array, instance
 from fem_lie.bodies.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.states import StateSeries, require_states
+from fem_lie.results.states import States, require_states
 from fem_lie.results.stresses.cell_functions import (
     DISCONTINUOUS,
     LAGRANGE,
@@ -39,7 +39,7 @@ from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
 
 
 def resultants(
-    result: StateSeries,
+    result: States,
     shell: Shell,
     step: int = -1,
     *,
@@ -71,7 +71,7 @@ def resultants(
 
 
 def resultant_series(
-    result: StateSeries,
+    result: States,
     shell: Shell,
     *,
     along: Along | None = None,
@@ -83,7 +83,7 @@ def resultant_series(
 
 
 def _of_states(
-    result: StateSeries,
+    result: States,
     shell: Shell,
     steps: range | list[int],
     along: Along | None,
