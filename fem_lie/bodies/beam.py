@@ -218,7 +218,7 @@ class Beam(Body):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Beam], holds: Holds = NO_HOLDS) -> Assembly:
-        """See the base class."""
+        """All beams of one :attr:`kind` together."""
         return BeamAssembly(bodies)
 
     @property
@@ -238,7 +238,7 @@ class Beam(Body):
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
 
     def turning(self) -> Turning:
-        """See the base class."""
+        """Elements may turn as far as their formulation says, and are named as a whole."""
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
         return Turning(along, np.arange(len(along)), self.formulation.largest_turn, whole=True)
 

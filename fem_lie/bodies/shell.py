@@ -144,7 +144,7 @@ class Shell(SupportedSurface):
         return self.parameters is Parameters.SIX or self._has_kinks or bool(holds)
 
     def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """See the base class."""
+        """Whether it has kinks or is held about a director, and how stiff the cells are then."""
         drills = self.drills(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
 
@@ -195,7 +195,7 @@ class Shell(SupportedSurface):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> ShellAssembly:
-        """See the base class."""
+        """All of one :attr:`kind` together, with drilling if the first of them drills."""
         if not bodies[0].drills(holds.get(bodies[0], ())):
             return ShellAssembly(bodies)
         each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
@@ -220,7 +220,7 @@ class Shell(SupportedSurface):
         return edges, np.einsum("g,kg,eg->ek", w, N, speed)
 
     def turning(self) -> Turning:
-        """See the base class; along all edges of the cells."""
+        """Along all edges of the cells."""
         ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
         along, limit = self.connectivity[:, ends], self._largest_turn()
         if self.mesh.degree == 2:

@@ -98,7 +98,7 @@ class ShellAssembly(Assembly):
             self.inertia = NodalInertia(self.summed(elements[permutation]))
 
     def add_forces(self, H: Array, out: Array) -> None:
-        """See the base class; what the cells carry is a coefficient and is packed anew."""
+        """Add elastic forces; what the cells carry is a coefficient and is packed anew."""
         self._frames.frames[:] = H
         forces = fem.assemble_vector(self._forms.residual).array
         self._last[:, :_FIVE], self._last[:, _FIVE:] = forces.reshape(-1, _FIVE), 0.0
@@ -107,7 +107,7 @@ class ShellAssembly(Assembly):
         out.reshape(-1, 6)[:] += self._last
 
     def energy(self, H: Array) -> float:
-        """See the base class; mixed fields become those of these frames before."""
+        """Stored energy; mixed fields become those of these frames before."""
         if self._forms.local is not None:
             self.reset_stress(H)
         self._frames.frames[:] = H
@@ -124,12 +124,12 @@ class ShellAssembly(Assembly):
         return blocks
 
     def settle(self, H: Array) -> None:
-        """See the base class."""
+        """Make mixed fields those of frames ``H`` where forces depend on them."""
         if self.settles:
             self.reset_stress(H)
 
     def reset_stress(self, H: Array) -> None:
-        """See the base class; Newton's method in each cell where one solution is not enough."""
+        """Make stress true at ``H``: Newton's method in each cell if one solution is not enough."""
         for _ in range(_LOCAL_ITERATIONS if self.settles else 1):
             before = self.carried.copy()
             super().reset_stress(H)
@@ -138,26 +138,26 @@ class ShellAssembly(Assembly):
                 return
 
     def carry(self, H: Array, h: Array) -> None:
-        """See the base class."""
+        """Carry stress, or mixed fields, and the stress of drilling on by an increment."""
         super().carry(H, h.reshape(-1, 6)[:, :_FIVE].ravel())
         if self._drilling is not None:
             self._drilling.carry(H, h)
 
     def clear_stress(self) -> None:
-        """See the base class."""
+        """Make what is carried zero, that of drilling, too."""
         super().clear_stress()
         if self._drilling is not None:
             self._drilling.carried[:] = 0.0
 
     @property
     def carried(self) -> Array:
-        """See the base class; a copy of both if there is drilling."""
+        """What the cells carry, and drilling behind it; a copy of both if there is drilling."""
         if self._drilling is None:
             return super().carried
         return np.concatenate([super().carried, self._drilling.carried])
 
     def restore(self, carried: Array) -> None:
-        """See the base class."""
+        """Carry again what was carried when it was copied, in the cells and for drilling."""
         size = len(super().carried)
         super().carried[:] = carried[:size]
         if self._drilling is not None:

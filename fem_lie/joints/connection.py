@@ -80,8 +80,8 @@ class VelocityTie(NamedTuple):
     """A pair of frames whose relative velocity is bound, see :mod:`~.equations.rolling`.
 
     Attributes:
-        a: Point that carries frame A; likewise ``b``.
-        b: See there.
+        a: Point that carries frame A.
+        b: Point that carries frame B.
         frames: The two frames in the initial configuration, each (4, 3).
         selection: Components of the twist of B against A in the axes of B, shape (k, 6).
         radius: Of a disc about e₃ of B, whose two constraints turn with the point of contact.

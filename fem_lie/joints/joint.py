@@ -74,7 +74,7 @@ class Joint(Connection):
 
     @property
     def bodies(self) -> list[Body | None]:
-        """See the base class."""
+        """The bodies on both sides, ``None`` for ground."""
         return [self.a.body, self.b.body]
 
     def ties(self) -> list[Tie]:

@@ -113,7 +113,7 @@ class Screw(_Turning, _Gliding):
         return factors
 
     def check(self) -> None:
-        """See the base class; the pitch must be a number other than zero."""
+        """Raise ``ValueError`` if the joint is bad, or its pitch no number other than zero."""
         super().check()
         if number(self.pitch, f"{self.label}: pitch") == 0.0:
             raise ValueError(

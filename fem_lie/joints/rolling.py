@@ -58,7 +58,7 @@ class RollingDisc(Joint):
         return factors
 
     def check(self) -> None:
-        """See the base class; the disc must not lie in the plane."""
+        """Raise ``ValueError`` if the joint is bad, or the disc lies in the plane."""
         positive(self.radius, f"{self.label}: the radius")
         super().check()
         self.frames()

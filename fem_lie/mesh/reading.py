@@ -76,7 +76,7 @@ def from_dolfinx(
         cell_tags: Tags of cells.
         vertex_tags: Tags of vertices (the facets of a line).
         groups: Name of each tag of cells; default: the tags' numbers are the names.
-        named_points: Name of each tag of vertices; default likewise.
+        named_points: Name of each tag of vertices; default: the tags' numbers.
         kink_angle: See :meth:`~fem_lie.mesh.lines.LineMesh.from_cells`.
 
     Raises:
@@ -163,8 +163,8 @@ def surface_from_dolfinx(
         facet_tags: Tags of edges.
         vertex_tags: Tags of vertices.
         groups: Name of each tag of cells; default: the tags' numbers are the names.
-        curves: Name of each tag of edges; default likewise.
-        named_points: Name of each tag of vertices; default likewise.
+        curves: Name of each tag of edges; default: the tags' numbers.
+        named_points: Name of each tag of vertices; default: the tags' numbers.
 
     Raises:
         ValueError: The mesh has other cells, lies in a plane of two dimensions or is spread over

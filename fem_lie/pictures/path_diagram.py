@@ -12,6 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures import bodies
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.units import Units
 
@@ -119,11 +120,9 @@ def _shape(ax: Axes, info: SceneInfo, frames: Array, units: Units) -> None:
     """States as a picture in the diagram."""
     from matplotlib.image import imread
 
-    from fem_lie.pictures.bodies import draw
-
     with tempfile.TemporaryDirectory() as folder:
         name = Path(folder) / "shape.png"
         # as many pixels as it is given, and numbers as large as those of the curve
-        draw(info, frames, name, units=units, size=(900, 700), text=20)
+        bodies.draw(info, frames, name, units=units, size=(900, 700), text=20)
         ax.imshow(imread(name))
     ax.set_axis_off()

@@ -46,8 +46,9 @@ class Result(StateSeries):
             :meth:`reaction`, shape (T, s, 6).
         joint_coordinates: Relative coordinates of all joints, see :meth:`coordinate`, (T, c).
         joint_violations: Largest violation of a constraint of each joint, shape (T, j).
-        kinetic: Energies, shape (T,); likewise ``elastic`` and ``potential``, that of gravity and
-            of forces fixed in space without a history.
+        kinetic: Kinetic energy, shape (T,).
+        elastic: Elastic energy, that of springs included, shape (T,).
+        potential: That of gravity and of forces fixed in space without a history, shape (T,).
         momentum: Linear momentum, global components, shape (T, 3).
         angular_momentum: About the origin, global components, shape (T, 3).
         balance: Work of all that acts and has no potential (see :mod:`fem_lie.bodies.balances`),

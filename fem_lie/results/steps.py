@@ -18,10 +18,10 @@ class StepHistory:
         times: At the ends of the steps, shape (S,).
         sizes: Step sizes, shape (S,).
         translation: Estimated error of positions in the step, the largest of all nodes, shape (S,).
-        rotation: Likewise of rotations, rad.
+        rotation: Estimated error of rotations in the step, the largest of all nodes, rad.
         nodes: The nodes with these two errors, shape (S, 2).
         measured_translation: Error of positions, measured by a refined step; nan if it was not.
-        measured_rotation: Likewise of rotations, rad.
+        measured_rotation: Error of rotations, rad, measured in the same way.
         rejected: Ends of the steps that were not accepted, shape (R,).
     """
 

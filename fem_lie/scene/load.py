@@ -76,7 +76,7 @@ class NodalLoad(Load):
     following: bool
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         flag(self.following, f"{type(self).__name__}: following")
 
@@ -101,7 +101,7 @@ class StrainLoad(Load):
     cells: str | None
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         instance(self.beam, Beam, f"{type(self).__name__}: beam", "a Beam")
 

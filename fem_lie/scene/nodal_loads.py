@@ -24,7 +24,7 @@ class PointLoad(NodalLoad):
     Attributes:
         point: Where.
         force: Three components: global if fixed in space, of the node's frame if following.
-        moment: Likewise: about axes fixed in space, or about axes that follow the node.
+        moment: About axes fixed in space, or about those of the node's frame if following.
         following: Whether the load turns with the node's frame.
         history: Factor as a function of time.
     """
@@ -36,7 +36,7 @@ class PointLoad(NodalLoad):
     history: History | None = None
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         require_point(self.point, "PointLoad: point")
 
@@ -73,7 +73,7 @@ class LineLoad(NodalLoad):
     Attributes:
         beam: What carries it.
         force: Three components per length: global if fixed in space, local if following.
-        moment: Likewise.
+        moment: Three components per length, in the same axes.
         cells: Name of a group of cells; default: all.
         following: Whether the load turns with the nodes' frames.
         history: Factor as a function of time.
@@ -87,12 +87,12 @@ class LineLoad(NodalLoad):
     history: History | None = None
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         instance(self.beam, Beam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
         vector(self.force, 3, f"line force on {self.body.label}")
         vector(self.moment, 3, f"line moment on {self.body.label}")
         self.body.cells_of(self.cells)

@@ -39,7 +39,7 @@ class PressureLoad(Load):
     history: History | None = None
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         instance(self.beam, Beam, "PressureLoad: beam", "a Beam (on shells: SurfacePressure)")
 
@@ -89,7 +89,7 @@ class SurfacePressure(Load):
     history: History | None = None
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         require_shell(self, self.shell)
 

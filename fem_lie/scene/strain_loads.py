@@ -34,7 +34,7 @@ class Eigenstrain(StrainLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the strain is not finite or the beam has no such cells."""
         vector(self.strain, 6, f"eigenstrain of {self.beam.label}")
         self.beam.cells_of(self.cells)
 
@@ -66,7 +66,7 @@ class Temperature(StrainLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if something is not finite or the beam has no such cells."""
         vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
         vector(self.gradient, 2, f"gradient of temperature of {self.beam.label}")
         self.beam.cells_of(self.cells)
@@ -95,7 +95,7 @@ class PreStress(StrainLoad):
     history: History | None = None
 
     def check(self) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the stress is not finite or the beam has no such cells."""
         vector(self.resultant, 6, f"pre-stress of {self.beam.label}")
         self.beam.cells_of(self.cells)
 

@@ -28,7 +28,7 @@ class EdgeLoad(NodalLoad):
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
             along the director, all in the unloaded configuration.
-        moment: Likewise; five parameters do not feel what is along the director.
+        moment: About these axes; five parameters do not feel what is along the director.
         history: Factor as a function of time.
         following: Whether the load turns with the nodes' frames. Those of five parameters turn with
             the directors and not about them.
@@ -42,7 +42,7 @@ class EdgeLoad(NodalLoad):
     following: bool = False
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         require_shell(self, self.shell)
 
@@ -104,7 +104,7 @@ class SurfaceLoad(NodalLoad):
     following = False
 
     def __post_init__(self) -> None:
-        """See the base class."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         require_shell(self, self.shell)
 
@@ -188,7 +188,7 @@ class MassLoad(SurfaceLoad):
     """
 
     def check(self) -> None:
-        """See the base class; the shell must have mass."""
+        """Raise ``ValueError`` if it is not finite, or the shell has no such cells or no mass."""
         super().check()
         if not self.shell.has_mass:
             raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")

@@ -33,7 +33,7 @@ class _Carried(Fixed):
     """To a prescribed motion; its axes are those of the node that is moved."""
 
     def frame(self) -> Array:
-        """See the base class."""
+        """That of the node that is moved."""
         return self.a.frame
 
 

@@ -156,7 +156,7 @@ def sum_up(
         h: Size of the step.
         end: Frames, twists, multipliers and targets of the constraints at its end.
         row: What acts there, see :func:`look`.
-        wrenches: See there.
+        wrenches: Of ground and prescribed frames there, see :func:`look`.
         start: See :class:`~fem_lie.solve.alpha.books.Seen`, overwritten.
         total: See :class:`~fem_lie.solve.alpha.books.Books`, updated.
     """
@@ -187,8 +187,8 @@ def look_and_sum_up(
     """:func:`look` at the end of a step, and :func:`sum_up`.
 
     Args:
-        h: See :func:`sum_up`.
-        end: See there.
+        h: Size of the step.
+        end: As for :func:`sum_up`.
         loaded: Whether loads are looked at.
         joined: Whether joints are.
         table: Of fixed arrays: loads, those with a potential, damping that goes with mass, joints,

@@ -139,18 +139,18 @@ class Director(Formulation):
 
     @property
     def largest_turn(self) -> float:
-        """See the base class; with three nodes the one inside runs away to one end beyond it."""
+        """π, or less with three nodes: the one inside runs away to one end beyond it."""
         return _FOLDS if self.degree == 2 else super().largest_turn
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
-        """See the base class."""
+        """As it is, or with the bending of the inside of an element with two nodes."""
         if self.degree == 2 or not self.bending_flexibility:
             return stiffness
         lengths = np.linalg.norm(relative[:, :3], axis=1, keepdims=True)
         return with_bending_flexibility(stiffness, lengths * np.eye(1, 6))
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """See the base class."""
+        """Energy, forces and tangent of interpolated positions and directors."""
         mesh = nodal.function.function_space.mesh
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy

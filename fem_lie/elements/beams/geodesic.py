@@ -103,13 +103,13 @@ class Geodesic(Formulation):
     bows: ClassVar[bool] = True
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
-        """See the base class."""
+        """As it is, or with the bending of the element's inside, in the axes of its screw."""
         if not self.bending_flexibility:
             return stiffness
         return with_bending_flexibility(stiffness, relative)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """See the base class."""
+        """Energy, forces and tangent of the screw from end to end."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
         if self.bending_flexibility:
@@ -122,7 +122,7 @@ class Geodesic(Formulation):
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """See the base class; :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
+        """That of :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
         slope = _relative(nodal)[:, :3] / cells.lengths[:, np.newaxis]
         return smooth_inertia(cells.density, cells.stiffness, cells.lengths, slope)
 

@@ -96,17 +96,17 @@ class HellingerReissner(ShellFormulation):
     """Stress resultants with 14 parameters per quadrilateral, 15 per triangle: the default."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """See the base class."""
+        """Assumed strains for stress that is a field of its own."""
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """See the base class."""
+        """Energy, forces and tangent with stress as a field of its own, by the inverse law."""
         return hellinger_reissner(
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
-        """See the base class."""
+        """The stress that is a field of its own."""
         return cells.stress(_group(forms, 0))
 
 
@@ -122,7 +122,7 @@ class _OfAnyLaw(ShellFormulation):
 
     @property
     def quadratic(self) -> bool:
-        """See the base class; nothing is known of a user's law."""
+        """Whether the law is that of the section; nothing is known of a user's."""
         return self.law is None
 
     def law_for(self, cells: ShellCells, stiffness: Array) -> Law:
@@ -135,15 +135,15 @@ class HuWashizu(_OfAnyLaw):
     """Strains and stress resultants with parameters of their own, for any law."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """See the base class."""
+        """Assumed strains for stress that is a field of its own."""
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """See the base class."""
+        """Energy, forces and tangent with strain and stress as fields of their own."""
         return hu_washizu(cells, self.law_for(cells, stiffness))
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
-        """See the base class."""
+        """The stress that is a field of its own."""
         return cells.stress(_group(forms, 1))
 
 
@@ -152,11 +152,11 @@ class Displacement(_OfAnyLaw):
     """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """See the base class."""
+        """Strains that do not lock by themselves."""
         return _PLAIN
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """See the base class."""
+        """Energy, forces and tangent with the law at strains of the nodes."""
         return displacement(cells, self.law_for(cells, stiffness))
 
 

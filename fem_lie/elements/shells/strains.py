@@ -29,6 +29,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array
+from fem_lie.mesh.shapes import nodes_of
 
 Point: TypeAlias = tuple[Any, ...]
 """Reference coordinates: two numbers or two UFL expressions."""
@@ -62,11 +63,10 @@ class ShapeFunctions:
             cell: Triangle or quadrilateral.
             degree: 1 or 2, with equally spaced nodes.
         """
-        element = basix.create_element(basix.ElementFamily.P, cell, degree)
         total = degree if cell == basix.CellType.triangle else 2 * degree
         every = range(degree + 1)
         powers = tuple((a, b) for a in every for b in every if a + b <= total)
-        nodes = np.asarray(element.points, dtype=np.float64)
+        nodes = nodes_of(cell.name, degree)
         monomials = np.array([[x**a * y**b for a, b in powers] for x, y in nodes])
         # they are small integers, spoiled by round-off
         return cls(powers, np.asarray(np.round(np.linalg.inv(monomials), 10), dtype=np.float64))

@@ -37,8 +37,8 @@ class SlidingTable(NamedTuple):
         elements: First element of each and their number at the end, shape (j + 1,).
         ends: Nodes of each element, shape (e, 2).
         offsets: Frames of the element's ends in those nodes' frames, shape (e, 2, 4, 3).
-        starts: Arclength at which each element begins, shape (e,), and its length ``lengths``.
-        lengths: See there.
+        starts: Arclength at which each element begins, shape (e,).
+        lengths: Of the elements, shape (e,).
         first: First constraint of each among these, and ``k`` at the end, shape (j + 1,).
         selection: ``S``, shape (k, 12).
         advance: ``c``, shape (k,).

@@ -40,10 +40,10 @@ def outer_stress(values: Array, sections: Sequence[Section]) -> Array:
 
     Args:
         values: As in :func:`of_forces`.
-        sections: Likewise.
+        sections: Of each cell, m of them.
 
     Raises:
-        ValueError: See :meth:`fem_lie.sections.section.Section.axial_stress`.
+        ValueError: A section has no properties or no outline.
     """
     cells: dict[Section, list[int]] = {}
     for cell, section in enumerate(sections):

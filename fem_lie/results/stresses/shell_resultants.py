@@ -139,7 +139,7 @@ class Resultants(ResultantValues):
 
         Args:
             name: As for :meth:`function`.
-            deformed: Likewise.
+            deformed: Whether it is on :attr:`deformed_mesh`.
         """
         return self._function(name, self._of(name, self.in_cells), DISCONTINUOUS, deformed)
 
@@ -148,7 +148,7 @@ class Resultants(ResultantValues):
 
         Args:
             name: As for :meth:`function`.
-            deformed: Likewise.
+            deformed: Whether it is on :attr:`deformed_mesh`.
         """
         degree = self.shell.formulation.measures_for(
             self.shell.own_mesh.cell, self.shell.own_mesh.degree

@@ -25,7 +25,7 @@ class Seen(NamedTuple):
 
     Attributes:
         row: What acted, see :func:`~fem_lie.system.outer_forces.look`, shape (14,).
-        wrenches: See there, shape (p + 1, 6).
+        wrenches: Of ground and prescribed frames, see there, shape (p + 1, 6).
         H: Frames of all rows.
         v: Twists, shape (n, 6).
         weights: Multipliers, shape (m,).
@@ -110,10 +110,10 @@ class Books:
         Args:
             h: Size of the step.
             time: Of its end, on the step's side of what jumps there.
-            H: Frames of all rows, and so on as in :meth:`open`.
-            v: See there.
-            a: See there.
-            weights: See there.
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
         """
         acting, total = self._acting, self.total
         if not acting:

@@ -95,12 +95,12 @@ class Run(Integration[Recorder]):
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
-        """See the base class."""
+        """What takes its rows from the equations."""
         return Recorder(self.system, steps, self.h, saving, progress, store)
 
     @property
     def index(self) -> int:
-        """See the base class."""
+        """Steps made, and the one that is being made."""
         return self._index
 
     # --- start ---

@@ -101,23 +101,23 @@ class AlphaSteps(Run):
 
     @property
     def frames(self) -> Array:
-        """See the protocol, likewise the following."""
+        """Of all rows, those that follow others included."""
         return self.s.H
 
     @property
     def increment(self) -> float:
-        """See the protocol."""
+        """Of the last iteration, as convergence is measured."""
         return self._increment
 
     @property
     def factorisations(self) -> int:
-        """See the protocol."""
+        """How many there were in all."""
         return self.factors.factorisations + self._starter.factorisations
 
     # --- the size of the step ---
 
     def begin(self, h: float) -> None:
-        """See the protocol."""
+        """Start at time 0 with steps of size ``h``, with consistent accelerations."""
         s = self.s
         check_velocities(self.system, h)
         s.H[:], s.H1[:], s.motion[:] = self.system.frames, self.system.frames, 0.0
@@ -137,7 +137,7 @@ class AlphaSteps(Run):
         self.system.velocity_factor = 1.0 / self.p.damping
 
     def set_step(self, time: float, h: float) -> None:
-        """See the protocol."""
+        """Make the state at ``time`` that of the start of a step of size ``h``."""
         s, r, levels = self.s, h / self.h, self.factors.levels
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
@@ -198,7 +198,7 @@ class AlphaSteps(Run):
     # --- steps ---
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
-        """See the protocol."""
+        """Make step ``index``; its iterations, 0 if it failed."""
         system, s = self.system, self.s
         self._index, self._end = index, end
         seen = end - side(end, self.h) if lands else end
@@ -213,31 +213,31 @@ class AlphaSteps(Run):
         return iterations
 
     def saved(self) -> _Saved:
-        """See the protocol."""
+        """A copy of the state."""
         s, books = self.s, self.books.memory()
         return _Saved(s.H.copy(), s.H1.copy(), s.motion.copy(), self.weights.copy(), books)
 
     def take_back(self, state: _Saved) -> None:
-        """See the protocol."""
+        """Be as when the state was saved."""
         s = self.s
         s.H[:], s.H1[:], s.motion[:] = state.H, state.H1, state.motion
         self.weights[:] = state.weights
         self.books.restore(state.books)
 
     def follow(self, other: AlphaSteps, state: _Saved) -> None:
-        """See the protocol."""
+        """Be as another one was when it saved ``state``."""
         self.take_back(state)
         self.h, self._index, self._speed = other.h, other._index, other._speed
 
     def estimate(self, before: _Saved, start: float, end: float) -> StepError:
-        """See the protocol."""
+        """The error of the step that was made from the state ``before``."""
         s, m = self.s, self.factors.levels.mass
         self._error.load(self.h, before.motion, s.H, s.d, s.vdot, m, self.r)
         super()._solve()
         return self._error.of(self.dx)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
-        """See the protocol."""
+        """Keep the present state in the next row."""
         recorder.fill(0.0, *self._accepted, self.books.total)
 
     # --- what changes in a step ---

@@ -74,6 +74,6 @@ class GrowingRecorder(Growing, Recorder):
         self._grow_with(duration, saving, progress)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
-        """See the base class; iterations are counted in any case."""
+        """Whether a row is due, see :meth:`Growing.due`; iterations are counted in any case."""
         self._count += iterations
         return super().due(time, ahead, index, iterations, event)

@@ -156,7 +156,7 @@ class Limit(Policy):
             raise ValueError(f"the limit must be at least 2 iterations, got {self.iterations}")
 
     def begin(self, bound: bool) -> Decisions:
-        """See the base class."""
+        """New matrices after so many iterations of a step."""
         return _Patient(self.iterations, bound, Update.ALL)
 
     def rule(self) -> tuple[int, float]:
@@ -224,7 +224,7 @@ class Automatic(Policy):
             )
 
     def begin(self, bound: bool) -> Decisions:
-        """See the base class."""
+        """New matrices when they are worth their cost."""
         return AutomaticDecisions(self, bound)
 
     def rule(self) -> tuple[int, float]:

@@ -81,7 +81,7 @@ class ConstantStep(StepChoice):
     events: Sequence[float] = ()
 
     def check(self, duration: float) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if the duration is no multiple of the step, or an option is bad."""
         positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
@@ -91,7 +91,7 @@ class ConstantStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """See the base class."""
+        """Always the one size, but for what fits between events."""
         times = _sorted(self.events, jumps, duration)
         control = Control(self.size, inf, inf, times, self.size, self.size, order)
         control.stretch = inf
@@ -104,7 +104,7 @@ class AdaptiveStep(StepChoice):
 
     Attributes:
         tolerance: Estimated error of positions in a step, over its size: length per time.
-        rotation_tolerance: Likewise of rotations, rad per time; default: ``tolerance`` over the
+        rotation_tolerance: That of rotations, rad per time; default: ``tolerance`` over the
             length of the model.
         first: Size that is tried first; default: a thousandth of the duration.
         events: Times at which loads or motions jump or have kinks, beside those that say so
@@ -126,7 +126,7 @@ class AdaptiveStep(StepChoice):
     refinement: int = 1
 
     def check(self, duration: float) -> None:
-        """See the base class."""
+        """Raise ``ValueError`` if a tolerance, size, event or refinement is bad."""
         positive(self.tolerance, "tolerance")
         for name in ("rotation_tolerance", "first", "smallest", "largest"):
             value = getattr(self, name)
@@ -143,7 +143,7 @@ class AdaptiveStep(StepChoice):
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
     ) -> Control:
-        """See the base class."""
+        """Sizes that follow the errors, from the first one."""
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
         times = _sorted(self.events, jumps, duration)

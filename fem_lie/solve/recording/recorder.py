@@ -195,5 +195,5 @@ class Recorder(History):
         self.row += 1
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
-        """See the base class."""
+        """Write all that the next steps depend on, and how many iterations there were."""
         super().write_checkpoint(index, memory | {"count": np.array(self._count)})

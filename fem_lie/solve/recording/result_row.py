@@ -61,7 +61,7 @@ class ResultRow:
         self._complete(rows, H, v, weights, found)
 
     def by_rates(self, rows: Window, H: Array, V: Array, weights: Array, booked: Array) -> None:
-        """Likewise, from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
+        """Fill the next row by :meth:`by_twists` from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
         weights = self._system.felt(H, weights)
         v = np.empty((len(V), 6))
         found = fill_by_rates(
@@ -99,10 +99,10 @@ def fill_by_twists(
     """Fill row ``row`` of the arrays.
 
     Args:
-        H: See :meth:`ResultRow.by_twists`, likewise the following.
-        v: See there.
-        weights: See there.
-        booked: See there.
+        H: Frames of all rows of the equations.
+        v: Twists, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        booked: Balance and impulses, shape (15,).
         scene: Table of fixed arrays: leader and offset of each node, inertia, conservative loads,
             both tables of joints, which pairs, sides and owners are reported, and the elements of
             :mod:`fem_lie.system.nodes.element_turns`.

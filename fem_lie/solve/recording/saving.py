@@ -32,9 +32,8 @@ class Saving:
         """From the arguments of a run.
 
         Args:
-            save_every: See :meth:`~fem_lie.solve.motion.integrator.Integrator.run`, likewise
-                ``save_at``.
-            save_at: An interval, or times.
+            save_every: States after every so many steps.
+            save_at: An interval, or times, instead.
             duration: Of the run.
 
         Raises:

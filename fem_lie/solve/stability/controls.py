@@ -58,15 +58,15 @@ class Arc:
         return sqrt(self.inner(u, d, u, d))
 
     def rate(self, u: Array, sign: float) -> float:
-        """See the protocol."""
+        """Change of the load factor per length along the tangent ``(u, 1)``."""
         return sign / self.norm(u, 1.0)
 
     def distance(self, moved: Array, change: float) -> float:
-        """See the protocol."""
+        """Length of displacements (n, 3) and a change of the load factor."""
         return self.norm(moved, change)
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
-        """See the protocol."""
+        """Derivative of the length along ``(u, d)``."""
         return self.inner(moved, change, u, d) / self.norm(moved, change)
 
 
@@ -83,15 +83,15 @@ class Along:
     unit: float
 
     def rate(self, u: Array, sign: float) -> float:
-        """See the protocol."""
+        """Change of the load factor per displacement along the pattern."""
         return self.unit / float(np.sum(self.pattern * u))
 
     def distance(self, moved: Array, change: float) -> float:
-        """See the protocol."""
+        """Displacement along the pattern; the load does not matter."""
         return float(np.sum(self.pattern * moved)) / self.unit
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
-        """See the protocol."""
+        """Derivative of that displacement along ``u``."""
         return self.distance(u, d)
 
 
@@ -106,15 +106,15 @@ class Load:
     load: float
 
     def rate(self, u: Array, sign: float) -> float:
-        """See the protocol."""
+        """Change of the load factor that is distance one."""
         return sign * self.load
 
     def distance(self, moved: Array, change: float) -> float:
-        """See the protocol."""
+        """Change of the load factor, whatever moved."""
         return abs(change) / self.load
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
-        """See the protocol."""
+        """Derivative of that change along ``d``."""
         return float(np.copysign(d, change)) / self.load if change else d / self.load
 
 

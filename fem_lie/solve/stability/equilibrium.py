@@ -50,7 +50,7 @@ class StableEquilibrium(SceneEquilibrium):
         self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self.system.count)
 
     def factorise(self, factor: float) -> None:
-        """See the protocol."""
+        """Make the tangent ready, and count its negative eigenvalues."""
         if not self._carried_stress:
             self._forces_known = False
             self.system.elastic.reset_stress(self._H)

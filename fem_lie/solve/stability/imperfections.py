@@ -71,7 +71,7 @@ class ModeImperfection(Imperfection):
             )
 
     def of(self, body: Body) -> tuple[Array, Array]:
-        """See the base class.
+        """The mode, times its amplitude or angle.
 
         Raises:
             ValueError: The mode is one of other bodies.
@@ -106,7 +106,7 @@ class FieldImperfection(Imperfection):
         instance(self.displacement, Callable, "FieldImperfection: displacement", wanted)
 
     def of(self, body: Body) -> tuple[Array, Array]:
-        """See the base class.
+        """The field at the nodes, and the rotation of the surface, or the line, by it.
 
         Raises:
             ValueError: The field is not three finite numbers everywhere.
@@ -146,7 +146,7 @@ class RandomImperfection(Imperfection):
         whole(self.seed, "RandomImperfection: seed", least=0)
 
     def of(self, body: Body) -> tuple[Array, Array]:
-        """See the base class."""
+        """The sum of the waves along directors, or along given directions."""
         # the same field for all bodies of a scene: about the largest of so many waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 

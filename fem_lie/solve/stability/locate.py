@@ -34,8 +34,8 @@ class Bracket:
 
     Attributes:
         origin: Where the step began.
-        control: What distances are, with ``arc``.
-        arc: See there.
+        control: What distances are.
+        arc: Which way is forward, and how far is too far.
         at: Distances of the two from the origin.
         ends: The states.
     """

@@ -106,7 +106,7 @@ class SceneEquilibrium:
 
     Attributes:
         system: The equations.
-        diameter: See the protocol.
+        diameter: Length of the model, by which turns are made lengths.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class SceneEquilibrium:
         self._scale[:] = system.tangent.constraint_scale(self._H)
 
     def forces(self) -> tuple[Array, Array]:
-        """See the protocol."""
+        """Internal forces, and external ones at λ = 1, in the present state."""
         system, load = self.system, self._load[: 6 * self.system.count].reshape(-1, 6)
         system.set_time(0.0, 0.0)
         system.residual(
@@ -162,7 +162,7 @@ class SceneEquilibrium:
         return self._solver.factorisations
 
     def factorise(self, factor: float) -> None:
-        """See the protocol."""
+        """Make the tangent at a load factor, with the carried stress, ready to solve."""
         self._fill(factor)
         self._solver.factorise()
 
@@ -177,7 +177,7 @@ class SceneEquilibrium:
         system.fill_matrix(*state, zero, 0.0, 0.0)
 
     def solve(self, b: Array) -> Array:
-        """See the protocol."""
+        """Solve with the last tangent."""
         self._solver.right_hand_side[:] = b
         self._solver.solve()
         x, count = self._solver.solution.copy(), self.system.count
@@ -185,11 +185,11 @@ class SceneEquilibrium:
         return x
 
     def negative_pivots(self) -> int:
-        """See the protocol; :func:`~fem_lie.solve.statics.pivots.negative_pivots`."""
+        """Those of the last tangent on what constraints leave free, from its pivots."""
         return negative_pivots(self.system, self._solver)
 
     def move(self, dx: Array) -> None:
-        """See the protocol."""
+        """Carry the stress on by ``dx``, then move nodes and multipliers."""
         system = self.system
         self._forces_known = False
         system.elastic.carry(self._H, dx[: 6 * system.count])
@@ -204,36 +204,36 @@ class SceneEquilibrium:
         return self.system.reactions(self._H, self._zero, self._zero, self._multipliers)
 
     def positions(self) -> Array:
-        """See the protocol."""
+        """Of the nodes, shape (n, 3)."""
         return self._H[: self.system.count, 0].copy()
 
     def translations(self, dx: Array) -> Array:
-        """See the protocol."""
+        """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
         count = self.system.count
         u = dx[: 6 * count].reshape(-1, 6)[:, :3]
         return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
 
     def twists(self, dx: Array) -> Array:
-        """See the protocol."""
+        """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
         twists = dx[: 6 * self.system.count].reshape(-1, 6).copy()
         twists[:, 3:] *= self.diameter
         return twists
 
     def check_turns(self, factor: float) -> None:
-        """See the protocol."""
+        """Raise ``FoldedElementError`` if an element turns too far for one state to be meant."""
         self.system.check_turns(self._H, f"at load factor {factor:g}")
 
     def turn_hint(self) -> str:
-        """See the protocol."""
+        """Which element turns far, if that may be why it does not go on."""
         return self.system.turn_hint(self._H)
 
     def state(self) -> _State:
-        """See the protocol; angles of joints are counted on from here."""
+        """A copy of the present state; angles of joints are counted on from here."""
         self.system.connections.accept(self._H)
         return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
 
     def restore(self, state: _State) -> None:
-        """See the protocol."""
+        """Return to a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
         self.system.connections.accept(self._H)

@@ -47,8 +47,8 @@ class Supports:
 
         Args:
             axes: Rows ``A`` for all nodes, nan where unknowns are local, shape (n, 3, 3).
-            indptr: Rows of the pattern of node pairs, with ``indices``.
-            indices: See there.
+            indptr: Where each node's row of the pattern of node pairs begins, shape (n + 1,).
+            indices: The other node of each pair.
             constrained: Node of each leg of the constraints.
         """
         self.nodes: Indices = np.flatnonzero(np.isfinite(axes[:, 0, 0]))
