@@ -17,9 +17,10 @@ from fem_lie import lie
 from fem_lie.bodies.body import ground
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.pictures.bodies import _round_step, _surfaces, draw
+from fem_lie.pictures.bodies import _surfaces, draw
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import joint_places, shapes
+from fem_lie.pictures.stage import _round_step
 from fem_lie.pictures.units import Units
 from fem_lie.results import Result
 

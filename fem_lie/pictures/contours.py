@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.surfaces import SurfaceMesh
-from fem_lie.pictures.bodies import INK, add_frame, plotting, target_of
+from fem_lie.pictures.stage import INK, add_frame, plotting, target_of
 from fem_lie.pictures.units import SI, Units
 from fem_lie.pictures.vtk import surface_grid
 

@@ -6,21 +6,21 @@ import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, choice, instance, shown
 from fem_lie.bodies.body import Body, HeldRotation, Holds, vector
+from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
+from fem_lie.pictures.bodies import draw
+from fem_lie.pictures.units import SI, Units
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.held_rotations import Holding, held_by
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion
-
-if TYPE_CHECKING:
-    from fem_lie.pictures.units import Units
 
 Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
 
@@ -48,8 +48,13 @@ class Scene:
     Attributes:
         choices: What is forced into or out of the iteration matrix.
         redundant: What to do with constraints that follow from others.
-        bodies: All bodies; likewise ``joints``, ``links``, ``loads``, ``clamps``, ``motions``.
+        bodies: All bodies, in the order in which they were added, as in the following.
+        joints: What binds frames to each other, but for links.
         connections: Springs, drives and gears.
+        links: Rigid links.
+        loads: What acts from outside, but for gravity.
+        clamps: Points that are held.
+        motions: Points that are moved as prescribed.
         family: Of the scenes made from it by :meth:`with_loads` and :meth:`with_drives`, if any.
     """
 
@@ -221,7 +226,7 @@ class Scene:
         *,
         frames: bool = False,
         title: str = "",
-        units: Units | None = None,
+        units: Units = SI,
     ) -> None:
         """Draw the bodies as they are before anything moves.
 
@@ -229,15 +234,11 @@ class Scene:
             path: Name of the ``.png`` file.
             frames: Draw the nodal frames.
             title: Above the picture.
-            units: For the axes; default: SI.
+            units: For the axes.
 
         Raises:
             ValueError: The scene has no body, or the name does not end in ``.png``.
         """
-        from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
-        from fem_lie.pictures.bodies import draw
-        from fem_lie.pictures.units import SI
-
         if not self.bodies:
             raise ValueError("the scene has no body")
         ends = np.cumsum([len(body.frames) for body in self.bodies])
@@ -246,7 +247,7 @@ class Scene:
             for body, end in zip(self.bodies, ends, strict=True)
         )
         nodes = np.concatenate([body.frames for body in self.bodies])
-        draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units or SI)
+        draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units)
 
     def _add_body(self, body: Body) -> None:
         if body in self._known:

@@ -1,0 +1,149 @@
+"""What is around the bodies of a picture: white ground, title, axes with round numbers, camera."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.pictures.units import Units
+
+INK = "#333333"
+_MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
+_PER_TEXT = 100  # widths of the picture in pixels per size of the text
+
+
+def target_of(path: str | os.PathLike[str], suffix: str) -> str:
+    """The name of a picture, checked."""
+    if Path(path).suffix.lower() != suffix:
+        raise ValueError(f"the name of the picture must end in {suffix!r}, got {str(path)!r}")
+    return str(path)
+
+
+@contextmanager
+def plotting(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Iterator[Any]:
+    """White scene with lines and a title."""
+    from fem_lie.pictures.display import display
+
+    with display():
+        import pyvista
+
+        plotter: Any = pyvista.Plotter(
+            off_screen=True, window_size=list(size), lighting="light kit"
+        )
+        try:
+            plotter.set_background("white")
+            plotter.enable_anti_aliasing("ssaa")
+            for line in paths:
+                plotter.add_mesh(
+                    pyvista.lines_from_points(line), color=INK, line_width=size[0] / 800
+                )
+            if title:
+                plotter.add_text(
+                    title,
+                    position=(0.02, 0.94),
+                    viewport=True,
+                    font_size=size[0] // 110,
+                    color=INK,
+                )
+            yield plotter
+        finally:
+            plotter.close()
+
+
+def add_frame(
+    plotter: Any,
+    frames: Array,
+    paths: Sequence[Array],
+    units: Units,
+    size: tuple[int, int],
+    text: int | None = None,
+) -> None:
+    """Axes with round numbers around all configurations, and the camera."""
+    from vtkmodules.vtkCommonCore import vtkStringArray
+
+    x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
+    low, high = x.min(axis=0), x.max(axis=0)
+    step = _round_step(float((high - low).max()))
+    flat = np.flatnonzero(high - low < 1e-3 * step)
+    low, high = np.floor(low / step + 0.1), np.ceil(high / step - 0.1)
+    low, high = step * (low - (low >= high)), step * (high + (low >= high))
+    counts = np.rint((high - low) / step).astype(int) + 1
+    bounds = np.column_stack([low, high]).ravel().tolist()
+    font = text or size[0] // _PER_TEXT
+    axes = plotter.show_bounds(
+        bounds=bounds,
+        grid="back",
+        location="outer",
+        ticks="outside",
+        font_size=font,
+        color="#777777",
+        xtitle=f"x [{units.length}]",
+        ytitle=f"y [{units.length}]",
+        ztitle=f"z [{units.length}]",
+        n_xlabels=counts[0],
+        n_ylabels=counts[1],
+        n_zlabels=counts[2],
+        use_3d_text=False,
+    )
+    for axis in range(3):
+        labels = vtkStringArray()
+        for number, value in enumerate(np.rint(low[axis] / step) + np.arange(counts[axis])):
+            # in space the lowest of z and the first of y, and the last of x and the highest of z,
+            # would write over each other
+            hidden = (axis == 2 and number == 0) or (axis == 0 and number == counts[0] - 1)
+            shown = "" if hidden and len(flat) != 1 else f"{value * step:.6g}"
+            labels.InsertNextValue(shown)
+        axes.SetAxisLabels(axis, labels)
+    if len(flat) == 1:
+        (plotter.view_yz, plotter.view_xz, plotter.view_xy)[flat[0]]()
+    else:
+        plotter.view_isometric()
+    plotter.enable_parallel_projection()
+    plotter.reset_camera(bounds=bounds)
+    bodies = np.array(plotter.bounds).reshape(3, 2).T
+    corners = np.array([low, high]), bodies
+    _fit(plotter.camera, np.concatenate(corners), size, _MARGIN * size[0] + _LINES * font)
+    plotter.reset_camera_clipping_range()
+
+
+def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> None:
+    """Set a parallel camera to show boxes, with a margin in pixels all around.
+
+    Args:
+        camera: Of PyVista; its direction stays.
+        corners: Lowest and highest corner of each box, one after the other, shape (2 k, 3).
+        size: Width and height of the picture, pixels.
+        margin: Beyond the boxes.
+    """
+    forward = np.array(camera.focal_point) - np.array(camera.position)
+    distance = float(np.linalg.norm(forward))
+    forward /= distance
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    seen = np.array([right, np.cross(right, forward)])
+    boxes = corners.reshape(-1, 2, 3)
+    picks = np.array(list(np.ndindex(2, 2, 2)))
+    points = np.concatenate([box[picks, np.arange(3)] for box in boxes]) @ seen.T
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.maximum(np.array(size) - 2.0 * margin, 0.2 * np.array(size))
+    per_pixel = float(((high - low) / room).max())
+    middle = 0.5 * (low + high) @ seen
+    focus = middle + (np.array(camera.focal_point) @ forward) * forward
+    camera.focal_point = focus.tolist()
+    camera.position = (focus - distance * forward).tolist()
+    camera.parallel_scale = 0.5 * per_pixel * size[1]
+
+
+def _round_step(extent: float) -> float:
+    """Distance of grid lines, 1, 2 or 5 times a power of ten, for three to seven of them.
+
+    With more of them VTK would take a distance of its own, and set our labels to the wrong places.
+    """
+    power = 10.0 ** np.floor(np.log10(extent or 1.0))
+    return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))
