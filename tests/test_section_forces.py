@@ -518,6 +518,8 @@ def test_bad_input_is_named():
         fl.section_forces(result, other, scene)
     with pytest.raises(ValueError, match="has 1 states, got step 1"):
         fl.section_forces(result, beam, scene, steps=[1])
+    with pytest.raises(TypeError, match=r"step must be the number of a state, got 0\.5"):
+        fl.section_forces(result, beam, scene, steps=[0.5])
     found = fl.section_forces(result, beam, scene)
     with pytest.raises(ValueError, match="no section force 'Nx'; there are: N, Vy"):
         found.raw("Nx")

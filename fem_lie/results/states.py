@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, SupportsIndex
 
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, shown, whole
-from fem_lie.bodies.body import Point
+from fem_lie._arrays import Array, Indices, instance, shown, whole
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints import Connection
 from fem_lie.pictures import bodies
@@ -169,6 +169,33 @@ def require_states(value: object) -> None:
     """Raise ``TypeError`` if it is no result of statics, of a path or of dynamics."""
     if not hasattr(value, "info") or np.ndim(getattr(value, "frames", 0.0)) != 4:
         raise TypeError(f"wanted is a result of statics, a path or dynamics, got {shown(value)}")
+
+
+def state_number(step: int, count: int) -> int:
+    """Number of one of ``count`` states, counted from the end if ``step`` is negative.
+
+    Raises:
+        ValueError: There is no such state.
+        TypeError: It is no whole number.
+    """
+    instance(step, SupportsIndex, "step", "the number of a state")
+    if not -count <= step < count:
+        raise ValueError(f"the result has {count} states, got step {step}")
+    return int(step) % count
+
+
+def nodes_in(info: SceneInfo, body: Body, where: str = "that result") -> Indices:
+    """Numbers that the nodes of a body have in what was found.
+
+    Raises:
+        ValueError: The body is not there, or has another number of nodes there.
+    """
+    nodes = info.body(body.name).nodes
+    if len(nodes) != len(body.frames):
+        raise ValueError(
+            f"{body.label} has {len(body.frames)} nodes, in {where} it has {len(nodes)}"
+        )
+    return nodes
 
 
 def evenly(count: int, most: int) -> Indices:

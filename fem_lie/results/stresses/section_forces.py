@@ -28,7 +28,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
-from fem_lie.results.states import require_states
+from fem_lie.results.states import nodes_in, require_states, state_number
 from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces
 from fem_lie.results.stresses.element_forces import (
     ElementForces,
@@ -66,12 +66,9 @@ def section_forces(
     instance(beam, Beam, "beam", "a Beam")
     if beam not in scene.bodies:
         raise ValueError(f"{beam.label} is not in the scene")
-    nodes = result.info.body(beam.name).nodes
-    if len(nodes) != len(beam.frames):
-        raise ValueError(
-            f"{beam.label} has {len(beam.frames)} nodes, in that result it has {len(nodes)}"
-        )
-    rows = _rows(steps, len(result.frames))
+    nodes, count = nodes_in(result.info, beam), len(result.frames)
+    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    rows = np.array(chosen, dtype=np.int64)
     dynamic = isinstance(result, Result)
     times = (result.times if isinstance(result, Result) else result.factors)[rows]
     frames = result.frames[rows][:, nodes]
@@ -83,15 +80,6 @@ def section_forces(
         elements.set_eigenstrain(strains[k])
         values[:] = elements.at_ends(frames[k], None if velocities is None else velocities[k])
     return SectionForces(beam, times, frames, strains, ends, single_forces(scene, beam), elements)
-
-
-def _rows(steps: Sequence[int] | None, count: int) -> Indices:
-    if steps is None:
-        return np.arange(count)
-    for step in steps:
-        if not -count <= step < count:
-            raise ValueError(f"the result has {count} states, got step {step}")
-    return np.array([step % count for step in steps], dtype=np.int64)
 
 
 def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:

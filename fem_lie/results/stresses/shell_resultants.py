@@ -14,7 +14,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import SupportsIndex
 
 import dolfinx
 from dolfinx import fem
@@ -23,7 +22,7 @@ from fem_lie._arrays import Array, instance
 from fem_lie.bodies.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.units import SI, Units
-from fem_lie.results.states import States, require_states
+from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.cell_functions import (
     DISCONTINUOUS,
     LAGRANGE,
@@ -62,11 +61,8 @@ def resultants(
             to the surface somewhere.
     """
     require_states(result)
-    instance(step, SupportsIndex, "step", "the number of a state")
-    count = len(result.frames)
-    if not -count <= step < count:
-        raise ValueError(f"the result has {count} states, got step {step}")
-    (found,) = _of_states(result, shell, [step % count], along, kink_angle)
+    chosen = [state_number(step, len(result.frames))]
+    (found,) = _of_states(result, shell, chosen, along, kink_angle)
     return found
 
 
@@ -90,11 +86,7 @@ def _of_states(
     kink_angle: float,
 ) -> list[Resultants]:
     instance(shell, Shell, "shell", "a Shell")
-    nodes = result.info.body(shell.name).nodes
-    if len(nodes) != len(shell.frames):
-        raise ValueError(
-            f"{shell.label} has {len(shell.frames)} nodes, in that result it has {len(nodes)}"
-        )
+    nodes = nodes_in(result.info, shell)
     places = StressPlaces.of(shell, along, kink_angle)
     stress = ShellStress(shell)
     return [Resultants.of(shell, places, result.frames[step][nodes], stress) for step in steps]

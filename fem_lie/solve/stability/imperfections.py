@@ -19,6 +19,7 @@ from fem_lie._arrays import Array, instance, number, numbers, positive, whole
 from fem_lie.bodies.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.results.buckling import BucklingModes
+from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 
@@ -76,11 +77,7 @@ class ModeImperfection(Imperfection):
         Raises:
             ValueError: The mode is one of other bodies.
         """
-        nodes = self.modes.info.body(body.name).nodes
-        if len(nodes) != len(body.frames):
-            raise ValueError(
-                f"{body.label} has {len(body.frames)} nodes, in the modes it has {len(nodes)}"
-            )
+        nodes = nodes_in(self.modes.info, body, "the modes")
         size = self.amplitude if self.angle is None else self.angle
         assert size is not None
         directors = self.modes.frames[nodes, 1:]
