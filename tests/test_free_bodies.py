@@ -399,7 +399,7 @@ def test_matrix_is_the_derivative_of_the_residual(group):
 
     H1, kept = np.empty((4, 3)), np.empty((9, 3))
     move(group, H, d, H1)
-    free_body.factorise(tuple(p), group, 1.3, FULL, f, H1, v1, d, kept)
+    free_body.factorise(p, group, 1.3, FULL, f, H1, v1, d, kept)
     matrix = np.zeros((6, 6))
     matrix[:3, :3], matrix[3:, 3:] = np.linalg.inv(kept[6:]), np.linalg.inv(kept[:3])
     matrix[:3, 3:] = kept[3:6].T

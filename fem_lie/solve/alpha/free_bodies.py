@@ -10,8 +10,6 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -26,6 +24,17 @@ from fem_lie.scene.load import NodalLoad, amplitudes, histories
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step import free_body
 from fem_lie.solve.alpha.step import node as scheme
+from fem_lie.solve.alpha.step.free_records import (
+    BODY,
+    INCREMENT,
+    RESIDUAL,
+    Bodies,
+    Kept,
+    Loads,
+    Plan,
+    State,
+)
+from fem_lie.solve.alpha.step.free_records import Options as Iteration
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
@@ -42,70 +51,6 @@ def applies(scene: Scene, policy: Policy) -> bool:
     held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
     rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
     return bool(scene.bodies) and rigid and not held and policy.rule() is not None
-
-
-class _Bodies(NamedTuple):
-    """What a body is.
-
-    Attributes:
-        mass: Shape (n,).
-        J: Inertia tensors about the centre of mass, shape (n, 3, 3).
-        size: Length of the tolerance, shape (n,).
-        group: Of each, see :class:`fem_lie.lie.motions.Group`, shape (n,).
-    """
-
-    mass: Array
-    J: Array
-    size: Array
-    group: Indices
-
-
-class _Loads(NamedTuple):
-    """Forces and moments, fixed in space and then following, 12 numbers.
-
-    Attributes:
-        constant: Those without history, shape (n, 12).
-        first: First of the loads with history of each body, shape (n + 1,).
-        vary: Those, shape (k, 12).
-        column: Their columns in the amplitudes, shape (k,).
-    """
-
-    constant: Array
-    first: Indices
-    vary: Array
-    column: Indices
-
-
-class _State(NamedTuple):
-    """Start of a step and what is kept between steps.
-
-    Attributes:
-        memory: Last ratio of increments, largest motion, fewest iterations with the kept matrix,
-            iterations beyond those; shape (n, 4).
-        kept: Rows of the inverse block of the rotation, columns of the block that couples it to the
-            translation, rows of the inverse block of the translation; shape (n, 9, 3).
-        rates: Power of the loads on each body, force and moment about the origin, shape (n, 7).
-        booked: Their work and impulses so far, shape (n, 7).
-    """
-
-    H: Array
-    v: Array
-    vdot: Array
-    a: Array
-    memory: Array
-    kept: Array
-    rates: Array
-    booked: Array
-
-
-class _Options(NamedTuple):
-    """Of the iteration; ``patience`` and ``cost`` as of :class:`policies.Automatic`."""
-
-    tolerance: float
-    limit: int
-    patience: int
-    cost: float
-    rescue: bool
 
 
 class Run:
@@ -132,7 +77,7 @@ class Run:
         refuse_ranks()
         rule = options.policy.rule()
         assert rule is not None
-        self.options = _Options(
+        self.options = Iteration(
             float(options.tolerance),
             options.max_iterations,
             rule[0],
@@ -148,10 +93,10 @@ class Run:
             self.blocks[nodes], size[nodes] = body.gram, body.size
         trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
         J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
-        self.bodies = _Bodies(self.blocks[:, 0, 0].copy(), J, size, self.numbering.groups)
+        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, size, self.numbering.groups)
         self.loads, self.histories = self._collect(scene)
         self.p = scheme.parameters(options.radius, step, 1.0)
-        self.s = _State(
+        self.s = State(
             self.numbering.frames.copy(),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
@@ -163,7 +108,7 @@ class Run:
             np.zeros((n, 7)),
         )
 
-    def _collect(self, scene: Scene) -> tuple[_Loads, dict[int, LoadHistory]]:
+    def _collect(self, scene: Scene) -> tuple[Loads, dict[int, LoadHistory]]:
         constant = np.zeros((self.numbering.count, 12))
         constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
         vary, owner, varying = [], [], histories(scene.loads)
@@ -181,12 +126,12 @@ class Run:
         order = np.argsort(nodes, kind="stable")
         first = np.searchsorted(nodes[order], np.arange(self.numbering.count + 1))
         table = np.array(vary).reshape(-1, 12)[order]
-        return _Loads(constant, first, table, order), varying
+        return Loads(constant, first, table, order), varying
 
     def start(self) -> None:
         """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
         s, ahead = self.s, self.p.ahead
-        bodies, loads = tuple(self.bodies), tuple(self.loads)
+        bodies, loads = self.bodies, self.loads
         amplitude = amplitudes(self.histories, [0.0, ahead])
         group, twists = self.bodies.group, self.numbering.velocities
         from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
@@ -238,15 +183,14 @@ class Run:
         wanted_rows = (indices % history.every == 0) | (indices == history.steps)
         done = np.zeros((int(wanted_rows.sum()), 7))
         last, factorisations = free_body.advance(
-            tuple(self.p),
-            tuple(self.options),
-            tuple(self.bodies),
-            tuple(self.loads),
+            self.p,
+            self.options,
+            self.bodies,
+            self.loads,
             amplitude,
-            tuple(self.s),
-            (wanted.start, wanted.stop - 1, history.row),
-            (history.steps, history.every),
-            (history.frames, history.velocities, done),
+            self.s,
+            Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
+            Kept(history.frames, history.velocities, done),
             taken,
             failed,
         )
@@ -274,9 +218,9 @@ class Run:
         history.keep(indices, iterations)
 
     def _failure(self, index: int, steps: int, failed: Array) -> str:
-        name = self.scene.bodies[int(failed[0])].label
+        name = self.scene.bodies[int(failed[BODY])].label
         limit, tolerance = self.options.limit, self.options.tolerance
         rescued = self.options.rescue
-        reached = index, steps, self.p.h, limit, failed[1], failed[2]
+        reached = index, steps, self.p.h, limit, failed[INCREMENT], failed[RESIDUAL]
         text = failure(*reached, tolerance, rescued)
         return f"{name}: {text}"

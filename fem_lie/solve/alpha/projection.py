@@ -64,4 +64,4 @@ def project(
         solver.solve()
         change[: 6 * n] -= solver.solution[: 6 * n]
         impulse -= solver.solution[6 * n :]
-        change_velocities(tuple(s), solver.solution)
+        change_velocities(s.plain, solver.solution)

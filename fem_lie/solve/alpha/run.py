@@ -79,7 +79,7 @@ class Run(Integration[Recorder]):
         self._turned = options.components == Components.INERTIAL
         if self._turned and system.supports:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
-        self._plain = tuple(self.p), tuple(self.s)
+        self._plain = self.p.plain, self.s.plain
         self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
         self._accepted = self.s.H, self.s.twist1, self.s.rate1, self.weights
         turns = system.connections.angular
@@ -120,14 +120,15 @@ class Run(Integration[Recorder]):
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
-        scheme, state = self._plain[0], tuple(x.copy() for x in self.s)
+        scheme, copy = self.p.plain, State(*(x.copy() for x in self.s))
+        state = copy.plain
         predict(scheme, state)
         zero, weights = np.zeros_like(self.dx), self.weights.copy()
         correct(scheme, state, zero, *self._sizes, weights)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
         # the first iteration makes the matrix that counts
-        s, d, turned = self.s, state[2][3], self._turned
+        s, d, turned = self.s, copy.d, self._turned
         given = s.H1, s.twist1, s.rate1, self.weights, self.scale, d, self.p.mass, self.p.damping
         self.system.fill_matrix(*given, self._ahead(), inertial=turned)
         if turned:
@@ -278,7 +279,7 @@ class Run(Integration[Recorder]):
         x = self.dx.copy()
         back_to_local(self.s.H1, self.s.kinds, x)
         return staleness(
-            self.system, self.solver, self._plain[0], self.s, self.weights, *self._sizes, x
+            self.system, self.solver, self.p.plain, self.s, self.weights, *self._sizes, x
         )
 
     def _tolerance(self) -> float:

@@ -13,6 +13,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.system import System
@@ -26,7 +27,7 @@ TINY = float(np.finfo(float).tiny)
 def staleness(
     system: System,
     solver: DirectSolver,
-    scheme: tuple[float, ...],
+    scheme: PlainScheme,
     state: State,
     weights: Array,
     scale: Array,
@@ -57,7 +58,7 @@ def staleness(
     def moved(factor: float) -> Array:
         there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
         held, r = weights.copy(), np.empty_like(x)
-        correct(scheme, tuple(there), -factor * x, scale, measure, joined, held)
+        correct(scheme, there.plain, -factor * x, scale, measure, joined, held)
         system.elastic.settle(there.H1)
         system.residual(there.H1, there.twist1, there.rate1, held, scale, r)
         return r

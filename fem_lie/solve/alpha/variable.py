@@ -133,7 +133,7 @@ class AlphaSteps(Run):
 
     def _set_parameters(self, h: float) -> None:
         self.h, self.p = h, parameters(self.options.radius, h, self.system.length)
-        self._plain = tuple(self.p), tuple(self.s)
+        self._plain = self.p.plain, self.s.plain
         self.system.velocity_factor = 1.0 / self.p.damping
 
     def set_step(self, time: float, h: float) -> None:

@@ -13,8 +13,6 @@ for the gyroscopic and load terms, and is kept.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -39,6 +37,25 @@ from fem_lie.lie.tuples import (
     tangent_coefficients,
 )
 from fem_lie.solve.alpha.step import node
+from fem_lie.solve.alpha.step.free_records import (
+    BEYOND,
+    BODY,
+    FEWEST,
+    INCREMENT,
+    MOTION,
+    RATIO,
+    RESIDUAL,
+    Bodies,
+    Body,
+    End,
+    Kept,
+    Loads,
+    Options,
+    Plan,
+    Start,
+    State,
+)
+from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
 from fem_lie.system.nodes import inertia
 
@@ -46,7 +63,7 @@ from fem_lie.system.nodes import inertia
 
 
 @inlined
-def load_of(loads: tuple[Any, ...], amplitude: Array, i: int, f: Array) -> None:
+def load_of(loads: Loads, amplitude: Array, i: int, f: Array) -> None:
     """Load of body ``i`` into ``f`` (12,)."""
     constant, first, vary, column = loads
     for k in range(12):
@@ -87,7 +104,7 @@ def inverse(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector, Vector]:
 
 @inlined
 def _columns(
-    parameters: tuple[float, ...],
+    p: Scheme,
     group: int,
     m: float,
     J: Array,
@@ -101,7 +118,7 @@ def _columns(
 
     Of the rotation by ``d_θ``, of the translation by ``d_θ``, of the translation by ``d_u``.
     """
-    _, _, _, _, _, mass, damping, _ = parameters
+    mass, damping = p.mass, p.damping
     d1, d2, d3 = load_row(H1, 1), load_row(H1, 2), load_row(H1, 3)
     J1, J2, J3 = load_row(J, 0), load_row(J, 1), load_row(J, 2)
     ω, θ = load(v1, 3), load(d, 3)
@@ -120,7 +137,7 @@ def _columns(
 
 @compiled
 def factorise(
-    parameters: tuple[float, ...],
+    p: Scheme,
     group: int,
     m: float,
     J: Array,
@@ -131,9 +148,9 @@ def factorise(
     kept: Array,
 ) -> None:
     """Renew the kept matrix."""
-    a = _columns(parameters, group, m, J, f, H1, v1, d, (1.0, 0.0, 0.0))
-    b = _columns(parameters, group, m, J, f, H1, v1, d, (0.0, 1.0, 0.0))
-    c = _columns(parameters, group, m, J, f, H1, v1, d, (0.0, 0.0, 1.0))
+    a = _columns(p, group, m, J, f, H1, v1, d, (1.0, 0.0, 0.0))
+    b = _columns(p, group, m, J, f, H1, v1, d, (0.0, 1.0, 0.0))
+    c = _columns(p, group, m, J, f, H1, v1, d, (0.0, 0.0, 1.0))
     for block in range(3):
         rows = (a[block], b[block], c[block])
         if block != 1:
@@ -153,49 +170,50 @@ def _solve(kept: Array, translation: Vector, turning: Vector, dx: Array) -> None
 
 @compiled
 def make_step(
-    parameters: tuple[float, ...],
-    options: tuple[float, int, int, float],
-    body: tuple[int, float, Array],
+    p: Scheme,
+    options: Options,
+    body: Body,
     f: Array,
-    state: tuple[Any, ...],
-    end: tuple[Any, ...],
+    state: Start,
+    end: End,
     failed: Array,
 ) -> tuple[int, int]:
     """Iterations, 0 if it failed, and factorisations of one step of one body."""
-    tolerance, limit, patience, cost = options
+    tolerance, limit, patience, cost, _ = options
     group, m, J = body
     H, v, vdot, a, memory, kept = state
     d, H1, v1, vdot1, dx = end
-    memory[1] = max(node.predict(parameters, group, H, v, vdot, a, d, H1, v1, vdot1), memory[1])
-    wanted = max(tolerance * memory[1], ROUND_OFF)
-    previous, ratio, renewed, increment = np.inf, memory[0], 0, np.inf
+    motion = node.predict(p, group, H, v, vdot, a, d, H1, v1, vdot1)
+    memory[MOTION] = max(motion, memory[MOTION])
+    wanted = max(tolerance * memory[MOTION], ROUND_OFF)
+    previous, ratio, renewed, increment = np.inf, memory[RATIO], 0, np.inf
     translation = turning = (0.0, 0.0, 0.0)
-    failed[2] = 0.0
+    failed[RESIDUAL] = 0.0
     for iteration in range(1, limit + 1):
         translation, turning = residual(group, m, J, f, H1, v1, vdot1)
-        due = memory[3] >= cost if iteration == 1 else (iteration - 1) % patience == 0
+        due = memory[BEYOND] >= cost if iteration == 1 else (iteration - 1) % patience == 0
         if due:
-            factorise(parameters, group, m, J, f, H1, v1, d, kept)
-            memory[2], memory[3] = 0.0, 0.0
+            factorise(p, group, m, J, f, H1, v1, d, kept)
+            memory[FEWEST], memory[BEYOND] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
-        increment = node.correct(parameters, group, dx, H, d, H1, v1, vdot1)
+        increment = node.correct(p, group, dx, H, d, H1, v1, vdot1)
         ratio, remaining = estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= ROUND_OFF:
-            memory[0] = ratio if iteration > 1 else ratio**UNMEASURED
+            memory[RATIO] = ratio if iteration > 1 else ratio**UNMEASURED
             counted = max(iteration, 2)  # as policies.Automatic: one iteration is luck
-            if memory[2] == 0.0 or counted < memory[2]:
-                memory[2] = counted
-            memory[3] += counted - memory[2]
-            node.accept(parameters, v, vdot, a, H1, v1, vdot1)
+            if memory[FEWEST] == 0.0 or counted < memory[FEWEST]:
+                memory[FEWEST] = counted
+            memory[BEYOND] += counted - memory[FEWEST]
+            node.accept(p, v, vdot, a, H1, v1, vdot1)
             H[:] = H1
             return iteration, renewed
         if not increment < DIVERGED:
             break
         previous = increment
     for k in range(3):
-        failed[2] = max(failed[2], abs(translation[k]), abs(turning[k]))
-    failed[1] = increment
+        failed[RESIDUAL] = max(failed[RESIDUAL], abs(translation[k]), abs(turning[k]))
+    failed[INCREMENT] = increment
     return 0, renewed
 
 
@@ -227,8 +245,8 @@ def book(h: float, row: Array, last: Array, total: Array) -> None:
 
 @compiled
 def accelerations(
-    bodies: tuple[Any, ...],
-    loads: tuple[Any, ...],
+    bodies: Bodies,
+    loads: Loads,
     amplitude: Array,
     H: Array,
     v: Array,
@@ -248,88 +266,79 @@ def accelerations(
 
 @compiled
 def advance(
-    parameters: tuple[float, ...],
-    options: tuple[Any, ...],
-    bodies: tuple[Any, ...],
-    loads: tuple[Any, ...],
+    p: Scheme,
+    options: Options,
+    bodies: Bodies,
+    loads: Loads,
     amplitude: Array,
-    state: tuple[Any, ...],
-    span: tuple[int, int, int],
-    steps: tuple[int, int],
-    kept_rows: tuple[Array, Array, Array],
+    state: State,
+    plan: Plan,
+    rows: Kept,
     iterations: Indices,
     failed: Array,
 ) -> tuple[int, int]:
     """Steps ``first … last`` of all bodies.
 
     Args:
-        parameters: Of the scheme.
+        p: Parameters of the scheme.
         options: Of the iteration.
         bodies: What they are.
         loads: Their loads.
         amplitude: Of the loads with history, shape (last − first + 1, k).
         state: Of all bodies; updated.
-        span: First and last step, and the row of the first one that will be kept.
-        steps: Number of steps of the run, and how many lie between two that are kept.
-        kept_rows: Kept frames, shape (rows, n, 4, 3), twists, shape (rows, n, 6), and what loads
-            have done, work before impulses, at the rows of these steps, shape (kept, 7), to which
-            that of each body is added.
+        plan: Which steps.
+        rows: What is kept, overwritten.
         iterations: Of each step, of the body that takes most, shape (last − first + 1,).
         failed: Of the earliest failure: body, last increment and residual; shape (3,).
 
     Returns:
         The last step that all bodies made, and the number of factorisations.
     """
-    h, am, af, gamma, beta, damped, damping, _ = parameters
-    tolerance, limit, patience, cost, rescue = options
+    always = Options(options.tolerance, options.limit, 1, 0.0, False)
     mass, J, size, group = bodies
     H, v, vdot, a, memory, kept, rates, booked = state
-    frames, velocities, done = kept_rows
-    first, last, kept_row = span
-    total, every = steps
-    end = (np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
+    frames, velocities, done = rows
+    first, last, kept_row, total, every = plan
+    end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
     f, rate, note = np.empty(12), np.empty(6), np.zeros(3)
     twist, row_now = np.empty(6), np.empty(7)
     factorisations = 0
     for i in range(v.shape[0]):
-        own = (h, am, af, gamma, beta, damped, damping, size[i])
-        body = (group[i], mass[i], J[i])
-        here = (H[i], v[i], vdot[i], a[i], memory[i], kept[i])
+        own = Scheme(p.h, p.am, p.af, p.gamma, p.beta, p.mass, p.damping, size[i])
+        body = Body(group[i], mass[i], J[i])
+        here = Start(H[i], v[i], vdot[i], a[i], memory[i], kept[i])
         row = kept_row
         for index in range(first, last + 1):
             load_of(loads, amplitude[index - first], i, f)
-            count, made = make_step(
-                own, (tolerance, limit, patience, cost), body, f, here, end, note
-            )
+            count, made = make_step(own, options, body, f, here, end, note)
             factorisations += made
-            if count == 0 and rescue:
-                count, made = make_step(own, (tolerance, limit, 1, 0.0), body, f, here, end, note)
+            if count == 0 and options.rescue:
+                count, made = make_step(own, always, body, f, here, end, note)
                 factorisations += made
             if count == 0:
                 # the others need not go farther than the step before
                 last = index - 1
-                failed[0], failed[1], failed[2] = i, note[1], note[2]
+                failed[BODY] = i
+                failed[INCREMENT], failed[RESIDUAL] = note[INCREMENT], note[RESIDUAL]
                 break
             iterations[index - first] = max(count, iterations[index - first])
-            to_local(group[i], here[0], here[1], here[2], twist, rate)
-            act(f, loads[0][i], here[0], twist, row_now)
-            book(h, row_now, rates[i], booked[i])
+            to_local(group[i], here.H, here.v, here.vdot, twist, rate)
+            act(f, loads.constant[i], here.H, twist, row_now)
+            book(p.h, row_now, rates[i], booked[i])
             if index % every == 0 or index == total:
-                frames[row, i], velocities[row, i] = here[0], twist
+                frames[row, i], velocities[row, i] = here.H, twist
                 done[row - kept_row] += booked[i]
                 row += 1
     return last, factorisations
 
 
 @compiled
-def start_books(
-    loads: tuple[Any, ...], amplitude: Array, H: Array, twists: Array, rates: Array
-) -> None:
+def start_books(loads: Loads, amplitude: Array, H: Array, twists: Array, rates: Array) -> None:
     """What acts on each body at the start, see :func:`act`, shape (n, 7)."""
     f = np.empty(12)
     for i in range(twists.shape[0]):
         load_of(loads, amplitude, i, f)
-        act(f, loads[0][i], H[i], twists[i], rates[i])
+        act(f, loads.constant[i], H[i], twists[i], rates[i])
 
 
 @compiled

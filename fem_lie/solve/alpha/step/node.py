@@ -7,7 +7,7 @@ on SE(3) and in global components on R³×SO(3).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -22,7 +22,18 @@ AHEAD = 0.1
 
 
 class Scheme(NamedTuple):
-    """Parameters of a run; ``mass`` and ``damping`` are ∂v̇₁/∂d and ∂v₁/∂d."""
+    """Parameters of a run.
+
+    Attributes:
+        h: Step size.
+        am: α_m.
+        af: α_f.
+        gamma: γ.
+        beta: β.
+        mass: ∂v̇₁/∂d.
+        damping: ∂v₁/∂d.
+        length: Of the model, by which translations are measured.
+    """
 
     h: float
     am: float
@@ -32,6 +43,11 @@ class Scheme(NamedTuple):
     mass: float
     damping: float
     length: float
+
+    @property
+    def plain(self) -> PlainScheme:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
 
     @property
     def shift(self) -> float:
@@ -54,7 +70,8 @@ def parameters(radius: float, step: float, length: float) -> Scheme:
     return Scheme(step, am, af, gamma, beta, mass, damping, length)
 
 
-# Compiled functions take the parameters as a plain tuple: numba is three times as fast to call so.
+PlainScheme: TypeAlias = tuple[float, float, float, float, float, float, float, float]
+"""A :class:`Scheme` at the door from Python: numba is three times as fast to call so."""
 
 
 @inlined
@@ -67,7 +84,7 @@ def size_of(d: Array, length: float) -> float:
 
 @inlined
 def predict(
-    scheme: tuple[float, ...],
+    scheme: Scheme,
     kind: int,
     H: Array,
     v: Array,
@@ -79,19 +96,19 @@ def predict(
     vdot1: Array,
 ) -> float:
     """Start a step with the old ``v̇``; returns the size of the motion, see :data:`ROTATION`."""
-    h, am, _, gamma, beta, _, _, length = scheme
+    h, am, gamma, beta = scheme.h, scheme.am, scheme.gamma, scheme.beta
     for k in range(6):
         vdot1[k] = vdot[k]
         a1 = (vdot[k] - am * a[k]) / (1.0 - am)
         d[k] = h * v[k] + h * h * ((0.5 - beta) * a[k] + beta * a1)
         v1[k] = v[k] + h * ((1.0 - gamma) * a[k] + gamma * a1)
     move(kind, H, d, H1)
-    return size_of(d, length)
+    return size_of(d, scheme.length)
 
 
 @inlined
 def correct(
-    scheme: tuple[float, ...],
+    scheme: Scheme,
     kind: int,
     x: Array,
     H: Array,
@@ -101,21 +118,20 @@ def correct(
     vdot1: Array,
 ) -> float:
     """Subtract a Newton correction ``x`` of ``d``; returns its size, see :data:`ROTATION`."""
-    _, _, _, _, _, mass, damping, length = scheme
     for k in range(6):
         d[k] -= x[k]
-        v1[k] -= damping * x[k]
-        vdot1[k] -= mass * x[k]
+        v1[k] -= scheme.damping * x[k]
+        vdot1[k] -= scheme.mass * x[k]
     move(kind, H, d, H1)
-    return size_of(x, length)
+    return size_of(x, scheme.length)
 
 
 @inlined
 def accept(
-    scheme: tuple[float, ...], v: Array, vdot: Array, a: Array, H1: Array, v1: Array, vdot1: Array
+    scheme: Scheme, v: Array, vdot: Array, a: Array, H1: Array, v1: Array, vdot1: Array
 ) -> None:
     """Make the end of the step the start of the next, but for the frame, which is set right."""
-    _, am, af, _, _, _, _, _ = scheme
+    am, af = scheme.am, scheme.af
     for k in range(6):
         rate = (1.0 - af) * vdot1[k] + af * vdot[k]
         a[k] = (rate - am * a[k]) / (1.0 - am)

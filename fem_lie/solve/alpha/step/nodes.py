@@ -7,17 +7,43 @@ them.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, inlined
 from fem_lie.lie.motions import from_local, global_components, move, to_local
 from fem_lie.lie.tuples import load, store
 from fem_lie.solve.alpha.step import node
+from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
-WRITTEN_LOCALLY = np.isin(np.arange(8), (6, 7))
+
+class Motion(NamedTuple):
+    """Parts of :attr:`State.motion`, each of shape (n, 6); at the end of the step with index 1.
+
+    Attributes:
+        v: Velocities of the group.
+        vdot: Accelerations.
+        a: Algorithmic accelerations.
+        d: Increment of the step.
+        v1: Velocities.
+        vdot1: Accelerations.
+        twist1: Twists in the nodes' frames.
+        rate1: Rates of the twists.
+    """
+
+    v: Array
+    vdot: Array
+    a: Array
+    d: Array
+    v1: Array
+    vdot1: Array
+    twist1: Array
+    rate1: Array
+
+
+WRITTEN_LOCALLY = np.isin(Motion._fields, ("twist1", "rate1"))
 """Which of :attr:`State.motion` are twists on any group, shape (8,)."""
 
 
@@ -25,9 +51,10 @@ class State(NamedTuple):
     """Start of a step, and its end with index 1.
 
     Attributes:
-        H: Frames of all rows, and those of the end.
-        motion: Shape (8, n, 6), in the order of the properties; one array, because a compiled
-            function takes the longer to call the more there are.
+        H: Frames of all rows, (rows, 4, 3).
+        H1: Those of the end.
+        motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
+            longer to call the more there are.
         kinds: Group and parametrisation of each node, shape (n,).
     """
 
@@ -39,7 +66,13 @@ class State(NamedTuple):
     @classmethod
     def start(cls, frames: Array, kinds: Indices) -> State:
         """At rest at ``frames``."""
-        return cls(frames.copy(), frames.copy(), np.zeros((8, len(kinds), 6)), kinds)
+        motion = np.zeros((len(Motion._fields), len(kinds), 6))
+        return cls(frames.copy(), frames.copy(), motion, kinds)
+
+    @property
+    def plain(self) -> PlainState:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
 
     @property
     def v(self) -> Array:
@@ -82,12 +115,31 @@ class State(NamedTuple):
         self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
 
 
+PlainState: TypeAlias = tuple[Array, Array, Array, Indices]
+"""A :class:`State` at the door from Python."""
+
+
+@inlined
+def parts(motion: Array) -> Motion:
+    """Of ``motion`` (8, n, 6)."""
+    return Motion(
+        motion[0],
+        motion[1],
+        motion[2],
+        motion[3],
+        motion[4],
+        motion[5],
+        motion[6],
+        motion[7],
+    )
+
+
 @compiled
 def extrapolate(
     time: float, H: Array, motion: Array, kinds: Indices, later: Array, twist: Array
 ) -> None:
     """Frames and twists after ``time`` at constant accelerations, shapes (≥ n, 4, 3), (≥ n, 6)."""
-    v, vdot = motion[0], motion[1]
+    v, vdot = parts(motion).v, parts(motion).vdot
     d, w, rate = np.empty(6), np.empty(6), np.empty(6)
     for i in range(kinds.shape[0]):
         for k in range(6):
@@ -97,19 +149,14 @@ def extrapolate(
         to_local(kinds[i], later[i], w, vdot[i], twist[i], rate)
 
 
-# Compiled functions take these records as plain tuples: numba is three times as fast to call so.
-
-
 @compiled
-def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
+def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
     H, H1, motion, kinds = state
-    v, vdot, a, d, v1, vdot1, twist, rate = _parts(motion)
-    largest = 0.0
+    v, vdot, a, d, v1, vdot1, twist, rate = parts(motion)
+    p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
-        size = node.predict(
-            scheme, kinds[i], H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i]
-        )
+        size = node.predict(p, kinds[i], H[i], v[i], vdot[i], a[i], d[i], H1[i], v1[i], vdot1[i])
         largest = max(largest, size)
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
     return largest
@@ -117,8 +164,8 @@ def predict(scheme: tuple[float, ...], state: tuple[Any, ...]) -> float:
 
 @compiled
 def correct(
-    scheme: tuple[float, ...],
-    state: tuple[Any, ...],
+    scheme: PlainScheme,
+    state: PlainState,
     dx: Array,
     scale: Array,
     measure: Array,
@@ -127,13 +174,13 @@ def correct(
 ) -> float:
     """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
     H, H1, motion, kinds = state
-    _, _, _, d, v1, vdot1, twist, rate = _parts(motion)
-    largest = 0.0
+    _, _, _, d, v1, vdot1, twist, rate = parts(motion)
+    p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
         if kinds[i] & 1:
             store(x, 0, global_components(H1[i], load(x, 0)))
-        size = node.correct(scheme, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
+        size = node.correct(p, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
@@ -150,10 +197,10 @@ def correct(
 
 
 @compiled
-def change_velocities(state: tuple[Any, ...], dx: Array) -> None:
+def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
     _, H1, motion, kinds = state
-    _, _, _, _, v1, vdot1, twist, rate = _parts(motion)
+    _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
         if kinds[i] & 1:
@@ -164,24 +211,11 @@ def change_velocities(state: tuple[Any, ...], dx: Array) -> None:
 
 
 @compiled
-def accept(scheme: tuple[float, ...], state: tuple[Any, ...]) -> None:
+def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
     H, H1, motion, _ = state
-    v, vdot, a, _, v1, vdot1, _, _ = _parts(motion)
+    v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
+    p = Scheme(*scheme)
     for i in range(v.shape[0]):
-        node.accept(scheme, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
+        node.accept(p, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
     H[:] = H1  # with the prescribed frames
-
-
-@compiled
-def _parts(motion):  # type: ignore[no-untyped-def]
-    return (
-        motion[0],
-        motion[1],
-        motion[2],
-        motion[3],
-        motion[4],
-        motion[5],
-        motion[6],
-        motion[7],
-    )
