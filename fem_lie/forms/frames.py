@@ -11,16 +11,17 @@ from dolfinx import fem, mesh
 from ufl.core.expr import Expr
 
 from fem_lie import _compat, lie
+from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
 
 VALUES, UNKNOWNS = 12, 6
 
 
 @compiled
-def push(H, h, out):  # type: ignore[no-untyped-def]
+def push(H: Array, h: Array, out: Array) -> None:
     """``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
     for i in range(h.shape[0]):
         u0, u1, u2, w0, w1, w2 = h[i, 0], h[i, 1], h[i, 2], h[i, 3], h[i, 4], h[i, 5]
@@ -33,13 +34,13 @@ def push(H, h, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _along(H, a, f, k):  # type: ignore[no-untyped-def]
+def _along(H: Array, a: int, f: Array, k: int) -> float:
     """Component of ``f[k]`` along director ``a`` of the frame ``H``."""
     return H[1 + a, 0] * f[k, 0] + H[1 + a, 1] * f[k, 1] + H[1 + a, 2] * f[k, 2]
 
 
 @compiled
-def pull(H, f, sign, r):  # type: ignore[no-untyped-def]
+def pull(H: Array, f: Array, sign: float, r: Array) -> None:
     """``r += sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
     for i in range(f.shape[0]):
         for a in range(3):
@@ -50,7 +51,7 @@ def pull(H, f, sign, r):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def pull_derivative(H, f, sign, block):  # type: ignore[no-untyped-def]
+def pull_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
     """``block += sign · ∂(Lᵀ f)/∂h`` of one node.
 
     ``(Rᵀf_x)^`` in (force, rotation), ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k = Rᵀ f_k`` in
@@ -73,19 +74,21 @@ def pull_derivative(H, f, sign, block):  # type: ignore[no-untyped-def]
 
 
 @frame_function
-def _director_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _director_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
     pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
 
 
 @frame_function
-def _director_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _director_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
     push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
 
 
 @frame_function
-def _director_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _director_geometric(
+    state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int
+) -> None:
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     A = numba.carray(out, (nodes, 6, nodes, 6))
     for i in range(nodes):
@@ -104,7 +107,7 @@ DIRECTORS = FrameMap(
 
 
 @compiled
-def _retract_all(H, h):  # type: ignore[no-untyped-def]
+def _retract_all(H: Array, h: Array) -> None:
     for i in range(H.shape[0]):
         lie.retract(H[i], h[i], H[i])
         lie.reorthonormalise(H[i])

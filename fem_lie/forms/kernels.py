@@ -18,8 +18,9 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
-from fem_lie.forms.frame_map import MAP_SIGNATURE, double_pointer
+from fem_lie.forms.frame_map import MAP_SIGNATURE, Pointer, double_pointer
 
 UFCX_SIGNATURE = types.void(
     double_pointer,
@@ -125,7 +126,16 @@ AT_Z = AT_H  # what the residual has instead of an increment
 
 
 @compiled
-def _inner(head, at, A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def _inner(
+    head: Indices,
+    at: int,
+    A: Pointer,
+    w: Pointer,
+    c: Pointer,
+    x: Pointer,
+    entity: Pointer,
+    permutation: Pointer,
+) -> None:
     """Call the FFCx function described at ``head[at]`` with its own layout of coefficients."""
     if head[at] == 0:
         return
@@ -147,14 +157,14 @@ def _inner(head, at, A, w, c, x, entity, permutation):  # type: ignore[no-untype
 
 
 @compiled
-def _clear(pointer, size):  # type: ignore[no-untyped-def]
+def _clear(pointer: Pointer, size: int) -> None:
     values = numba.carray(pointer, (size,))
     for i in range(size):
         values[i] = 0.0
 
 
 @compiled
-def _solve(M, B):  # type: ignore[no-untyped-def]
+def _solve(M: Array, B: Array) -> None:
     """``B ← M⁻¹ B`` by Gauss elimination with pivoting; ``M`` is lost.
 
     Zeros are skipped: mixed energies have whole blocks of them.
@@ -192,7 +202,7 @@ def _solve(M, B):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _prepare(w, c):  # type: ignore[no-untyped-def]
+def _prepare(w: Pointer, c: Pointer) -> tuple[Indices, Pointer, Pointer]:
     """Header, pointers to state and coordinates; the coordinates are written into their slot."""
     # the descriptions follow: the view is longer than its shape says
     head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
@@ -203,14 +213,18 @@ def _prepare(w, c):  # type: ignore[no-untyped-def]
 
 
 @callback(UFCX_SIGNATURE)
-def energy_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def energy_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 0: the energy of a cell."""
     head, _, _ = _prepare(w, c)
     _inner(head, head[FIRST], A, w, c, x, entity, permutation)
 
 
 @callback(UFCX_SIGNATURE)
-def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def residual_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 1: ``Lᵀ (f_y − K_ys z)`` with ``z = K_ss⁻¹ f_s``.
 
     First FFCx function: the bracket, second: f_s, third: K_ss.
@@ -231,7 +245,9 @@ def residual_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped
 
 
 @callback(UFCX_SIGNATURE)
-def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def tangent_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 2: ``Lᵀ (K_yy − K_syᵀ K_ss⁻¹ K_sy) L + ∂(Lᵀ f_y)/∂h``.
 
     First: K_yy, second: carried f_y, or none, and then no derivative of the map, third: K_sy,
@@ -283,7 +299,9 @@ def tangent_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
 
 
 @callback(UFCX_SIGNATURE)
-def viscous_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def viscous_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 1: ``Lᵀ f(y, ẏ)`` with ``ẏ = L v``."""
     head, state, y = _prepare(w, c)
     f = stack(head[N_Y])
@@ -294,7 +312,9 @@ def viscous_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-
 
 
 @callback(UFCX_SIGNATURE)
-def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def stress_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 1: the new carried stress, ``σ(ε) + C ε'(y) L h``, times the quadrature weights."""
     head, state, y = _prepare(w, c)
     dy = _shift(w, head[AT_DY])
@@ -303,7 +323,9 @@ def stress_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-d
 
 
 @callback(UFCX_SIGNATURE)
-def local_kernel(A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+def local_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
     """Rank 1: change of the local fields, ``−K_ss⁻¹ (f_s + K_sy L h)``.
 
     First: the bracket, second: K_ss.

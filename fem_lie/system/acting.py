@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags
 from fem_lie.system import outer_forces
 from fem_lie.system.nodes.inertia import Inertia
-from fem_lie.system.outer_forces import LOADS, LOSS, POWER, REACTIONS, add_local
+from fem_lie.system.outer_forces import LOADS, LOSS, POWER, REACTIONS, PlainScene, add_local
 from fem_lie.system.system import System
 
 
@@ -32,8 +32,7 @@ class Acting:
         strained: Whether strains without stress change.
         plain: Whether all is seen by :func:`~fem_lie.system.outer_forces.look`.
         looks: Whether that looks at loads, and whether at joints.
-        scene: What it looks at: nodal loads, those of ``dead`` that have a potential, damping that
-            goes with mass, the packed table of joints, and ``looks``.
+        scene: What it looks at.
     """
 
     def __init__(self, system: System) -> None:
@@ -49,10 +48,10 @@ class Acting:
         special = self._others or self._held or self._pushed or self._viscous or self.strained
         self._any = special or self._loaded or joined or damped or connections.driven
         self.plain = self._any and not special
-        damping = tuple(system.mass_damping or Inertia.none())
+        damping = (system.mass_damping or Inertia.none()).plain
         self.looks = self._loaded, joined and not self._others
         constant = system.conservative, damping, connections.packed
-        self.scene: tuple[Any, ...] = tuple(system.lasting_loads), *constant, *self.looks
+        self.scene: PlainScene = (system.lasting_loads.plain, *constant, *self.looks)
 
     def __bool__(self) -> bool:
         """Whether anything acts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,14 @@ from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
 from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.numbering import Numbering
+
+Contents: TypeAlias = tuple[
+    list[tuple[Array, Array, Array]],
+    list[tuple[int, int, Array]],
+    list[int],
+    list[tuple[Array | Indices, ...]],
+]
+"""Nodal loads of all cases; case, assembly and values of strains; cases of pressures, and these."""
 
 
 class _Case:
@@ -148,7 +156,7 @@ class LoadCases:
         return self._cases[0].dead
 
     @property
-    def contents(self) -> tuple[Any, ...]:
+    def contents(self) -> Contents:
         """All that forces are made of, but for the histories."""
         cases = [case.arrays() for case in self._cases]
         pressures = [pressure.contents for pressure in self.pressures]

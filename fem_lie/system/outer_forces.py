@@ -7,7 +7,7 @@ acts between the bodies of the scene has no resultant and is not looked at.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -22,9 +22,43 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.inertia import PlainInertia
+from fem_lie.system.nodes.loads import PlainLoads
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
 """Where they begin in a row, and how long that is."""
+
+PlainScene: TypeAlias = tuple[PlainLoads, Array, PlainInertia, PackedJoints, bool, bool]
+"""Nodal loads, those of ``dead`` that have a potential, damping that goes with mass, the table of
+joints, whether loads are looked at, and whether joints are."""
+
+PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
+"""A :class:`Seen` at the door from Python: compiled functions are quicker to call so."""
+
+
+class Seen(NamedTuple):
+    """What was seen at the start of a step.
+
+    Attributes:
+        row: What acted, see :func:`look`, shape (14,).
+        wrenches: Of ground and prescribed frames, see :func:`look`, shape (p + 1, 6).
+        H: Frames of all rows.
+        v: Twists, shape (n, 6).
+        weights: Multipliers, shape (m,).
+        targets: Of the constraints, shape (m,); zero if none is driven.
+    """
+
+    row: Array
+    wrenches: Array
+    H: Array
+    v: Array
+    weights: Array
+    targets: Array
+
+    @property
+    def plain(self) -> PlainSeen:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
 
 
 @inlined
@@ -45,7 +79,7 @@ def add_local(H: Array, forces: Array, at: int, sign: float, out: Array) -> None
 def add_loads(
     H: Array,
     v: Array,
-    loads: tuple[Any, ...],
+    loads: PlainLoads,
     conservative: Array,
     work: Array,
     out: Array,
@@ -78,11 +112,12 @@ def add_loads(
 
 
 @compiled
-def add_mass_damping(H: Array, v: Array, D: tuple[Any, ...], work: Array, out: Array) -> None:
+def add_mass_damping(H: Array, v: Array, D: PlainInertia, work: Array, out: Array) -> None:
     """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
     n = work.shape[1]
     push(H, v[:n], work[0])
-    inertia.multiply(D[0], D[1], D[2], work[0], work[1])
+    indptr, indices, blocks = D
+    inertia.multiply(indptr, indices, blocks, work[0], work[1])
     for i in range(n):
         for k in range(4):
             out[LOSS] += dot(load_row(work[0, i], k), load_row(work[1, i], k))
@@ -111,7 +146,7 @@ def joint_reactions(
 
 @compiled
 def look(
-    H: Array, v: Array, weights: Array, scene: tuple[Any, ...], row: Array, wrenches: Array
+    H: Array, v: Array, weights: Array, scene: PlainScene, row: Array, wrenches: Array
 ) -> None:
     """See what nodal loads, damping that goes with mass, and joints do.
 
@@ -119,18 +154,19 @@ def look(
         H: Frames of all rows.
         v: Twists, shape (n, 6).
         weights: Multipliers, shape (m,).
-        scene: See :class:`~fem_lie.system.acting.Acting`.
+        scene: What there is.
         row: Shape (14,), overwritten.
         wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
             overwritten.
     """
     loads, conservative, damping, joints, loaded, joined = scene
-    n, rows = loads[0].shape[0], H.shape[0]
+    n, rows = conservative.shape[0], H.shape[0]
     work = np.empty((2, n, 4, 3))
     row[:], wrenches[:] = 0.0, 0.0
     if loaded:
         add_loads(H, v, loads, conservative, work, row)
-    if damping[0].shape[0] > 0:
+    indptr, _, _ = damping
+    if indptr.shape[0] > 0:
         add_mass_damping(H, v, damping, work, row)
     if joined:
         r = np.empty(6 * rows + weights.shape[0])
@@ -147,7 +183,7 @@ def sum_up(
     end: tuple[Array, Array, Array, Array],
     row: Array,
     wrenches: Array,
-    start: tuple[Any, ...],
+    start: PlainSeen,
     total: Array,
 ) -> None:
     """Book a step between two looks, and make its end the start of the next.
@@ -157,7 +193,7 @@ def sum_up(
         end: Frames, twists, multipliers and targets of the constraints at its end.
         row: What acts there, see :func:`look`.
         wrenches: Of ground and prescribed frames there, see :func:`look`.
-        start: See :class:`~fem_lie.solve.alpha.books.Seen`, overwritten.
+        start: See :class:`Seen`, overwritten.
         total: See :class:`~fem_lie.solve.alpha.books.Books`, updated.
     """
     H, v, weights, targets = end
@@ -198,11 +234,10 @@ def look_and_sum_up(
     damping = integers1(table, 4), integers1(table, 5), numbers3(table, 6)
     joints = numbers1(table, 7), integers1(table, 8)
     scene = loads, numbers3(table, 3), damping, joints, loaded, joined
-    before, moving = (
-        (numbers1(table, 9), numbers2(table, 10)),
-        (numbers3(table, 11), numbers2(table, 12)),
-    )
-    start = before[0], before[1], moving[0], moving[1], numbers1(table, 13), numbers1(table, 14)
-    row, wrenches = np.empty(SIZE), np.empty_like(before[1])
-    look(end[0], end[1], end[2], scene, row, wrenches)
+    old_row, old_wrenches, old_H = numbers1(table, 9), numbers2(table, 10), numbers3(table, 11)
+    old_v, old_weights, old_targets = numbers2(table, 12), numbers1(table, 13), numbers1(table, 14)
+    start = old_row, old_wrenches, old_H, old_v, old_weights, old_targets
+    row, wrenches = np.empty(SIZE), np.empty_like(old_wrenches)
+    H, v, weights, _ = end
+    look(H, v, weights, scene, row, wrenches)
     sum_up(h, end, row, wrenches, start, numbers1(table, 15))

@@ -13,7 +13,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 from mpi4py import MPI
 
@@ -34,7 +33,7 @@ from fem_lie.scene.pressure import Pressure
 from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.system.constraints import Connections, refuse
 from fem_lie.system.elastic import Elastic
-from fem_lie.system.load_cases import LoadCases
+from fem_lie.system.load_cases import Contents, LoadCases
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
@@ -179,7 +178,7 @@ class System:
         self._turns = ~self.held
         self._turns[np.isfinite(self.numbering.supports[:, 0, 0]), :3] = True
         self.choices, self.velocity_factor = Choices(gyroscopic=True, geometric=True), 1.0
-        self._plain_inertia = tuple(self.inertia)
+        self._plain_inertia = self.inertia.plain
         self.set_time(0.0, 1.0)
 
     def _weight(self, scene: Scene) -> Array:
@@ -199,7 +198,7 @@ class System:
         self.loads = self._loads.at(time, factor)
         for lasting, now in zip(self.lasting_loads, self.loads, strict=True):
             lasting[:] = now
-        self._plain_loads = tuple(self.loads)
+        self._plain_loads = self.loads.plain
         if self.connections.driven:
             self.connections.set_time(time)
 
@@ -209,7 +208,7 @@ class System:
         return self._loads.pressures
 
     @property
-    def load_contents(self) -> tuple[Any, ...]:
+    def load_contents(self) -> Contents:
         """See :attr:`~fem_lie.system.load_cases.LoadCases.contents`."""
         return self._loads.contents
 
@@ -280,7 +279,7 @@ class System:
         if self._viscous:
             self.elastic.add_viscous_forces(H, v, r)
         if self._damping is not None:
-            add_mass_damping(H, v, tuple(self._damping), self._damping_work, self._work[1], r)
+            add_mass_damping(H, v, self._damping.plain, self._damping_work, self._work[1], r)
         if self._any_uncoupled:
             self._internal[:] = r[: 6 * self.count].reshape(-1, 6) - self._applied
         if self._guided:

@@ -26,20 +26,20 @@ from fem_lie.elements.beams.element import (
     with_bending_flexibility,
 )
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import stack
 from fem_lie.forms.local_forms import LocalFrameForms
 
 
 @frame_function
-def _coordinates(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _coordinates(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H = numba.carray(state, (2, 4, 3))
     lie.relative(H[0], H[1], numba.carray(y, (6,)))
 
 
 @frame_function
-def _pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     d, N = numba.carray(y, (6,)), numba.carray(given, (6,))
     r = numba.carray(out, (2, 6))
     g = numba.carray(stack(6), (6,))
@@ -52,7 +52,7 @@ def _pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 
 @frame_function
-def _push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     d, h, dd = numba.carray(y, (6,)), numba.carray(given, (2, 6)), numba.carray(out, (6,))
     g = numba.carray(stack(6), (6,))
     lie.apply_tangent_inverse_minus(d, h[0], g)
@@ -62,7 +62,7 @@ def _push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 
 @frame_function
-def _geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     """``[G(−d, N); G(d, N)] P`` with ``G(d, N) = ∂(T₆⁻ᵀ(d) N)/∂d`` and ``δd = P h``."""
     d, N = numba.carray(y, (6,)), numba.carray(given, (6,))
     A = numba.carray(out, (12, 12))

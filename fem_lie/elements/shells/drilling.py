@@ -24,7 +24,17 @@ from fem_lie.mesh.shapes import rule, tabulated
 
 
 @compiled
-def _point(H, nodes, N, G, A, x, a, y, n):  # type: ignore[no-untyped-def]
+def _point(
+    H: Array,
+    nodes: Indices,
+    N: Array,
+    G: Array,
+    A: Array,
+    x: Array,
+    a: Array,
+    y: Array,
+    n: Array,
+) -> float:
     """``x,₁ x,₂`` and ``a₁ a₂`` at a point, and the gradient ``n`` (k, 6) of ``c``; returns c."""
     k = nodes.shape[0]
     x[:], a[:] = 0.0, 0.0
@@ -51,7 +61,7 @@ def _point(H, nodes, N, G, A, x, a, y, n):  # type: ignore[no-untyped-def]
                 - A[i, 1, e] * y[1, f]
                 + A[i, 1, f] * y[1, e]
             )
-    return np.dot(a[0], x[1]) - np.dot(a[1], x[0])
+    return float(np.dot(a[0], x[1]) - np.dot(a[1], x[0]))
 
 
 @compiled
@@ -61,7 +71,17 @@ def _local(frame: Array, v: Array, out: Array) -> None:
 
 
 @compiled
-def _strains(H, cells, N, G, A, rest, h, c, change):  # type: ignore[no-untyped-def]
+def _strains(
+    H: Array,
+    cells: Indices,
+    N: Array,
+    G: Array,
+    A: Array,
+    rest: Array,
+    h: Array,
+    c: Array,
+    change: Array,
+) -> None:
     """``c`` and its change along twists ``h`` (n, 6), shapes (m, g)."""
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
     n = np.empty((cells.shape[1], 6))
@@ -75,7 +95,16 @@ def _strains(H, cells, N, G, A, rest, h, c, change):  # type: ignore[no-untyped-
 
 
 @compiled
-def _add_forces(H, cells, N, G, A, rest, weight, out):  # type: ignore[no-untyped-def]
+def _add_forces(
+    H: Array,
+    cells: Indices,
+    N: Array,
+    G: Array,
+    A: Array,
+    rest: Array,
+    weight: Array,
+    out: Array,
+) -> None:
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
     n = np.empty((cells.shape[1], 6))
     for e in range(cells.shape[0]):
@@ -87,7 +116,17 @@ def _add_forces(H, cells, N, G, A, rest, weight, out):  # type: ignore[no-untype
 
 
 @compiled
-def _add_tangent(H, cells, N, G, A, weight, stress, place, K):  # type: ignore[no-untyped-def]
+def _add_tangent(
+    H: Array,
+    cells: Indices,
+    N: Array,
+    G: Array,
+    A: Array,
+    weight: Array,
+    stress: Array,
+    place: Indices,
+    K: Array,
+) -> None:
     """Second derivative along :func:`~fem_lie.lie.motions.retract`.
 
     ``∂r/∂h`` in twists is ``w n nᵀ + S ∂n/∂h`` with the carried stress ``S`` times area; what that

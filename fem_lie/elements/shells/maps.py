@@ -22,18 +22,19 @@ from __future__ import annotations
 
 import numba
 
+from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
 from fem_lie.forms.frames import pull, push
 
 
 @compiled
-def _along(H, a, f):  # type: ignore[no-untyped-def]
+def _along(H: Array, a: int, f: Array) -> float:
     return H[1 + a, 0] * f[0] + H[1 + a, 1] * f[1] + H[1 + a, 2] * f[2]
 
 
 @frame_function
-def _five_coordinates(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _five_coordinates(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H, q = numba.carray(state, (nodes, 4, 3)), numba.carray(y, (nodes, 2, 3))
     for i in range(nodes):
         for j in range(3):
@@ -42,7 +43,7 @@ def _five_coordinates(state, y, given, out, nodes):  # type: ignore[no-untyped-d
 
 
 @frame_function
-def _five_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _five_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     """Force ``Rᵀ f_x``, moments ``−d₂·f_t`` and ``d₁·f_t``."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 2, 3))
     r = numba.carray(out, (nodes, 5))
@@ -54,7 +55,7 @@ def _five_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 
 @frame_function
-def _five_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _five_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 5))
     dy = numba.carray(out, (nodes, 2, 3))
     for i in range(nodes):
@@ -65,7 +66,7 @@ def _five_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
 
 
 @frame_function
-def _five_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _five_geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     """``−(d₃·f_t) I`` in (moment, rotation)."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 2, 3))
     A = numba.carray(out, (nodes, 5, nodes, 5))
@@ -76,26 +77,26 @@ def _five_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def
 
 
 @frame_function
-def _six_coordinates(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _six_coordinates(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H, q = numba.carray(state, (12 * nodes,)), numba.carray(y, (12 * nodes,))
     for i in range(12 * nodes):
         q[i] = H[i]
 
 
 @frame_function
-def _six_pull(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _six_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
     pull(numba.carray(state, shape), numba.carray(given, shape), 1.0, numba.carray(out, (nodes, 6)))
 
 
 @frame_function
-def _six_push(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _six_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     shape = (nodes, 4, 3)
     push(numba.carray(state, shape), numba.carray(given, (nodes, 6)), numba.carray(out, shape))
 
 
 @frame_function
-def _six_geometric(state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+def _six_geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     """Second derivative of ``Σ f_k·d_k``; with ``m_k = Rᵀf_k`` and ⊥ for (η₁, η₂).
 
     Symmetric part of ``Σ m_k e_kᵀ − (e_k·m_k) I`` in (⊥, ⊥), ``m_k·e₃`` in (η_k, η₃), and

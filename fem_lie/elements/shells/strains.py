@@ -31,7 +31,7 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import Array
 from fem_lie.mesh.shapes import nodes_of
 
-Point: TypeAlias = tuple[Any, ...]
+Point: TypeAlias = Sequence[Any]
 """Reference coordinates: two numbers or two UFL expressions."""
 
 CENTRE = (0.5, 0.5)

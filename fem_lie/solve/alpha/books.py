@@ -8,7 +8,6 @@ prescribed motions the increments are known exactly, and the mean of their force
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,27 +16,7 @@ from fem_lie.bodies.balances import BY_REACTIONS, TOTAL
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.system import System
 from fem_lie.system.acting import Acting
-from fem_lie.system.outer_forces import POWER, SIZE, look_and_sum_up, sum_up
-
-
-class Seen(NamedTuple):
-    """What was seen at the start of a step.
-
-    Attributes:
-        row: What acted, see :func:`~fem_lie.system.outer_forces.look`, shape (14,).
-        wrenches: Of ground and prescribed frames, see there, shape (p + 1, 6).
-        H: Frames of all rows.
-        v: Twists, shape (n, 6).
-        weights: Multipliers, shape (m,).
-        targets: Of the constraints, shape (m,); zero if none is driven.
-    """
-
-    row: Array
-    wrenches: Array
-    H: Array
-    v: Array
-    weights: Array
-    targets: Array
+from fem_lie.system.outer_forces import POWER, SIZE, Seen, look_and_sum_up, sum_up
 
 
 class Books:
@@ -61,7 +40,7 @@ class Books:
             weights=z(system.m),
             targets=z(system.m),
         )
-        self._start = tuple(self._seen)
+        self._start = self._seen.plain
         self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)

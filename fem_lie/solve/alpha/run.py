@@ -120,7 +120,7 @@ class Run(Integration[Recorder]):
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
-        scheme, copy = self.p.plain, State(*(x.copy() for x in self.s))
+        scheme, copy = self.p.plain, self.s.copy()
         state = copy.plain
         predict(scheme, state)
         zero, weights = np.zeros_like(self.dx), self.weights.copy()

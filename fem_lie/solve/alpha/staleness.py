@@ -56,7 +56,7 @@ def staleness(
     probe = PROBE / max(_size(system, x, measure, joined), TINY)
 
     def moved(factor: float) -> Array:
-        there = State(state.H.copy(), state.H1.copy(), state.motion.copy(), state.kinds)
+        there = state.copy()
         held, r = weights.copy(), np.empty_like(x)
         correct(scheme, there.plain, -factor * x, scale, measure, joined, held)
         system.elastic.settle(there.H1)

@@ -185,7 +185,9 @@ class ConservingSteps(Run):
     def _invariants(self) -> Array:
         """Kinetic energy and momenta, shape (7,)."""
         found, work = np.empty(7), np.empty_like(self.this.q)
-        report_rates(self.s.H, self.s.V, self.model.inertia, self.system.conservative, work, found)
+        report_rates(
+            self.s.H, self.s.V, self.model.inertia.plain, self.system.conservative, work, found
+        )
         return found
 
     def calm(self, time: float, h: float) -> None:

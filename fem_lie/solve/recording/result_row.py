@@ -135,9 +135,16 @@ def fill_by_rates(
 
 
 @linked
-def _fill(  # type: ignore[no-untyped-def]
-    H, v, V, weights, booked, scene, rows, row
-):
+def _fill(
+    H: Array,
+    v: Array,
+    V: Array,
+    weights: Array,
+    booked: Array,
+    scene: Indices,
+    rows: Indices,
+    row: int,
+) -> tuple[float, float, int, float]:
     leader, offset = integers1(scene, 0), numbers3(scene, 1)
     frames, velocities, invariants = (
         numbers4(rows, 0)[row],
@@ -163,9 +170,9 @@ def _fill(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _fill_joints(  # type: ignore[no-untyped-def]
-    H, v, weights, scene, rows, row
-):
+def _fill_joints(
+    H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
+) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
     joints = numbers1(scene, 6), integers1(scene, 7)
     probes = numbers1(scene, 8), integers1(scene, 9)

@@ -10,7 +10,7 @@ gyroscopic and centrifugal terms included, nothing else to derive. (Betsch & Ley
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,9 +18,15 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.frames import push
 
+Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
+"""Kinetic energy, momentum and angular momentum about the origin."""
+
+PlainInertia: TypeAlias = tuple[Indices, Indices, Array]
+"""An :class:`Inertia` at the door from Python: compiled functions are quicker to call so."""
+
 
 @compiled
-def _local_acceleration(v, a, i, w):  # type: ignore[no-untyped-def]
+def _local_acceleration(v: Array, a: Array, i: int, w: Array) -> None:
     """Components of ``Rᵀ q̈``: rows ``u̇ + ω×u`` and ``(ω̇^ + ω^ω^) e_k`` of ``w`` (4, 3)."""
     u0, u1, u2, w0, w1, w2 = v[i, 0], v[i, 1], v[i, 2], v[i, 3], v[i, 4], v[i, 5]
     a0, a1, a2 = a[i, 3], a[i, 4], a[i, 5]
@@ -39,7 +45,7 @@ def _local_acceleration(v, a, i, w):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def accelerations(H, v, a, out):  # type: ignore[no-untyped-def]
+def accelerations(H: Array, v: Array, a: Array, out: Array) -> None:
     """``q̈ = L a + L̇ v``; shapes (n, 4, 3), (n, 6), (n, 6), (n, 4, 3)."""
     w = np.empty((4, 3))
     for i in range(v.shape[0]):
@@ -50,7 +56,7 @@ def accelerations(H, v, a, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def multiply(indptr, indices, G, q, out):  # type: ignore[no-untyped-def]
+def multiply(indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) -> None:
     """``out = G q`` for block-sparse ``G`` (nnz, 4, 4) acting on nodal vectors (n, 4, 3)."""
     for i in range(indptr.shape[0] - 1):
         for a in range(4):
@@ -66,7 +72,7 @@ def multiply(indptr, indices, G, q, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _hat_minus(w, scale, out):  # type: ignore[no-untyped-def]
+def _hat_minus(w: Array, scale: float, out: Array) -> None:
     """``out −= scale · ŵ``."""
     out[0, 1] += scale * w[2]
     out[0, 2] -= scale * w[1]
@@ -77,7 +83,18 @@ def _hat_minus(w, scale, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _right_factors(v, a, i, kind, mass, damping, W, X, unit, vector):  # type: ignore[no-untyped-def]
+def _right_factors(
+    v: Array,
+    a: Array,
+    i: int,
+    kind: int,
+    mass: float,
+    damping: float,
+    W: Array,
+    X: Array,
+    unit: Array,
+    vector: Array,
+) -> None:
     """Local derivatives of q̈ of node i: ``W[k]`` (4, 3, 6) in (a, v), ``X[k]`` (4, 3, 6) in h.
 
     ``W = mass ∂q̈/∂a + damping ∂q̈/∂v``; ``X`` is what turning the frame does to q̈, ``−ŵ_k``.
@@ -106,9 +123,20 @@ def _right_factors(v, a, i, kind, mass, damping, W, X, unit, vector):  # type: i
 
 
 @compiled
-def tangents(  # type: ignore[no-untyped-def]
-    H, v, a, kinds, indptr, indices, G, place, mass, damping, A, K
-):
+def tangents(
+    H: Array,
+    v: Array,
+    a: Array,
+    kinds: Indices,
+    indptr: Indices,
+    indices: Indices,
+    G: Array,
+    place: Indices,
+    mass: float,
+    damping: float,
+    A: Array,
+    K: Array,
+) -> None:
     """Add ``mass·∂r/∂a + damping·∂r/∂v`` to ``A`` and ``Lᵀ G ∂q̈/∂h`` to ``K``.
 
     ``r = Lᵀ G q̈`` is the inertia force.
@@ -152,7 +180,7 @@ def tangents(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _force_on_frame(g, Q, right, column, out):  # type: ignore[no-untyped-def]
+def _force_on_frame(g: Array, Q: Array, right: Array, column: int, out: Array) -> None:
     """``out[a] = Σ_b g[a, b] Q right[b, :, column]``."""
     for a in range(4):
         for k in range(3):
@@ -168,17 +196,18 @@ def _force_on_frame(g, Q, right, column, out):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def invariants(H, v, indptr, indices, G, qdot, p):  # type: ignore[no-untyped-def]
-    """Kinetic energy, momentum (3) and angular momentum about the origin (3), as seven numbers.
-
-    ``qdot`` and ``p`` are work arrays (n, 4, 3).
-    """
+def invariants(
+    H: Array, v: Array, indptr: Indices, indices: Indices, G: Array, qdot: Array, p: Array
+) -> Invariants:
+    """Those of twists ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
     push(H, v, qdot)
     return invariants_of_rates(H, qdot, indptr, indices, G, p)
 
 
 @compiled
-def invariants_of_rates(H, qdot, indptr, indices, G, p):  # type: ignore[no-untyped-def]
+def invariants_of_rates(
+    H: Array, qdot: Array, indptr: Indices, indices: Indices, G: Array, p: Array
+) -> Invariants:
     """The same of rates ``qdot`` of (x, d₁, d₂, d₃), (n, 4, 3)."""
     multiply(indptr, indices, G, qdot, p)
     energy = 0.0
@@ -198,7 +227,7 @@ def invariants_of_rates(H, qdot, indptr, indices, G, p):  # type: ignore[no-unty
 
 
 @compiled
-def local_twists(H, qdot, out):  # type: ignore[no-untyped-def]
+def local_twists(H: Array, qdot: Array, out: Array) -> None:
     """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
 
     ``(Rᵀẋ, ½ Σ e_k × Rᵀḋ_k)``.
@@ -217,7 +246,13 @@ def local_twists(H, qdot, out):  # type: ignore[no-untyped-def]
 
 
 class Inertia(NamedTuple):
-    """Constant matrix of (x, d₁, d₂, d₃) of all nodes: rows, columns and blocks (nnz, 4, 4)."""
+    """Constant matrix of (x, d₁, d₂, d₃) of all nodes, sparse by blocks.
+
+    Attributes:
+        indptr: First block of each row, shape (n + 1,), or empty if there is nothing.
+        indices: Column of each block, shape (nnz,).
+        blocks: Shape (nnz, 4, 4).
+    """
 
     indptr: Indices
     indices: Indices
@@ -227,3 +262,8 @@ class Inertia(NamedTuple):
     def none(cls) -> Inertia:
         """Without rows: for compiled functions where there is nothing."""
         return cls(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
+
+    @property
+    def plain(self) -> PlainInertia:
+        """As compiled functions are quicker to call with."""
+        return (*self,)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from fem_lie._arrays import Array
+
+PlainLoads: TypeAlias = tuple[Array, Array, Array]
+""":class:`Loads` at the door from Python: compiled functions are quicker to call so."""
 
 
 class Loads(NamedTuple):
@@ -19,3 +22,8 @@ class Loads(NamedTuple):
     dead: Array
     moment: Array
     following: Array
+
+    @property
+    def plain(self) -> PlainLoads:
+        """As compiled functions are quicker to call with."""
+        return (*self,)

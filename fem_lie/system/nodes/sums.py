@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -15,9 +13,8 @@ from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.motions import tangent, turn
 from fem_lie.system.nodes import inertia
-
-if TYPE_CHECKING:
-    from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.inertia import Inertia, PlainInertia
+from fem_lie.system.nodes.loads import PlainLoads
 
 
 @compiled
@@ -54,8 +51,8 @@ def rigid_residual(
     H: Array,
     v: Array,
     a: Array,
-    mass: tuple[Any, ...],
-    loads: tuple[Any, ...],
+    mass: PlainInertia,
+    loads: PlainLoads,
     joints: PackedJoints,
     weights: Array,
     scale: Array,
@@ -117,7 +114,7 @@ def load_potential(H: Array, dead: Array) -> float:
 
 @compiled
 def report_rates(
-    H: Array, qdot: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+    H: Array, qdot: Array, mass: PlainInertia, dead: Array, work: Array, invariants: Array
 ) -> float:
     """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
 
@@ -132,7 +129,7 @@ def report_rates(
 
 @compiled
 def report(
-    H: Array, v: Array, mass: tuple[Any, ...], dead: Array, work: Array, invariants: Array
+    H: Array, v: Array, mass: PlainInertia, dead: Array, work: Array, invariants: Array
 ) -> float:
     """:func:`report_rates` of twists ``v``; ``work`` (2, n, 4, 3)."""
     push(H, v[: dead.shape[0]], work[0])
@@ -140,9 +137,7 @@ def report(
 
 
 @compiled
-def add_mass_damping(
-    H: Array, v: Array, D: tuple[Any, ...], work: Array, f: Array, r: Array
-) -> None:
+def add_mass_damping(H: Array, v: Array, D: PlainInertia, work: Array, f: Array, r: Array) -> None:
     """``f += D q̇``, ``r += Lᵀ D q̇`` with the block-sparse matrix ``D``; ``work`` (2, n, 4, 3)."""
     indptr, indices, blocks = D
     count = f.shape[0]
@@ -173,7 +168,8 @@ def rigid_tangent(
     """
     count = moment.shape[0]
     # at rest, as statics is, inertia has no part
-    if factors[0] != 0.0 or factors[1] != 0.0 or v.any() or a.any():
+    by_a, by_v = factors
+    if by_a != 0.0 or by_v != 0.0 or v.any() or a.any():
         inertia.tangents(
             H,
             v[:count],
@@ -183,8 +179,8 @@ def rigid_tangent(
             mass.indices,
             mass.blocks,
             place,
-            factors[0],
-            factors[1],
+            by_a,
+            by_v,
             A,
             K,
         )

@@ -69,6 +69,10 @@ class State(NamedTuple):
         motion = np.zeros((len(Motion._fields), len(kinds), 6))
         return cls(frames.copy(), frames.copy(), motion, kinds)
 
+    def copy(self) -> State:
+        """With arrays of its own, of the same nodes."""
+        return State(self.H.copy(), self.H1.copy(), self.motion.copy(), self.kinds)
+
     @property
     def plain(self) -> PlainState:
         """As compiled functions are quicker to call with."""
