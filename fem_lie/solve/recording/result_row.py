@@ -5,12 +5,12 @@ A step of a small scene takes a hundred microseconds, and a call from Python a f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, linked
+from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.fixed_arrays import (
     FixedArrays,
@@ -23,10 +23,11 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.forms.frames import push
 from fem_lie.joints.equations import terms
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand, expand_twists
 from fem_lie.system.nodes.element_turns import nearest
+from fem_lie.system.nodes.inertia import PlainInertia
 from fem_lie.system.nodes.sums import report_rates
 
 if TYPE_CHECKING:
@@ -86,6 +87,96 @@ class ResultRow:
             rows.joint_violations[row] = violations
 
 
+class Given(NamedTuple):
+    """What of a scene is in its rows.
+
+    Attributes:
+        leader: Of each node, (N,).
+        offset: Its frame in that of its leader, (N, 4, 3).
+        inertia: Mass matrix.
+        dead: Conservative loads on (x, d₁, d₂, d₃), (n, 4, 3).
+        joints: Their table.
+        probes: That of coordinates.
+        pairs: Those of which forces are reported, (f,).
+        sides: Of these pairs, (f,).
+        owner: Connection of each constraint, (m,).
+        limits: Turns that elements may make, (w,).
+        ends: Nodes of these elements from end to end, (w, 3).
+        whole: Whether whole frames turn, (w,).
+    """
+
+    leader: Indices
+    offset: Array
+    inertia: PlainInertia
+    dead: Array
+    joints: PackedJoints
+    probes: PackedJoints
+    pairs: Indices
+    sides: Indices
+    owner: Indices
+    limits: Array
+    ends: Indices
+    whole: Indices
+
+
+class Kept(NamedTuple):
+    """Rows of a :class:`~fem_lie.solve.recording.window.Window`, the first axis of each.
+
+    Attributes:
+        frames: Of all nodes, (rows, N, 4, 3).
+        velocities: Their twists, (rows, N, 6).
+        joint_forces: Forces and moments, (rows, connections, 6).
+        joint_coordinates: Shape (rows, probes).
+        joint_violations: Shape (rows, connections).
+        invariants: Kinetic energy and momenta, (rows, 7).
+        balance: Work, damping, numerical loss, (rows, 3).
+        impulses: Of loads and of reactions, (rows, 2, 6).
+    """
+
+    frames: Array
+    velocities: Array
+    joint_forces: Array
+    joint_coordinates: Array
+    joint_violations: Array
+    invariants: Array
+    balance: Array
+    impulses: Array
+
+
+@inlined
+def _given(table: Indices) -> Given:
+    """In the order in which :class:`ResultRow` puts them."""
+    return Given(
+        integers1(table, 0),
+        numbers3(table, 1),
+        (integers1(table, 2), integers1(table, 3), numbers3(table, 4)),
+        numbers3(table, 5),
+        (numbers1(table, 6), integers1(table, 7)),
+        (numbers1(table, 8), integers1(table, 9)),
+        integers1(table, 10),
+        integers1(table, 11),
+        integers1(table, 12),
+        numbers1(table, 13),
+        integers2(table, 14),
+        integers1(table, 15),
+    )
+
+
+@inlined
+def _kept(table: Indices) -> Kept:
+    """In the order of :attr:`~fem_lie.solve.recording.window.Window.arrays`."""
+    return Kept(
+        numbers4(table, 0),
+        numbers3(table, 1),
+        numbers3(table, 2),
+        numbers2(table, 3),
+        numbers2(table, 4),
+        numbers2(table, 5),
+        numbers2(table, 6),
+        numbers3(table, 7),
+    )
+
+
 @compiled
 def fill_by_twists(
     H: Array,
@@ -103,9 +194,7 @@ def fill_by_twists(
         v: Twists, shape (n, 6).
         weights: Multipliers, shape (m,).
         booked: Balance and impulses, shape (15,).
-        scene: Table of fixed arrays: leader and offset of each node, inertia, conservative loads,
-            both tables of joints, which pairs, sides and owners are reported, and the elements of
-            :mod:`fem_lie.system.nodes.element_turns`.
+        scene: Table of fixed arrays, :class:`Given`.
         rows: That of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
         row: Number of the row.
 
@@ -145,27 +234,21 @@ def _fill(
     rows: Indices,
     row: int,
 ) -> tuple[float, float, int, float]:
-    leader, offset = integers1(scene, 0), numbers3(scene, 1)
-    frames, velocities, invariants = (
-        numbers4(rows, 0)[row],
-        numbers3(rows, 1)[row],
-        numbers2(rows, 5),
-    )
-    if leader.shape[0] == V.shape[0]:
+    given, kept = _given(scene), _kept(rows)
+    frames, velocities = kept.frames[row], kept.velocities[row]
+    if given.leader.shape[0] == V.shape[0]:
         frames[:], velocities[:] = H[: V.shape[0]], v
     else:
-        expand(H, leader, offset, frames)
-        expand_twists(v, leader, offset, velocities)
-    mass = integers1(scene, 2), integers1(scene, 3), numbers3(scene, 4)
-    work, dead = np.empty((1, V.shape[0], 4, 3)), numbers3(scene, 5)
-    potential = report_rates(H, V, mass, dead, work, invariants[row])
+        expand(H, given.leader, given.offset, frames)
+        expand_twists(v, given.leader, given.offset, velocities)
+    work = np.empty((1, V.shape[0], 4, 3))
+    potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
-    balance, impulses = numbers2(rows, 6)[row], numbers3(rows, 7)[row]
+    balance, impulses = kept.balance[row], kept.impulses[row]
     balance[:] = booked[:COLUMNS]
     for k in range(6):
         impulses[0, k], impulses[1, k] = booked[COLUMNS + k], booked[COLUMNS + 6 + k]
-    limits, ends, whole = numbers1(scene, 13), integers2(scene, 14), integers1(scene, 15)
-    element, angle = nearest(frames, ends, limits, whole)
+    element, angle = nearest(frames, given.ends, given.limits, given.whole)
     return potential, springs, element, angle
 
 
@@ -174,13 +257,12 @@ def _fill_joints(
     H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
-    joints = numbers1(scene, 6), integers1(scene, 7)
-    probes = numbers1(scene, 8), integers1(scene, 9)
-    pairs, sides, owner = integers1(scene, 10), integers1(scene, 11), integers1(scene, 12)
-    forces, coordinates = numbers3(rows, 2)[row, : pairs.shape[0]], numbers2(rows, 3)[row]
-    largest, values = numbers2(rows, 4)[row], np.zeros(weights.shape[0])
+    given, kept = _given(scene), _kept(rows)
+    forces = kept.joint_forces[row, : given.pairs.shape[0]]
+    largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
     largest[:] = 0.0
-    found = forces, coordinates, values, largest
-    terms.report(H, v, joints, probes, weights, pairs, sides, owner, *found)
-    table = joint_table(joints)
+    found = forces, kept.joint_coordinates[row], values, largest
+    reported = given.pairs, given.sides, given.owner
+    terms.report(H, v, given.joints, given.probes, weights, *reported, *found)
+    table = joint_table(given.joints)
     return terms.spring_energy(H, table) if len(table.springs) > 0 else 0.0
