@@ -54,7 +54,7 @@ def test_pictures_of_statics_show_the_wanted_states(bent, drawn, at, states):
 def test_states_that_do_not_exist_are_refused(bent):
     with pytest.raises(ValueError, match="there are 11 states, got the index 11"):
         bent.picture("none.png", [11])
-    with pytest.raises(ValueError, match="load factor must be finite, got nan"):
+    with pytest.raises(ValueError, match="load factor must be a finite number, got nan"):
         bent.picture("none.png", [np.nan])
 
 

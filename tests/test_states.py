@@ -108,6 +108,24 @@ def test_modes_that_do_not_exist_are_refused(results, kind):
     for number in (0, 99):
         with pytest.raises(ValueError, match=f"modes are 1 … \\d, got {number}"):
             results[kind].picture("none.png", number)
+    with pytest.raises(TypeError, match=r"mode must be a whole number, got 1\.0"):
+        results[kind].picture("none.png", 1.0)
+
+
+@pytest.mark.parametrize("kind", ["critical", "buckling", "vibrations"])
+def test_an_amplitude_is_a_number(results, kind):
+    with pytest.raises(ValueError, match=r"amplitude must be .*, got nan"):
+        results[kind].picture("none.png", 1, amplitude=np.nan)
+    if kind == "critical":
+        with pytest.raises(ValueError, match="amplitude must be a finite number, got inf"):
+            results[kind].moved(1, np.inf)
+
+
+def test_a_time_is_a_number(results):
+    """And not that of the first state if it is none."""
+    for look in (results["dynamics"].index, lambda t: results["dynamics"].picture("a.png", [t])):
+        with pytest.raises(ValueError, match="time must be a finite number, got nan"):
+            look(np.nan)
 
 
 @pytest.mark.parametrize(

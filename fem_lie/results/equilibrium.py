@@ -120,9 +120,7 @@ class StaticResult(StateSeries, Displaced):
             if not -count <= state < count:
                 raise ValueError(f"there are {count} states, got the index {state}")
             return int(state) % count
-        if not np.isfinite(state):
-            raise ValueError(f"a load factor must be finite, got {state}")
-        return nearest(self.factors, state)
+        return nearest(self.factors, state, "a load factor")
 
     def _instants(self, images: int) -> Indices:
         """Numbers of so many states at most, evenly."""

@@ -125,8 +125,12 @@ class Result(StateSeries):
         return self.joint_violations[:, self.info.joint(joint)]
 
     def index(self, time: float) -> int:
-        """The kept time nearest to ``time``."""
-        return nearest(self.times, time)
+        """Number of the kept time that is nearest to ``time``.
+
+        Raises:
+            ValueError: It is not finite.
+        """
+        return nearest(self.times, time, "time")
 
     @property
     def total_energy(self) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, instance, number
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.units import SI, Units
@@ -62,7 +62,7 @@ class ModeShapes(ABC):
         return chosen(self.shapes, mode)
 
     def displacing_shape(self, mode: int) -> Array:
-        """Increments of all nodes, shape (n, 6), for an amplitude that is a displacement.
+        """Increments of all nodes, shape (n, 6), of a mode whose amplitude is a displacement.
 
         Raises:
             ValueError: There is no such mode, or it only turns.
@@ -96,7 +96,8 @@ class ModeShapes(ABC):
         """
         shape = self.shape(mode) if amplitude is None else self.displacing_shape(mode)
         look = self._look(mode)
-        largest = self._fitting(mode, look.size) if amplitude is None else amplitude
+        fitting = self._fitting(mode, look.size)
+        largest = fitting if amplitude is None else number(amplitude, "amplitude")
         frames = moved_along(shape, self.frames, largest * np.asarray(look.parts))
         name = look.title if title is None else title
         bodies.draw(self.info, frames, path, title=name, units=units)
@@ -117,7 +118,9 @@ def chosen(shapes: _Shapes, mode: int) -> _Shapes:
 
     Raises:
         ValueError: There is no such mode.
+        TypeError: It is no whole number.
     """
+    instance(mode, int | np.integer, "mode", "a whole number")
     if not 1 <= mode <= len(shapes):
         raise ValueError(f"modes are 1 … {len(shapes)}, got {mode}")
     found: _Shapes = shapes[mode - 1]

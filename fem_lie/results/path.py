@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Flags, Indices, number
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.path_diagram import PathCurve, plot_paths
 from fem_lie.pictures.units import SI, Units
@@ -113,7 +113,8 @@ class CriticalPoint(Displaced, ModeShapes):
         Raises:
             ValueError: There is no such mode, or it only turns.
         """
-        return moved_along(self.displacing_shape(mode), self.frames, np.array([amplitude]))[0]
+        along = np.array([number(amplitude, "amplitude")])
+        return moved_along(self.displacing_shape(mode), self.frames, along)[0]
 
     def _look(self, mode: int) -> ModeLook:
         size = float(np.linalg.norm(np.ptp(self.frames[:, 0], axis=0)))

@@ -10,7 +10,7 @@ from typing import Protocol, SupportsIndex
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, instance, shown, whole
+from fem_lie._arrays import Array, Indices, instance, number, shown, whole
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints import Connection
@@ -203,9 +203,14 @@ def evenly(count: int, most: int) -> Indices:
     return np.linspace(0, count - 1, min(most, count)).round().astype(np.int64)
 
 
-def nearest(values: Array, wanted: float) -> int:
-    """Number of the state whose time, or load factor, is nearest to the one that is wanted."""
-    return int(np.abs(values - wanted).argmin())
+def nearest(values: Array, wanted: float, what: str) -> int:
+    """Number of the state whose time, or load factor, is nearest to the one that is wanted.
+
+    Raises:
+        ValueError: It is not finite.
+        TypeError: It is no number.
+    """
+    return int(np.abs(values - number(wanted, what)).argmin())
 
 
 def label_of(point: Point | str | int) -> str:

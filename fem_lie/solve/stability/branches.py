@@ -60,7 +60,6 @@ def branch(
     """
     check_proportion(scene)
     instance(critical, CriticalPoint, "critical", "a critical point of a path")
-    instance(mode, int | np.integer, "mode", "a whole number")
     if amplitude is not None:
         number(amplitude, "amplitude")
     if side not in (-1, 1) or (amplitude is not None and not amplitude > 0):
