@@ -225,6 +225,27 @@ def test_small_vibrations(u):
     np.testing.assert_allclose(found[10], 22.3732854 * bending, rtol=1e-3)
 
 
+@cache
+def sliding_bar(u: UnitSystem, drag: float) -> fl.Modes:
+    """A short beam on a prismatic joint: stiff, and held by lengths and angles."""
+    scene, ends = fl.Scene(), (u.length([0, 0, 0]), u.length([1, 0.3, 0.2]))
+    damping = fl.Damping(u.rate(drag))
+    beam = scene.add(fl.Beam.straight(*ends, bar(u, 0.05), cells=4, damping=damping))
+    scene.add(fl.Prismatic(fl.ground(), beam.start, at=ends[0], axis=(1, 0, 0)))
+    return fl.vibrations(scene, 6)
+
+
+@each
+def test_drag_moves_eigenvalues_along_circles(u):
+    """With damping in proportion to mass s² + c s + ω² = 0: all real parts are −c/2."""
+    free, damped = sliding_bar(u, 0.0), sliding_bar(u, 2.0)
+    assert damped.residuals.max() < 1e-10
+    s, ω = (u.inverse.rate(1.0) * modes.eigenvalues[-5:] for modes in (damped, free))
+    ω = np.abs(ω)
+    np.testing.assert_allclose(s.real, -1.0, rtol=0, atol=1e-9 * ω.max())
+    np.testing.assert_allclose(np.abs(s), ω, rtol=1e-9)
+
+
 # --- motion ---
 
 

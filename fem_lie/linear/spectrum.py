@@ -35,6 +35,7 @@ _BESIDE = 1e-4  # of a vector that is rigid motion but for errors
 _FOLLOWS = 1e-14  # squared
 _SPLIT = 1e-7  # of the unit of s: round-off parts a double zero by its root
 _SYMMETRIC = 1e-9
+_FAR = 10.0  # how much larger than the unit of s they may be
 _SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
 _TOLERANCE = 1e-9
 
@@ -84,6 +85,11 @@ class Pencil:
         else:
             rate = max(np.sqrt(_SHIFT) * fast, floor) or 1.0
             s, vectors = self._quadratic(count, rate, prefix)
+            wanted = np.sort(np.abs(s))[: 2 * count].max(initial=0.0)
+            if wanted > _FAR * rate:
+                # seen from so far away, they are not accurate
+                s, vectors = self._quadratic(count, wanted, prefix)
+                rate = wanted
             still = np.abs(s) <= np.maximum(self._noise(vectors, fast), _SPLIT * rate)
             still |= self._rigid(vectors)
             s = np.where(still, s, self._sharpened(s, vectors, fast))
@@ -189,8 +195,11 @@ class Pencil:
         """Eigenvalues ``s``, scaled by a rate so that those wanted are about one."""
         assert self.C is not None
         shift = 1e-2
-        K = self._bordered(self.K, rate**2)
-        C, M = (padded(rate**k * part, self.B) for k, part in ((1, self.C), (2, self.M)))
+        # about one, too: what is very small has been found
+        size = np.abs(self.K.diagonal()).max(initial=0.0) + rate**2 * self.M.diagonal().max()
+        unit = 2.0 ** -np.round(np.log2(size))
+        K = unit * self._bordered(self.K, rate**2)
+        C, M = (padded(unit * rate**k * part, self.B) for k, part in ((1, self.C), (2, self.M)))
         solver = SLEPc.PEP().create(PETSc.COMM_SELF)
         solver.setOperators([to_petsc(K), to_petsc(C), to_petsc(M)])
         solver.setTarget(shift)
@@ -201,8 +210,12 @@ class Pencil:
     def _bordered(self, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
         """``[[K, Bᵀ], [B, 0]]`` with constraints about as large as the stiffness."""
         size = np.abs(K.diagonal()) + shift * self.M.diagonal()
-        B = np.mean(size) * self.B
-        return sp.bmat([[K, B.T], [B, None]], format="csr") if B.shape[0] else K
+        if not self.B.shape[0]:
+            return K
+        # whatever the unit of each
+        rows = np.sqrt(np.asarray(self.B.multiply(self.B).sum(axis=1)).ravel())
+        B = sp.diags(np.mean(size) / rows) @ self.B
+        return sp.bmat([[K, B.T], [B, None]], format="csr")
 
     def _residuals(self, s: Complex, vectors: Complex) -> Array:
         """Out of the directions in which joints can push."""
