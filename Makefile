@@ -1,11 +1,14 @@
 # Every target sets the environment up first, where that is still to be done.
 .PHONY: help set-up demo test lint bench clean-environment
 
+# These take an hour or more, or want another version beside this one.
+STUDIES = compile in_turns random_conserving random_scenes
+
 help:
 	@echo 'make demo               set up and run the flexible double pendulum (ARGS="--help")'
 	@echo 'make test               set up and run the tests (ARGS="-k lie")'
 	@echo 'make lint               ruff and mypy'
-	@echo 'make bench              the benchmarks'
+	@echo 'make bench              the benchmarks, but for long studies'
 	@echo 'make clean-environment  remove the private Debian root and all else in its cache folder'
 	@echo 'tools/run CMD...        run any command in the environment'
 
@@ -22,7 +25,7 @@ lint: set-up
 	tools/lint
 
 bench: set-up
-	@set -e; for script in benchmarks/*.py; do echo "$$script"; tools/run python3 "$$script"; done
+	@set -e; for script in $(filter-out $(STUDIES:%=benchmarks/%.py),$(wildcard benchmarks/*.py)); do echo "$$script"; tools/run python3 "$$script"; done
 
 clean-environment:
 	tools/setup --remove

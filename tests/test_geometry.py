@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie._arrays import diameter
 from fem_lie.mesh.lines import KINK_ANGLE, straight
 
 FRAME = Path(__file__).parents[1] / "meshes" / "frame.geo"
@@ -293,3 +294,19 @@ def test_without_rotary_inertia_mass_and_its_centre_stay():
     J = np.trace(about_centre) * np.eye(3) - about_centre
     polar = 100.0 * 0.2 * 0.1 * (0.2**2 + 0.1**2) / 12
     np.testing.assert_allclose(J, np.diag([polar, 0, 0]), atol=1e-12)
+
+
+# --- size of a scene ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0.4, -1.1, 2.0)])
+def test_the_diameter_is_that_of_the_farthest_points_however_they_lie(turn):
+    rng, R = np.random.default_rng(1), lie.so3_exp(np.array(turn, dtype=float))
+    box = np.array([[x, y, z] for x in (0, 3) for y in (0, 4) for z in (0, 12)], dtype=float)
+    assert diameter(box @ R.T) == pytest.approx(13.0, rel=1e-14)
+    assert diameter(np.outer(np.linspace(0, 2, 7), R[0]) + 5.0) == pytest.approx(2.0, rel=1e-14)
+    assert diameter(np.ones((1, 3))) == 0.0
+    cloud = rng.normal(size=(200, 3))
+    exact = np.linalg.norm(cloud[:, np.newaxis] - cloud, axis=2).max()
+    assert diameter(cloud) <= exact * (1 + 1e-14)
+    assert diameter(cloud @ R.T) == pytest.approx(diameter(cloud), rel=1e-12)
