@@ -78,7 +78,11 @@ SCENES: dict[str, Callable[[], fl.Scene]] = {
 
 def load_control(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Iterations, and how far it came if it did not arrive."""
-    path = fl.follow_path(make(), control=fl.LoadControl(), locate=None, carried_stress=carried)
+    path = fl.follow_path(
+        make(),
+        control=fl.LoadControl(),
+        options=fl.PathOptions(locate=None, carried_stress=carried),
+    )
     return _told(path.total_iterations, path.factors[-1], path.complete)
 
 
@@ -95,7 +99,7 @@ def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
 
 def path(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, all states polished."""
-    found = fl.follow_path(make(), locate=None, carried_stress=carried)
+    found = fl.follow_path(make(), options=fl.PathOptions(locate=None, carried_stress=carried))
     return _told(found.total_iterations, found.factors[-1], found.complete)
 
 

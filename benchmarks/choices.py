@@ -43,7 +43,7 @@ def pendulum(options: Options) -> Built:
             [(i, i + 1) for i in range(10)],
             named_points={"start": [0], "end": [10]},
         )
-        beam = fl.Beam(mesh, section, group=group, rotary_inertia=options.rotary_inertia)
+        beam = fl.Beam(mesh, section, rotary_inertia=options.rotary_inertia).on(group)
         return scene.add(beam)
 
     one, two = bar((0, 0, 0), (0.3, 0, 0)), bar((0.3, 0, 0), (0.3, 0.5, 0))
@@ -74,7 +74,7 @@ def top(options: Options) -> Built:
     scene = fl.Scene((0, 0, -9.81), choices=options.choices)
     group = fl.Group.R3xSO3 if options.group is None else options.group
     inertia = (0.234375, 0.46875, 0.234375)
-    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0), group=group))
+    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0)).on(group))
     body.turn((0, 150, -4.61538), about=(0, 0, 0))
     scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0)))
     return scene, body.centre

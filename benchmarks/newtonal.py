@@ -23,6 +23,7 @@ import numpy as np
 import fem_lie as fl
 from demos import deep_arch, hinged_roof, pulled_cylinder
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from fem_lie.system.instant import Plan
 
 PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
     "arch": lambda: deep_arch.arch(40, "stretchable")[0],
@@ -40,10 +41,10 @@ class Additive:
         """Begin unloaded."""
         self.fixed = not any(isinstance(body, fl.Shell) for body in scene.bodies)
         self.model = StableEquilibrium(scene, "newtonal_model_", carried_stress=carried)
-        self.x = np.zeros(self.model.system.size)
+        self.x = np.zeros(self.model.equations.system.size)
         self.factor, self.solutions, self.largest = 0.0, 0, 0.0
         self.load = self.turned(self.model.forces()[1])
-        self.matrix = self.model.system.kkt.matrix
+        self.matrix = self.model.equations.system.kkt.matrix
 
     def residual(self, snes: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
         """Internal forces; PETSc subtracts the load."""
@@ -58,16 +59,15 @@ class Additive:
 
     def fill(self) -> None:
         """The matrix, for the load factor that the present state is nearest to."""
-        model, system = self.model, self.model.system
+        model, system = self.model, self.model.equations.system
         model.factorise(self.present())
         if self.fixed:
-            zero = np.zeros((system.count, 6))
-            state = model._H, zero, zero, model._multipliers, model._scale
-            system.fill_matrix(*state, zero, 0.0, 0.0, inertial=True)
+            plan = Plan(np.zeros((system.count, 6)), model._scale, inertial=True)
+            system.fill_matrix(model._now, model._found, plan)
 
     def turned(self, r: np.ndarray, inverse: bool = False) -> np.ndarray:
         """From local components to those along fixed axes, or the other way round."""
-        n = 6 * self.model.system.count
+        n = 6 * self.model.equations.system.count
         if not self.fixed:
             return r
         R = self.model._H[: n // 6, 1:]
@@ -135,7 +135,7 @@ def main(names: list[str]) -> None:
     for name in names or list(PROBLEMS):
         make = PROBLEMS[name]
         begin = time.perf_counter()
-        path = fl.follow_path(make(), locate=None)
+        path = fl.follow_path(make(), options=fl.PathOptions(locate=None))
         print(
             f"{name:9} fl.follow_path                {path.reason[:12]:12} "
             f"{path.factors[-1]:11.4f} {path.total_iterations:17} "

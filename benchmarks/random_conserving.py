@@ -65,6 +65,7 @@ def measures(data: SceneData, scheme: Any, steps: int) -> dict[str, float]:
         "violation": float(result.joint_violations.max()),
         "iterations": float(result.iterations[-1] / max(made, 1)),
         "matrices": result.factorisations,
+        "divided": result.divided,
         "ms": 1e3 * result.seconds / max(made, 1),
     }
 
@@ -104,14 +105,14 @@ def main() -> None:
     given = parser.parse_args()
     logging.disable(logging.WARNING)
     rows: dict[str, list[dict[str, float]]] = {name: [] for name in given.scheme or SCHEMES}
-    print("| seed | scheme | steps | balance | iterations | matrices | ms/step |")
-    print("|---|---|---|---|---|---|---|")
+    print("| seed | scheme | steps | in parts | balance | iterations | matrices | ms/step |")
+    print("|---|---|---|---|---|---|---|---|")
     for seed, data in scenes(given.scenes, given.steps, given.first):
         for name, found in rows.items():
             row = measures(data, SCHEMES[name], given.steps)
             found.append(row)
             print(
-                f"| {seed} | {name} | {row['steps']:.0f} | {row['balance']:.1e} "
+                f"| {seed} | {name} | {row['steps']:.0f} | {row['divided']} | {row['balance']:.1e} "
                 f"| {row['iterations']:.1f} | {row['matrices']:.0f} | {row['ms']:.2f} |",
                 flush=True,
             )
@@ -121,8 +122,11 @@ def main() -> None:
 
 def summarise(rows: dict[str, list[dict[str, float]]], steps: int) -> None:
     """How many arrived, and medians and largest values of those that did."""
-    print("\n| scheme | arrived | balance, median | largest | violation | iterations | matrices |")
-    print("|---|---|---|---|---|---|---|")
+    print(
+        "\n| scheme | arrived | scenes with parts | balance, median | largest | violation "
+        "| iterations | matrices |"
+    )
+    print("|---|---|---|---|---|---|---|---|")
     for name, found in rows.items():
         done = [row for row in found if row["steps"] == steps]
         if not done:
@@ -130,7 +134,8 @@ def summarise(rows: dict[str, list[dict[str, float]]], steps: int) -> None:
             continue
         column = {key: np.array([row[key] for row in done]) for key in done[0]}
         print(
-            f"| {name} | {len(done)} of {len(found)} | {np.median(column['balance']):.1e} "
+            f"| {name} | {len(done)} of {len(found)} | {np.count_nonzero(column['divided'])} "
+            f"| {np.median(column['balance']):.1e} "
             f"| {column['balance'].max():.1e} | {column['violation'].max():.1e} "
             f"| {column['iterations'].mean():.1f} | {np.median(column['matrices']):.0f} |"
         )

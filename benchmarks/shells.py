@@ -76,8 +76,7 @@ def largest_step(
             result = fl.statics(
                 scene,
                 load_steps=count,
-                carried_stress=carried,
-                smallest_step=0.99 / count,  # no second try
+                newton=fl.Newton(carried_stress=carried, smallest_step=0.99 / count),
             )
         except fl.ConvergenceError:
             continue

@@ -109,11 +109,11 @@ class Push:
             return float(-state.displacement(middle)[2] / h)
 
         observe = {"D": down}
-        before = fl.follow_path(scene, critical_points=1, observe=observe)
+        before = fl.follow_path(scene, fl.PathEnds(critical_points=1), observe=observe)
         aside = fl.follow_path(
             scene,
+            fl.PathEnds(critical_points=1),
             start=fl.branch(scene, before.critical[0]),
-            critical_points=1,
             observe=observe,
         )
         after = fl.follow_path(scene, start=fl.branch(scene, aside.critical[0]), observe=observe)
@@ -192,8 +192,7 @@ def draw(q: float, guided: Push, free: Push) -> None:
         "D",
         diagram,
         label="deflection over h",
-        load=1000.0,
-        load_label="force over EI h/L³",
+        load=(1000.0, "force over EI h/L³"),
         others=[(path, path.observed["D"]) for path in paths[1:]],
         reference=(d, force, "Qiu, Lang & Slocum 2004"),
         units=UNITS,

@@ -104,7 +104,8 @@ def knock_down(thickness: float, mesh: int) -> list[fl.EquilibriumPath]:
     perfect = cell(thickness, mesh)
     return [
         fl.follow_path(
-            fl.imperfect(perfect, rings(thickness, amplitude * thickness)), critical_points=1
+            fl.imperfect(perfect, rings(thickness, amplitude * thickness)),
+            fl.PathEnds(critical_points=1),
         )
         for amplitude in AMPLITUDES
     ]
@@ -121,7 +122,7 @@ def main(
     for ratio in slender:
         scene = cell(1.0 / ratio, mesh)
         modes = fl.buckling(scene, 2)
-        path = fl.follow_path(scene, 1.1, critical_points=1)
+        path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
         point = path.critical[0]
         found = {
             "linear": float(modes.factors[0]),
@@ -155,7 +156,8 @@ def main(
     wave = 2 * half_wave(thickness)
     random = fl.RandomImperfection(0.3 * thickness, wave, seed, along=outward)
     path = fl.follow_path(
-        fl.imperfect(cell(thickness, mesh), random), critical_points=1, load_range=(-0.1, 1.2)
+        fl.imperfect(cell(thickness, mesh), random),
+        fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2)),
     )
     record["random"] = path.critical[0].factor if path.critical else None
     print(f"random waves of 0.3 t, seed {seed}: {record['random']}")

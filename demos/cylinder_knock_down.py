@@ -105,7 +105,7 @@ def knock_down(ratio: float, mesh: int, relative: float, slimness: float) -> dic
     mode, sign = ring_mode(modes)
     wanted = relative * thickness
     rings = fl.imperfect(perfect, fl.ModeImperfection(modes, mode, sign * wanted))
-    path = fl.follow_path(rings, critical_points=1, load_range=(-0.1, 1.2))
+    path = fl.follow_path(rings, fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2)))
     point = path.critical[0] if path.critical else None
     return {
         "slimness": slimness,

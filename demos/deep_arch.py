@@ -97,8 +97,7 @@ def main(
             "deflection",
             diagram,
             label="deflection of the crown",
-            load=FORCE,
-            load_label="P",
+            load=(FORCE, "P"),
             units=UNITS,
         )
         path.animate(moving, title="Deep arch", units=UNITS)

@@ -87,14 +87,13 @@ def study(ends: str, elements: int, imperfection: float, beyond: float) -> dict[
     point = straight.bifurcations[0]
     branch = fl.follow_path(
         scene,
-        beyond,
+        fl.PathEnds(beyond, stop=lambda s: -s.position(beam.end)[2]),
         start=fl.branch(scene, point),
         observe=bent,
-        stop=lambda s: -s.position(beam.end)[2],
     )
     out_of_shape = fl.imperfect(scene, fl.ModeImperfection(modes, 1, imperfection * LENGTH))
     imperfect = fl.follow_path(
-        out_of_shape, beyond, observe=bent, stop=lambda s: -s.position(beam.end)[2]
+        out_of_shape, fl.PathEnds(beyond, stop=lambda s: -s.position(beam.end)[2]), observe=bent
     )
     end = branch.factors[-1], branch.observed["deflection"][-1]
     # the load is referred to the one at which this column buckles
@@ -148,7 +147,7 @@ def main(
                 "deflection",
                 diagram,
                 label="deflection",
-                load_label="load over Euler's",
+                load=(1.0, "load over Euler's"),
                 others=[(path, path.observed["deflection"]) for path in (straight, imperfect)],
                 units=UNITS,
             )

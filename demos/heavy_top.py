@@ -72,7 +72,7 @@ def top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
     """The scene and its body."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     body = scene.add(
-        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), group=group, name="top")
+        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").on(group)
     )
     scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0), name="tip"))
     body.turn((0, 150, -4.61538), about=(0, 0, 0))

@@ -66,7 +66,7 @@ def turns(values: np.ndarray) -> bool:
 def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict[str, Any]:
     if thickness not in LIMITS:
         raise ValueError(f"thickness must be one of {list(LIMITS)}, got {thickness}")
-    fl.follow_path(roof(thickness, 2)[0], steps=1)  # compiles
+    fl.follow_path(roof(thickness, 2)[0], fl.PathEnds(steps=1))  # compiles
     scene, centre = roof(thickness, mesh)
     path = fl.follow_path(scene, observe={"deflection": lambda s: -s.displacement(centre)[2]})
     upper, lower = path.limits
@@ -105,8 +105,7 @@ def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict
             "deflection",
             diagram,
             label="deflection of the centre [mm]",
-            load=FORCE,
-            load_label="P [N]",
+            load=(FORCE, "P [N]"),
             reference=(published[0], FORCE * published[1], "Sze et al. 2004"),
             units=UNITS,
         )

@@ -81,7 +81,7 @@ def plate(mesh: int, load: float) -> fl.Scene:
 def study(scene: fl.Scene) -> dict[str, Any]:
     """Both critical loads, over the one that was applied, and the branch."""
     modes = fl.buckling(scene, 1)
-    path = fl.follow_path(scene, 2.0, critical_points=1)
+    path = fl.follow_path(scene, fl.PathEnds(2.0, critical_points=1))
     point = path.critical[0]
     return {
         "linear": float(modes.factors[0]),

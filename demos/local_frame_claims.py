@@ -60,8 +60,8 @@ def pendulum(group: fl.Group, speed: float = 1.0) -> fl.Scene:
         b, b, aluminium, shear_factor=5 / 6, torsion_constant=0.1406 * b**4
     )
     scene, corner = fl.Scene(), (0.3, 0, 0)
-    one = scene.add(fl.Beam.straight((0, 0, 0), corner, square, cells=10, group=group))
-    two = scene.add(fl.Beam.straight(corner, (0.3, 0.5, 0), square, cells=10, group=group))
+    one = scene.add(fl.Beam.straight((0, 0, 0), corner, square, cells=10).on(group))
+    two = scene.add(fl.Beam.straight(corner, (0.3, 0.5, 0), square, cells=10).on(group))
     scene.add(fl.Spherical(fl.ground(), one.start))
     scene.add(fl.Spherical(one.end, two.start))
     two.turn((3 * speed, 0, -4 * speed), about=two.start)
@@ -86,8 +86,8 @@ def net(
                 if max(k, m) > meshes:
                     continue
                 bar = fl.Beam.straight(
-                    (side * i, side * j, 0), (side * k, side * m, 0), section, cells=2, group=group
-                )
+                    (side * i, side * j, 0), (side * k, side * m, 0), section, cells=2
+                ).on(group)
                 scene.add(bar)
                 knots.setdefault((i, j), []).append(bar.start)
                 knots.setdefault((k, m), []).append(bar.end)
@@ -212,7 +212,8 @@ def asymmetry(scene: fl.Scene, result: fl.Result) -> float:
     H = system.frames.copy()
     H[: system.count] = result.frames[-1][system.numbering.attachment.leaders]
     system.elastic.reset_stress(H)
-    (rows, columns), blocks = system.elastic.pairs[0], system.elastic.tangents(H)[0]
+    elements = next(iter(system.elastic))
+    (rows, columns), blocks = elements.pairs, elements.tangent(H, elements.room())
     at = {pair: k for k, pair in enumerate(zip(rows.tolist(), columns.tolist(), strict=True))}
     mirrored = [at[j, i] for i, j in at]
     return float(np.abs(blocks - blocks[mirrored].transpose(0, 2, 1)).max() / np.abs(blocks).max())

@@ -121,8 +121,7 @@ def trace(around: int, along: int, pictures: bool) -> dict[str, Any]:
             inward,
             diagram,
             label="deflection of B [mm]",
-            load=FORCE / 1000,
-            load_label="force [kN]",
+            load=(FORCE / 1000, "force [kN]"),
             reference=(published[0], FORCE / 1000 * published[1], "Sze et al. 2004"),
             units=UNITS,
         )

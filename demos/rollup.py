@@ -93,7 +93,7 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
     """The same by Newton's method, step halving included."""
     scene, _ = cantilever(elements, stiffness_ratio)
     try:
-        result = fl.statics(scene, load_steps=load_steps, carried_stress=False)
+        result = fl.statics(scene, load_steps=load_steps, newton=fl.Newton(carried_stress=False))
     except fl.ConvergenceError as error:
         print(f"plain Newton: {error}")
         return {"plain_converged": False}

@@ -71,9 +71,8 @@ def cantilever(formulation: fl.Formulation) -> Callable[[float], tuple[np.ndarra
                 (10, 0, 0),
                 section,
                 cells=int(elements),
-                up=(0, 0, 1),
-                twist=lambda s: np.pi / 20 * s,
                 formulation=formulation,
+                up=fl.Twisted(lambda s: np.pi / 20 * s, (0, 0, 1)),
             )
         )
         scene.add(fl.Clamp(beam.start))
@@ -91,7 +90,7 @@ def pendulum(radius: float, group: fl.Group) -> Callable[[float], tuple[np.ndarr
         soft = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e7, nu=0.3, density=1200.0))
         scene = fl.Scene(gravity=(0, 0, -9.81))
         one, two = (
-            scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4, group=group))
+            scene.add(fl.Beam.straight((a, 0, 0), (b, 0, 0), soft, cells=4).on(group))
             for a, b in ((0.0, 0.4), (0.4, 1.0))
         )
         scene.add(fl.Spherical(fl.ground(), one.start))

@@ -64,7 +64,9 @@ def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
         start = process_time()
         carried = method == "carried stress"
         try:
-            result = fl.statics(scene, load_steps=STEPS[method], carried_stress=carried)
+            result = fl.statics(
+                scene, load_steps=STEPS[method], newton=fl.Newton(carried_stress=carried)
+            )
         except fl.ConvergenceError:
             return None
         times.append(process_time() - start)

@@ -215,7 +215,7 @@ def main(number: float = 5.0, mesh: int = 16, pictures: bool = True) -> dict[str
             "w",
             diagram,
             label="deflection of the top over t",
-            load_label="pressure over that of a sphere",
+            load=(1.0, "pressure over that of a sphere"),
             reference=(deflections, pressures, "equations of the meridian"),
             units=UNITS,
         )

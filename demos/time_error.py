@@ -135,7 +135,7 @@ def rigid_pendulum(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
         mass = DENSITY * SIDE**2 * length
         across = mass * (length**2 + SIDE**2) / 12
         J = (mass * SIDE**2 / 6, across, across)
-        bar = fl.RigidBody(mass, J, (start + length / 2, 0, 0), name=name, group=group)
+        bar = fl.RigidBody(mass, J, (start + length / 2, 0, 0), name=name).on(group)
         scene.add(bar)
         scene.add(fl.Spherical(points[-1], bar.centre, at=(start, 0, 0)))
         points.append(bar.centre)

@@ -44,9 +44,8 @@ def solve(elements: int, load_steps: int) -> tuple[dict[str, Any], fl.StaticResu
             (LENGTH, 0, 0),
             fl.Section.from_stiffness(STIFFNESS, outline=outline),
             cells=elements,
-            up=(0, 0, 1),
-            twist=lambda s: 0.5 * pi * s / LENGTH,
             name="blade",
+            up=fl.Twisted(lambda s: 0.5 * pi * s / LENGTH, (0, 0, 1)),
         )
     )
     scene.add(fl.Clamp(beam.start))

@@ -1,13 +1,17 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.beam_assembly import Damping
-from fem_lie.bodies.body import Body, Point, ground
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.orientation import Twisted
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
-from fem_lie.bodies.shell import Shell
+from fem_lie.bodies.rods.cable import Cable
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.elements.shells.element import (
     Displacement,
@@ -54,9 +58,10 @@ from fem_lie.joints import (
 from fem_lie.joints.histories import Jumps, Table
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
-from fem_lie.mesh.surfaces import SurfaceMesh, surface
+from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
 from fem_lie.results.buckling import BucklingModes
@@ -106,9 +111,11 @@ from fem_lie.solve.stability.imperfections import (
     imperfect,
 )
 from fem_lie.solve.stability.path import follow_path
+from fem_lie.solve.stability.path_options import PathEnds, PathOptions
 from fem_lie.solve.stability.vibrations import vibrations
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import follow_loads
+from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
 from fem_lie.system.nodes.element_turns import CoarseElementsWarning
@@ -127,6 +134,7 @@ __all__ = [
     "Beam",
     "Body",
     "BucklingModes",
+    "Cable",
     "Choices",
     "Clamp",
     "CoarseElementsWarning",
@@ -161,6 +169,7 @@ __all__ = [
     "Geodesic",
     "Group",
     "HellingerReissner",
+    "HermiteCable",
     "HuWashizu",
     "Imperfection",
     "InPlane",
@@ -178,10 +187,13 @@ __all__ = [
     "ModeImperfection",
     "Modes",
     "Never",
+    "Newton",
     "NodalFrames",
     "Orthotropic",
     "Parameters",
     "Parametrisation",
+    "PathEnds",
+    "PathOptions",
     "PathResult",
     "PathState",
     "Planar",
@@ -223,6 +235,7 @@ __all__ = [
     "SurfacePressure",
     "Table",
     "Temperature",
+    "Twisted",
     "Units",
     "Universal",
     "UnstableEquilibriumWarning",

@@ -259,3 +259,35 @@ def text(value: object, what: str) -> None:
         TypeError: It is something else.
     """
     instance(value, str, what, "a word")
+
+
+def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
+    """``value`` as finite numbers of shape ``(size,)``.
+
+    Raises:
+        ValueError: It is something else; the message says what was given for what.
+    """
+    try:
+        array = numbers(value, what)
+    except TypeError:
+        raise ValueError(f"{what} must be {size} numbers, got {value!r}") from None
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise ValueError(f"{what} must be {size} finite numbers, got {value!r}")
+    if not (np.abs(array) < LARGEST).all():
+        raise ValueError(f"{what} must be {size} numbers below {LARGEST:g}, got {value!r}")
+    return array
+
+
+def direction(value: npt.ArrayLike, what: str) -> Array:
+    """A unit vector along ``value``, shape (3,), however long that is.
+
+    Raises:
+        ValueError: It is zero, or not three finite numbers.
+    """
+    given = vector(value, 3, what)
+    largest = np.abs(given).max()
+    if largest == 0.0:
+        raise ValueError(f"{what} must not be zero, got {value!r}")
+    # squares of very small or large numbers are none
+    scaled = given / largest
+    return np.asarray(scaled / np.linalg.norm(scaled))

@@ -167,6 +167,13 @@ def create_surface_mesh(
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
 
 
+def is_made_of(
+    mesh: dolfinx.mesh.Mesh, points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64]
+) -> bool:
+    """Whether a mesh has these points (n, 3) and cells (m, k), by its own numbers."""
+    return np.array_equal(mesh.geometry.x, points) and np.array_equal(geometry_dofmap(mesh), cells)
+
+
 def drawn_surface(grid: Any, subdivision: int) -> Any:
     """Surface of a pyvista grid, curved cells in pieces.
 

@@ -88,7 +88,7 @@ CASES = {
     ),
     "taper of a branching line": (lambda: fl.Beam(branch(), lambda s: SECTION), "one smooth line"),
     "twist of a line with a kink": (
-        lambda: fl.Beam(kink(), SECTION, twist=lambda s: s),
+        lambda: fl.Beam(kink(), SECTION, up=fl.Twisted(lambda s: s)),
         "one smooth line",
     ),
     "link to ground": (lambda: with_bar(lambda b: fl.RigidLink(fl.ground(), b.end)), "ground"),
@@ -193,6 +193,6 @@ def test_scene_refuses_what_is_not_a_part_of_one():
 
 def test_scenes_refuse_more_than_one_rank(monkeypatch):
     world = SimpleNamespace(COMM_WORLD=SimpleNamespace(size=3))
-    monkeypatch.setattr("fem_lie.system.system.MPI", world)
+    monkeypatch.setattr("fem_lie.system.nodes.shared_setup.MPI", world)
     with pytest.raises(ValueError, match=r"one rank, got 3.*local_frame_forms"):
         System(scene_with(bar()), dynamics=True)

@@ -112,7 +112,7 @@ def test_full_turns_are_part_of_the_memory():
     turn_to(7.0)
     coordinates = connections.report(system.frames, none, np.zeros(system.m))[1]
     np.testing.assert_allclose(coordinates, 7.0, rtol=1e-12)
-    assert system.stored_energy(system.frames) == pytest.approx(7.0**2, rel=1e-12)
+    assert system.terms.energy(system.frames) == pytest.approx(7.0**2, rel=1e-12)
 
 
 @pytest.mark.parametrize("index", Index)

@@ -243,7 +243,7 @@ def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
     attempt, turned = VariableSteps._attempt, []
 
     def watched(self, time: float, index: int) -> tuple[float, int]:
-        connections = self._stepper.system.connections
+        connections = self._stepper.equations.system.connections
         before = connections.memory.copy()
         ended, iterations = attempt(self, time, index)
         turned.append((iterations, np.abs(connections.memory - before).max()))

@@ -86,7 +86,7 @@ def test_compressed_cylinder_bears_the_classical_load_if_perfect():
         assert abs(modes.factors[0] - 1.0) <= 0.03
     t = 0.01
     out_of_shape = module.fl.imperfect(module.cell(t, 6), module.rings(t, 0.1 * t))
-    path = module.fl.follow_path(out_of_shape, critical_points=1)
+    path = module.fl.follow_path(out_of_shape, module.fl.PathEnds(critical_points=1))
     assert path.critical[0].factor == pytest.approx(module.koiter(0.1), rel=0.1)
 
 

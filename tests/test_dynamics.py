@@ -12,7 +12,7 @@ from fem_lie import lie
 from fem_lie.solve.alpha import run as alpha_run
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step.nodes import correct
-from fem_lie.system import System
+from fem_lie.system.equations import Equations, Instant
 
 G = 9.81
 LENGTH, MASS, INERTIA = 0.5, 2.0, 0.3
@@ -30,7 +30,7 @@ def pendulum(
     scene = fl.Scene(gravity=(0, 0, -G))
     place = LENGTH * np.array([np.cos(angle), 0, -np.sin(angle)])
     R = lie.so3_exp([0, angle, 0])
-    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R, group=group))
+    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R).on(group))
     scene.add(fl.Revolute(fl.ground(), body.centre, at=(0, 0, 0), axis=(0, 1, 0), name="pivot"))
     body.turn((0, speed, 0), about=(0, 0, 0))
     return scene, body
@@ -60,7 +60,7 @@ def test_start_stands_for_the_acceleration_before_the_first_step(radius, group):
     errors = []
     for step in (2e-2, 1e-2):
         scene, _ = pendulum(angle, speed, group)
-        run = Run(fl.GeneralisedAlpha(radius=radius), System(scene, dynamics=True), step)
+        run = Run(fl.GeneralisedAlpha(radius=radius), Equations(scene, dynamics=True), step)
         run.start()
         # time runs backwards: the pendulum with the opposite speed
         before = exact_pendulum(np.array([0.0, (run.p.af - run.p.am) * step]), angle, -speed)
@@ -118,7 +118,7 @@ def heavy_top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
     """Brüls & Cardona's top at 150 rad/s, its frame at the centre of mass."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     top = scene.add(
-        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), group=group, name="top")
+        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").on(group)
     )
     scene.add(fl.Spherical(fl.ground(), top.centre, at=(0, 0, 0), name="tip"))
     top.turn((0, 150, -4.61538), about=(0, 0, 0))
@@ -194,10 +194,8 @@ def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
     other = fl.Group(1 - group)
     section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e8, 0.3, 1000))
     scene = fl.Scene()
-    beam = scene.add(
-        fl.Beam.straight((0, 0, 0), R[:, 0], section, cells=3, up=R[:, 2], group=group)
-    )
-    body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R, group=other))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), R[:, 0], section, cells=3, up=R[:, 2]).on(group))
+    body = scene.add(fl.RigidBody(0.3, (1e-3, 2e-3, 2.5e-3), R @ [1.1, 0.2, 0], R).on(other))
     scene.add(fl.Revolute(beam.end, body.centre, at=R[:, 0], axis=R @ [0, 0.6, 0.8]))
     for item in (beam, body):
         item.move(R @ [1, 2, 3])
@@ -211,34 +209,35 @@ def mixed_scene(group: fl.Group, turned: np.ndarray | None = None) -> fl.Scene:
 def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisation):
     """At a random state with rotations of half a radian in the step, column by column."""
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)
-    system = System(mixed_scene(group), dynamics=True, parametrisation=parametrisation)
-    run = Run(scheme, system, 1e-2)
+    equations = Equations(mixed_scene(group), dynamics=True, parametrisation=parametrisation)
+    run, size = Run(scheme, equations, 1e-2), equations.unknowns.size
     run.start()
     s, rng, epsilon = run.s, np.random.default_rng(5), 1e-6
     s.motion[:] = rng.normal(size=s.motion.shape)
     s.d[:] = 0.3 * rng.normal(size=s.d.shape)
-    run.weights[:] = rng.normal(size=system.m)
+    run.weights[:] = rng.normal(size=run.weights.shape)
 
     def residual_at(dx: np.ndarray) -> np.ndarray:
         state = tuple(part.copy() for part in s)
         weights = run.weights.copy()
         correct(tuple(run.p), state, dx.copy(), *run._sizes, weights)
-        r = np.empty(system.size)
+        r = np.empty(size)
         H1, motion = state[1], state[2]
-        system.residual(H1, motion[6], motion[7], weights, run.scale, r)
+        equations.residual(Instant(H1, motion[6], motion[7], weights), run.scale, r)
         return r
 
-    zero, weights = np.zeros(system.size), run.weights.copy()
+    zero, weights = np.zeros(size), run.weights.copy()
     correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
-    system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, zero)
+    now = Instant(s.H1, s.twist1, s.rate1, run.weights)
+    equations.residual(now, run.scale, zero, run.forces)
     run._fill(s.H1, s.H1, turned=False)
-    matrix = system.kkt.matrix.convert("dense").getDenseArray()
+    matrix = equations.matrix.matrix.convert("dense").getDenseArray()
     numeric = np.empty_like(matrix)
-    for j, e in enumerate(epsilon * np.eye(system.size)):
+    for j, e in enumerate(epsilon * np.eye(size)):
         numeric[:, j] = (residual_at(-e) - residual_at(e)) / (2 * epsilon)
-    size = np.abs(numeric).max(axis=1, keepdims=True)
+    largest = np.abs(numeric).max(axis=1, keepdims=True)
     # epsilon² of third derivatives, round-off over epsilon
-    assert (np.abs(matrix - numeric) < 1e-7 * size).all()
+    assert (np.abs(matrix - numeric) < 1e-7 * largest).all()
 
 
 @groups
@@ -305,8 +304,8 @@ def test_components_for_bodies_that_are_held(group):
     def motion(components: fl.Components) -> np.ndarray:
         section = fl.Section.rectangle(0.02, 0.01, fl.Material(1e9, 0.3, 1000))
         scene = fl.Scene(gravity=(0, 0, -G))
-        one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3, group=group))
-        two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3, group=group))
+        one = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=3).on(group))
+        two = scene.add(fl.Beam.straight((1, 0, 0), (1, 1, 0), section, cells=3).on(group))
         scene.add(fl.Clamp(one.start))
         scene.add(fl.Revolute(one.end, two.start, axis=(1, 0, 0)))
         two.turn((20, 0, 0), about=two.start)
@@ -323,8 +322,8 @@ def test_waves_that_no_step_resolves_do_not_spoil_the_start(group, radius):
     """A load on steel at once, in steps of a hundred periods: extrapolated ``a₀`` was nonsense."""
     section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e11, 0.3, 7800))
     scene = fl.Scene(gravity=(0, 0, -G))
-    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8, group=group))
-    body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0), group=group))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8).on(group))
+    body = scene.add(fl.RigidBody(5.0, (0.1, 0.1, 0.1), (1.3, 0.2, 0)).on(group))
     scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
     scene.add(fl.Fixed(beam.end, body.centre, at=(1, 0, 0)))
     result = fl.GeneralisedAlpha(radius=radius).run(scene, duration=0.1, step=4e-3)
@@ -343,7 +342,7 @@ def test_rigid_double_pendulum(group):
         mass = 2700 * side**2 * length
         moments = mass / 12 * np.array([2 * side**2, length**2 + side**2, length**2 + side**2])
         place = (start + length / 2, 0, 0)
-        bodies.append(scene.add(fl.RigidBody(mass, moments, place, group=group)))
+        bodies.append(scene.add(fl.RigidBody(mass, moments, place).on(group)))
     one, two = bodies
     scene.add(fl.Spherical(fl.ground(), one.centre, at=(0, 0, 0)))
     scene.add(fl.Spherical(one.centre, two.centre, at=(0.3, 0, 0)))

@@ -99,7 +99,7 @@ def test_elements_that_would_have_to_turn_by_more_than_pi_are_named():
         pytest.warns(fl.CoarseElementsWarning),
         pytest.raises(fl.ConvergenceError, match=rf"element \d of {beam.label} turns by 3"),
     ):
-        fl.statics(scene, load_steps=4, smallest_step=0.05)
+        fl.statics(scene, load_steps=4, newton=fl.Newton(smallest_step=0.05))
 
 
 @pytest.mark.parametrize("road", [fl.statics, fl.follow_path], ids=["statics", "path"])
@@ -116,7 +116,7 @@ def test_directors_of_three_nodes_do_not_fold_in_silence(road):
         pytest.warns(fl.CoarseElementsWarning),
         pytest.raises(fl.ConvergenceError, match="folds"),
     ):
-        road(scene, load_steps=4, smallest_step=0.02)
+        road(scene, load_steps=4, newton=fl.Newton(smallest_step=0.02))
 
 
 @pytest.mark.parametrize("run", ["generalised alpha", "conserving", "variable steps"])

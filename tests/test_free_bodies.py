@@ -11,9 +11,10 @@ from fem_lie.lie.motions import move
 from fem_lie.solve.alpha import free_bodies
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
+from fem_lie.solve.alpha.step.free_records import Body
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
@@ -27,7 +28,7 @@ def loaded(
     scene = fl.Scene(gravity=gravity)
     for _ in range(count):
         R = lie.so3_exp(rng.normal(size=3))
-        body = scene.add(fl.RigidBody(rng.uniform(1, 2), FULL, rng.normal(size=3), R, group=group))
+        body = scene.add(fl.RigidBody(rng.uniform(1, 2), FULL, rng.normal(size=3), R).on(group))
         body.move(rng.normal(size=3))
         body.turn(3.0 * rng.normal(size=3), about=body.centre)
         if loads:
@@ -43,8 +44,8 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
     """The same by the road that all other scenes take."""
     # the compiled loop has all terms in its matrix
     scene.choices = fl.Choices(gyroscopic=True)
-    run = Run(options, System(scene, dynamics=True), step)
-    return run.integrate(Recorder(run.system, steps, step, Saving(), False))
+    run = Run(options, Equations(scene, dynamics=True), step)
+    return run.integrate(Recorder(run.equations, steps, step, Saving(), False))
 
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
@@ -399,7 +400,7 @@ def test_matrix_is_the_derivative_of_the_residual(group):
 
     H1, kept = np.empty((4, 3)), np.empty((9, 3))
     move(group, H, d, H1)
-    free_body.factorise(p, group, 1.3, FULL, f, H1, v1, d, kept)
+    free_body.factorise(p, Body(group, 1.3, FULL), f, H1, v1, d, kept)
     matrix = np.zeros((6, 6))
     matrix[:3, :3], matrix[3:, 3:] = np.linalg.inv(kept[6:]), np.linalg.inv(kept[:3])
     matrix[:3, 3:] = kept[3:6].T

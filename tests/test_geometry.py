@@ -9,7 +9,8 @@ from scipy.integrate import quad
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie._arrays import diameter
-from fem_lie.mesh.lines import KINK_ANGLE, straight
+from fem_lie.mesh.curves import straight
+from fem_lie.mesh.lines import KINK_ANGLE
 
 FRAME = Path(__file__).parents[1] / "meshes" / "frame.geo"
 SECTION = fl.Section.from_stiffness([1e4, 5e3, 4e3, 50.0, 100.0, 70.0])
@@ -127,18 +128,22 @@ def test_up_is_nearest_to_e3_for_all_or_for_groups():
 
 def test_twist_is_a_rate_along_straight_bars_and_comes_on_top_on_others():
     rate = 0.8
-    bar = fl.Beam.straight((0, 0, 0), (1, 2, 2), SECTION, cells=4, twist=lambda s: rate * s)
+    bar = fl.Beam.straight(
+        (0, 0, 0), (1, 2, 2), SECTION, cells=4, up=fl.Twisted(lambda s: rate * s)
+    )
     strain = successive(bar) / bar.lengths[:, np.newaxis]
     np.testing.assert_allclose(strain, [[1, 0, 0, rate, 0, 0]] * 4, atol=1e-14)
     plain, twisted = (
-        fl.Beam.curve(arc(2.0), SECTION, cells=6, twist=twist)
+        fl.Beam.curve(arc(2.0), SECTION, cells=6, up=fl.Twisted(twist))
         for twist in (None, lambda s: 0.3 * s)
     )
     turn = lie.se3_relative(plain.frames, twisted.frames)
     np.testing.assert_allclose(turn[:, 3], 0.3 * np.linspace(0, 4, 7), atol=1e-9)
     np.testing.assert_allclose(turn[:, [0, 1, 2, 4, 5]], 0.0, atol=1e-14)
     with pytest.raises(ValueError, match="twist must be finite"):
-        fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, twist=lambda s: float("nan"))
+        fl.Beam.straight(
+            (0, 0, 0), (1, 0, 0), SECTION, cells=2, up=fl.Twisted(lambda s: float("nan"))
+        )
 
 
 def tip_displacement(beam: fl.Beam, force) -> np.ndarray:
@@ -206,7 +211,7 @@ def test_one_element_is_a_twisted_bar():
         return wrench @ C @ wrench
 
     beam = fl.Beam.straight(
-        (0, 0, 0), (L, 0, 0), SECTION, cells=1, up=(0, 0, 1), twist=lambda s: total * s / L
+        (0, 0, 0), (L, 0, 0), SECTION, cells=1, up=fl.Twisted(lambda s: total * s / L, (0, 0, 1))
     )
     force = np.array([0, 0.6, 0.8])
     moved = tip_displacement(beam, P * force) @ force
@@ -241,7 +246,7 @@ def test_a_fork_with_one_tangent_is_one_node():
             beams = dict.fromkeys(parts, whole)
         scene.add(fl.Clamp(beams["stem"]["root"]))
         scene.add(fl.PointLoad(beams["left"]["left"], force=(3.0, 5, -8)))
-        result = fl.statics(scene, load_steps=2, tolerance=1e-13)
+        result = fl.statics(scene, load_steps=2, newton=fl.Newton(tolerance=1e-13))
         tips.append(result.position(beams["right"]["right"])[-1])
     assert np.linalg.norm(tips[0] - x[5]) > 1e-3
     np.testing.assert_allclose(tips[0], tips[1], rtol=0, atol=1e-12)

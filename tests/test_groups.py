@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem_lie import lie
-from fem_lie.lie import motions
+from fem_lie.lie import kinds as nodes
 
 H = lie.se3_exp([0.3, -2.0, 1.1, 0.4, 1.2, -0.9])
 D = np.array([0.5, -0.2, 0.3, 0.6, -0.7, 0.4])
@@ -13,7 +13,7 @@ KINDS = range(4)
 
 def moved(kind: int, d: np.ndarray) -> np.ndarray:
     out = np.empty((1, 4, 3))
-    motions.move_all(np.array([kind]), H[np.newaxis], d[np.newaxis], out)
+    nodes.move_all(np.array([kind]), H[np.newaxis], d[np.newaxis], out)
     return out[0]
 
 
@@ -32,7 +32,7 @@ def test_tangent_takes_corrections_to_twists(kind):
     """By central differences; corrections are along the axes of the moved frame."""
     H1, epsilon = moved(kind, D), 1e-5
     T, numeric = np.empty((6, 6)), np.empty((6, 6))
-    motions.tangent(kind, D, T)
+    nodes.tangent(kind, D, T)
     for j, x in enumerate(epsilon * np.eye(6)):
         if kind & 1:
             x[:3] = lie.rotation(H1) @ x[:3]
@@ -40,7 +40,7 @@ def test_tangent_takes_corrections_to_twists(kind):
         numeric[:, j] = change / (2 * epsilon)
     np.testing.assert_allclose(T, numeric, atol=1e-9)
     x, out = np.arange(6.0), np.empty((1, 6))
-    motions.twists(np.array([kind]), D[np.newaxis], x[np.newaxis], out)
+    nodes.twists(np.array([kind]), D[np.newaxis], x[np.newaxis], out)
     np.testing.assert_allclose(out[0], T @ x, atol=1e-14)
 
 
@@ -50,7 +50,7 @@ def test_velocities_and_accelerations_of_the_group(kind):
     twist, rate, t = np.array([0.3, 1, -2, 0.5, 0.7, -1]), np.array([1.0, 2, 0, -3, 1, 2]), 1e-4
     v, vdot = np.empty((1, 6)), np.empty((1, 6))
     one = np.array([kind])
-    motions.from_local(one, H[np.newaxis], twist[np.newaxis], rate[np.newaxis], v, vdot)
+    nodes.all_from_local(one, H[np.newaxis], twist[np.newaxis], rate[np.newaxis], v, vdot)
     if kind & 1:
         x = [lie.se3_retract(H, twist * s + 0.5 * rate * s**2)[0] for s in (-t, 0.0, t)]
         np.testing.assert_allclose(v[0, :3], (x[2] - x[0]) / (2 * t), atol=1e-6)
@@ -59,5 +59,5 @@ def test_velocities_and_accelerations_of_the_group(kind):
         np.testing.assert_array_equal(v[0], twist)
     np.testing.assert_array_equal((v[0, 3:], vdot[0, 3:]), (twist[3:], rate[3:]))
     back = np.empty((2, 6))
-    motions.to_local(kind, H, v[0], vdot[0], back[0], back[1])
+    nodes.to_local(kind, H, v[0], vdot[0], back[0], back[1])
     np.testing.assert_allclose(back, (twist, rate), atol=1e-14)

@@ -206,12 +206,12 @@ def test_amplitude_of_a_branch_is_the_displacement_on_the_nodes(far, unit):
         scene.add(
             fl.InPlane(fl.ground(), beam.node(node), at=beam.node(node).position, axis=(1, 0, 0))
         )
-    point = fl.follow_path(scene, 9.5, critical_points=1).critical[0]
+    point = fl.follow_path(scene, fl.PathEnds(9.5, critical_points=1)).critical[0]
     wanted = 2e-3 * length
     moved = {}
     for given in (None, wanted):
         station = fl.branch(scene, point, amplitude=given)
-        path = fl.follow_path(scene, 9.6, start=station, steps=1)
+        path = fl.follow_path(scene, fl.PathEnds(9.6, steps=1), start=station)
         u = path.frames[0][:, 0] - point.frames[:, 0]
         moved[given] = np.abs(u[:, 0]).max()
     assert moved[wanted] == pytest.approx(wanted, rel=1e-4)
@@ -227,7 +227,7 @@ def test_critical_points_know_where_points_are():
     """Nodes of the system are in another order than those of a body."""
     scene, beam = column(12)
     points = [beam.start, beam.node(5), beam.end, "column.end"]
-    path = fl.follow_path(scene, 1.1, critical_points=1)
+    path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
     (point,) = path.critical
     for where in points:
         np.testing.assert_array_equal(point.position(where), path.position(where)[point.index])

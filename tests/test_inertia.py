@@ -46,10 +46,15 @@ class Body:
         """``Lᵀ G q̈`` by the compiled functions, shape (n, 6)."""
         H, v, a = (getattr(self, k) if x is None else x for k, x in (("H", H), ("v", v), ("a", a)))
         acceleration, load, r = np.empty_like(H), np.empty_like(H), np.zeros_like(v)
-        inertia.accelerations(H, v, a, acceleration)
+        inertia.accelerations(on_se3(H), H, v, a, acceleration)
         inertia.multiply(*self.pattern, acceleration, load)
         frames.pull(H, load, 1.0, r)
         return r
+
+
+def on_se3(H: np.ndarray) -> np.ndarray:
+    """Kinds of so many frames."""
+    return np.zeros(len(H), dtype=np.int64)
 
 
 def random_gram(rng: np.random.Generator) -> np.ndarray:
@@ -104,7 +109,7 @@ def test_pull_derivative(seed):
 def test_accelerations_are_second_derivatives(seed):
     body, t = Body(seed), 1e-3
     out = np.empty_like(body.H)
-    inertia.accelerations(body.H, body.v, body.a, out)
+    inertia.accelerations(on_se3(body.H), body.H, body.v, body.a, out)
     # five points: t⁴ of sixth derivatives, and 1e-15 / t²
     weights = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}
     numeric = sum(w * motion(body.H, body.v, body.a, k * t) for k, w in weights.items()) / t**2
@@ -135,7 +140,7 @@ def test_one_block_is_a_rigid_body(seed):
     H = lie.se3_exp(rng.normal(size=(1, 6)))
     v, a = rng.normal(size=(2, 1, 6))
     out, load, r = np.empty_like(H), np.empty_like(H), np.zeros((1, 6))
-    inertia.accelerations(H, v, a, out)
+    inertia.accelerations(on_se3(H), H, v, a, out)
     first = np.zeros(1, dtype=np.int32)
     inertia.multiply(np.array([0, 1], dtype=np.int32), first, G[np.newaxis], out, load)
     frames.pull(H, load, 1.0, r)
@@ -179,14 +184,13 @@ def test_tangents(seed):
     place = np.array([9, 1, 4, 0, 8, 2, 6])
     A, K = np.ones((11, 6, 6)), np.ones((11, 6, 6))
     H, v, a = body.H, body.v, body.a
-    inertia.tangents(
-        H, v, a, np.zeros(3, dtype=np.int64), *body.pattern, place, mass, damping, A, K
-    )
+    kinds = np.zeros(3, dtype=np.int64)
+    inertia.tangents((H, v, a), kinds, body.pattern, place, (mass, damping), (A, K))
     untouched = np.setdiff1d(np.arange(11), place)
     assert (A[untouched] == 1).all() and (K[untouched] == 1).all()
 
     acceleration, load = np.empty_like(H), np.empty_like(H)
-    inertia.accelerations(H, v, a, acceleration)
+    inertia.accelerations(on_se3(H), H, v, a, acceleration)
     inertia.multiply(*body.pattern, acceleration, load)
     dense = np.zeros((2, 18, 18))
     rows = np.repeat(np.arange(3), np.diff(body.indptr))
@@ -217,7 +221,9 @@ def test_invariants_are_direct_sums(seed):
     q, rate = body.H, (ahead - back) / (2 * step)
     p = body.times(rate)
     expected = [0.5 * np.vdot(rate, p), *p[:, 0].sum(axis=0), *np.cross(q, p).sum(axis=(0, 1))]
-    got = inertia.invariants(body.H, body.v, *body.pattern, np.empty_like(q), np.empty_like(q))
+    got = inertia.invariants(
+        on_se3(body.H), body.H, body.v, *body.pattern, np.empty_like(q), np.empty_like(q)
+    )
     # step² of third derivatives
     np.testing.assert_allclose(got, expected, atol=1e-8 * np.abs(expected).max())
 
@@ -237,7 +243,7 @@ def test_momenta_of_a_rigid_body(seed):
     energy = 0.5 * mass * velocity @ velocity + 0.5 * v[0, 3:] @ J @ v[0, 3:]
     pattern = np.array([0, 1], dtype=np.int32), np.zeros(1, dtype=np.int32)
     G = gram_from_rigid(mass, J, centre)[np.newaxis]
-    got = inertia.invariants(H, v, *pattern, G, np.empty_like(H), np.empty_like(H))
+    got = inertia.invariants(on_se3(H), H, v, *pattern, G, np.empty_like(H), np.empty_like(H))
     expected = [energy, *momentum, *(np.cross(x + R @ centre, momentum) + spin)]
     np.testing.assert_allclose(got, expected, atol=1e-12 * np.abs(expected).max())
 
@@ -251,7 +257,9 @@ def test_momenta_balance_the_force(seed):
         H = motion(body.H, body.v, body.a, time)
         d = body.v * time + 0.5 * body.a * time**2
         v = np.einsum("nij,nj->ni", lie.se3_tangent(d), body.v + body.a * time)
-        return np.array(inertia.invariants(H, v, *body.pattern, np.empty_like(H), np.empty_like(H)))
+        return np.array(
+            inertia.invariants(on_se3(H), H, v, *body.pattern, np.empty_like(H), np.empty_like(H))
+        )
 
     rate = (invariants(t) - invariants(-t)) / (2 * t)
     force = body.force()

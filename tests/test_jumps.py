@@ -96,7 +96,7 @@ def test_adaptive_steps_end_at_jumps_that_are_said():
 def test_free_bodies_feel_jumps_too():
     """m ẍ = F from the jump on: exact for a constant acceleration, if the step ends there."""
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3), group=fl.Group.R3xSO3))
+    body = scene.add(fl.RigidBody(M, (0.1, 0.2, 0.3)).on(fl.Group.R3xSO3))
     scene.add(
         fl.PointLoad(body.centre, force=(4.0, 0, 0), history=fl.Jumps(lambda t: t >= 0.31, (0.31,)))
     )

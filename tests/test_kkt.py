@@ -9,17 +9,18 @@ from demos.hemisphere import pinched, quarter
 from fem_lie.linear.direct import INDEFINITE, SYMMETRIC, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.statics.follow import SceneEquilibrium
+from fem_lie.system.instant import Instant, Plan
 
 
 def stored(model: SceneEquilibrium) -> sp.csr_matrix:
     """A copy with the zeros that are stored."""
-    indptr, columns, values = model.system.kkt.matrix.getValuesCSR()
+    indptr, columns, values = model.equations.system.kkt.matrix.getValuesCSR()
     return sp.csr_matrix((values, columns, indptr), copy=True)
 
 
 def test_held_unknowns_have_unit_rows_and_no_columns():
     model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
-    A, held = stored(model), model.system.held.ravel()
+    A, held = stored(model), model.equations.system.held.ravel()
     rows = A[held]
     assert rows.nnz == held.sum()
     assert (rows.data == 1.0).all()
@@ -33,8 +34,8 @@ def test_held_unknowns_have_unit_rows_and_no_columns():
 def test_an_indefinite_matrix_stays_with_the_solver_that_can():
     # small ones are factorised by a method that does not mind
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
-    matrix = model.system.kkt.matrix
-    solver = DirectSolver(model.system.kkt, "test_indefinite_", SYMMETRIC)
+    matrix = model.equations.system.kkt.matrix
+    solver = DirectSolver(model.equations.system.kkt, "test_indefinite_", SYMMETRIC)
     A = stored(model)
     solver.factorise()
     assert solver._methods == SYMMETRIC
@@ -52,19 +53,19 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can():
 def test_a_matrix_that_is_not_finite_does_not_spoil_the_next(methods):
     """A step that blew up is halved; the packages themselves never recover from nan."""
     model = SceneEquilibrium(pinched(0.04, quarter(12), fl.HellingerReissner()), "test_")
-    solver = DirectSolver(model.system.kkt, "test_finite_", methods)
-    values = model.system.kkt.csr[0]
+    solver = DirectSolver(model.equations.system.kkt, "test_finite_", methods)
+    values = model.equations.system.kkt.csr[0]
     kept = values.copy()
     solver.right_hand_side[:] = 1.0
     solver.factorise()
     solver.solve()
     wanted = solver.solution.copy()
     values[:] = np.nan
-    model.system.kkt.matrix.stateIncrease()
+    model.equations.system.kkt.matrix.stateIncrease()
     with pytest.raises(SingularMatrixError, match="finite"):
         solver.factorise()
     values[:] = kept
-    model.system.kkt.matrix.stateIncrease()
+    model.equations.system.kkt.matrix.stateIncrease()
     solver.factorise()
     solver.solve()
     assert np.abs(solver.solution - wanted).max() < 1e-10 * np.abs(wanted).max()
@@ -81,10 +82,11 @@ def test_forces_that_are_known_make_the_same_matrix(load):
     model.move(0.1 * model.solve(model.forces()[1]))
     model.forces()
     model.factorise(0.3)
-    found, system = stored(model), model.system
+    found, system = stored(model), model.equations.system
     zero = np.zeros((system.count, 6))
     state = model._H, zero, zero, model._multipliers, model._scale
-    system.residual(*state, np.empty(system.size))
-    system.fill_matrix(*state, zero, 0.0, 0.0)
+    now, forces = Instant(*state[:4]), system.room()
+    system.residual(now, state[4], np.empty(system.size), forces)
+    system.fill_matrix(now, forces, Plan(zero, state[4]))
     anew = stored(model)
     assert abs(found - anew).max() <= 1e-12 * abs(anew).max()

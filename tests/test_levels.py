@@ -72,7 +72,9 @@ def test_running_back_is_noticed_and_a_limit_point_is_not():
 def test_each_way_of_loading_is_the_others_fallback():
     """Two load steps are too few for ten turns; the arc length is not."""
     result = fl.statics(
-        PROBLEMS["helix of ten turns"](), load_steps=2, smallest_step=0.5, max_iterations=10
+        PROBLEMS["helix of ten turns"](),
+        load_steps=2,
+        newton=fl.Newton(smallest_step=0.5, max_iterations=10),
     )
     assert isinstance(result, fl.PathResult)
     assert result.factors[-1] == 1.0 and result.failed_iterations >= 10

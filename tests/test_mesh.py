@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fem_lie import _compat, lie
-from fem_lie.mesh.lines import KINK_ANGLE, LineMesh, curve, straight
+from fem_lie.mesh.curves import curve, straight
+from fem_lie.mesh.lines import KINK_ANGLE, LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh
 
 BEND = Path(__file__).parents[1] / "meshes" / "bend45.geo"

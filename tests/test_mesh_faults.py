@@ -11,7 +11,8 @@ import pytest
 from dolfinx import cpp
 
 import fem_lie as fl
-from fem_lie.mesh.lines import KINK_ANGLE, LineMesh, polyline
+from fem_lie.mesh.curves import polyline
+from fem_lie.mesh.lines import KINK_ANGLE, LineMesh
 
 MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 SECTION = fl.Section.circle(0.01, MATERIAL)

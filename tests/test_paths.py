@@ -129,15 +129,15 @@ def test_load_control_stops_at_a_limit_point_and_keeps_what_it_has(deep):
 
 def test_path_ends_where_it_is_told_to(deep):
     scene, crown, _ = deep
-    stopped = fl.follow_path(scene, stop=lambda s: -s.displacement(crown)[1] - 50.0)
+    stopped = fl.follow_path(scene, fl.PathEnds(stop=lambda s: -s.displacement(crown)[1] - 50.0))
     assert stopped.complete
     assert -stopped.displacement(crown)[-1, 1] == pytest.approx(50.0, abs=1e-6)
-    few = fl.follow_path(scene, steps=3)
+    few = fl.follow_path(scene, fl.PathEnds(steps=3))
     assert not few.complete and "number of steps" in few.reason and len(few) == 4
-    ranged = fl.follow_path(scene, load_range=(-1.0, 0.6))
+    ranged = fl.follow_path(scene, fl.PathEnds(load_range=(-1.0, 0.6)))
     assert not ranged.complete and "leaves the range" in ranged.reason
     assert ranged.factors[-1] == 0.6
-    first = fl.follow_path(scene, critical_points=1)
+    first = fl.follow_path(scene, fl.PathEnds(critical_points=1))
     assert first.complete and len(first.critical) == 1
 
 
@@ -171,7 +171,9 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
 
 def test_plain_newton_and_carried_stress_find_the_same_path(deep):
     scene, _, path = deep
-    plain = fl.follow_path(scene, critical_points=1, carried_stress=False)
+    plain = fl.follow_path(
+        scene, fl.PathEnds(critical_points=1), options=fl.PathOptions(carried_stress=False)
+    )
     assert plain.limits[0].factor == pytest.approx(path.limits[0].factor, rel=1e-6)
 
 
@@ -192,16 +194,36 @@ def test_diagram_and_animation_of_a_path(deep, tmp_path):
     ("options", "message"),
     [
         ({"resolution": 0.0}, "resolution"),
-        ({"steps": 0}, "steps"),
-        ({"locate": 2.0}, "locate"),
-        ({"load_range": (0.5, 1.0)}, "leaves the range of load factors where it begins"),
+        ({"until": fl.PathEnds(load_range=(0.5, 1.0))}, "leaves the range of load factors where"),
         ({"until": 0.0}, "not where it begins"),
-        ({"critical_points": 0}, "critical_points"),
+        (
+            {
+                "until": fl.PathEnds(critical_points=1),
+                "options": fl.PathOptions(locate=None),
+            },
+            "must be located",
+        ),
     ],
 )
 def test_bad_options_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         fl.follow_path(arch(4)[0], **options)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fl.PathEnds(steps=0), "steps"),
+        (lambda: fl.PathEnds(critical_points=0), "critical_points"),
+        (lambda: fl.PathEnds(load_range=(1.0, 1.0)), "load_range"),
+        (lambda: fl.PathOptions(locate=2.0), "locate"),
+        (lambda: fl.Newton(tolerance=0.0), "tolerance"),
+        (lambda: fl.Newton(smallest_step=2.0), "smallest_step"),
+    ],
+)
+def test_options_that_are_none_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
 
 
 def test_bad_scenes_are_refused(deep):

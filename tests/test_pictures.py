@@ -6,6 +6,7 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie.pictures.bodies import draw
+from fem_lie.pictures.stage import Canvas
 
 
 def cantilever(direction=(1.0, 0, 0)):
@@ -66,8 +67,10 @@ def test_nothing_is_cut_off_at_the_borders(tmp_path, bent, direction, small):
     """Bodies, numbers and titles of axes, from all sides and for any proportions."""
     scene, _ = cantilever(direction)
     file = tmp_path / "bar.png"
-    options = {"size": (900, 700), "text": 20} if small else {}
-    draw(bent.info, scene.bodies[0].frames, file, units=fl.Units(length="a long unit"), **options)
+    canvas = Canvas(units=fl.Units(length="a long unit"))
+    if small:
+        canvas = canvas._replace(size=(900, 700), text=20)
+    draw(bent.info, scene.bodies[0].frames, file, canvas=canvas)
     pixels = np.asarray(Image.open(file).convert("L"), dtype=float)
     border = 6
     edges = [pixels[:border], pixels[-border:], pixels[:, :border], pixels[:, -border:]]
@@ -89,10 +92,10 @@ def test_numbers_beside_a_path_are_as_large_as_those_of_the_curve(tmp_path, monk
         real(info, frames, path, **options)
 
     monkeypatch.setattr(bodies, "draw", watched)
-    path = fl.follow_path(cantilever()[0], steps=3)
+    path = fl.follow_path(cantilever()[0], fl.PathEnds(steps=3))
     figure = path.plot_path(path.displacement("bar.end")[:, 2], tmp_path / "path.png")
     shape = figure.axes[1].get_window_extent()
-    (options,) = given
+    canvas = given[0]["canvas"]
     # pixels of the picture per pixel of the figure, and those per point
-    shrunk = max(options["size"][0] / shape.width, options["size"][1] / shape.height)
-    assert options["text"] / shrunk / (figure.dpi / 72) >= 8.0
+    shrunk = max(np.array(canvas.size) / (shape.width, shape.height))
+    assert canvas.text / shrunk / (figure.dpi / 72) >= 8.0

@@ -12,7 +12,7 @@ from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.methods import methods_in_time
 from fem_lie.solve.motion.policies import AutomaticDecisions, Update
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.system import System
+from fem_lie.system.equations import Equations, Instant
 
 NONE, CONSTRAINTS, ALL = Update
 MATERIAL = fl.Material(7e10, 0.3, 2700.0)
@@ -181,24 +181,25 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     """Without constraints twice the matrix leaves half of each correction, the same matrix none."""
     scene = fl.Scene()
     section = fl.Section.circle(0.005, MATERIAL)
-    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4, group=group))
+    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4).on(group))
     bar.turn((1, 2, 3), about=(0, 0, 0))
-    system = System(scene, dynamics=True)
-    run = Run(fl.GeneralisedAlpha(), system, 1e-3)
+    equations = Equations(scene, dynamics=True)
+    run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
     run.start()
     s, rng = run.s, np.random.default_rng(3)
-    system.residual(s.H1, s.twist1, s.rate1, run.weights, run.scale, run.r)
+    now = Instant(s.H1, s.twist1, s.rate1, run.weights)
+    equations.residual(now, run.scale, run.r, run.forces)
     run._factorise(s.H1)
 
     def rate() -> float:
-        x = rng.normal(size=system.size)
-        return staleness(system, run.solver, run._plain[0], s, run.weights, *run._sizes, x)
+        x = rng.normal(size=equations.unknowns.size)
+        return staleness(equations, run.solver, run._plain[0], s, run.weights, run._sizes, x)
 
     # differences of residuals have errors of round-off over their size, and of its square
     assert rate() < 1e-5
-    system.kkt.csr[0][:] *= 2.0
-    system.kkt.matrix.stateIncrease()
-    system.kkt.matrix.assemble()
+    equations.matrix.csr[0][:] *= 2.0
+    equations.matrix.matrix.stateIncrease()
+    equations.matrix.matrix.assemble()
     run.solver.factorise()
     assert rate() == pytest.approx(0.5, abs=1e-5)
 
@@ -248,9 +249,9 @@ def ladder(rungs: int = 4) -> fl.Scene:
 
 
 def test_solvers_are_chosen_by_what_is_left_without_chains():
-    assert methods_in_time(System(ladder(), dynamics=True)) == MOTION
-    assert methods_in_time(System(chain(4), dynamics=True)) == CHAINS
-    assert methods_in_time(System(chain(4, closed=True), dynamics=True)) == CHAINS
+    assert methods_in_time(Equations(ladder(), dynamics=True)) == MOTION
+    assert methods_in_time(Equations(chain(4), dynamics=True)) == CHAINS
+    assert methods_in_time(Equations(chain(4, closed=True), dynamics=True)) == CHAINS
 
 
 def chain(bars: int, *, closed: bool = False) -> fl.Scene:

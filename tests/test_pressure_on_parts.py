@@ -20,7 +20,7 @@ def pushes(scene: fl.Scene) -> np.ndarray:
     """Forces of all pressures on the unloaded scene, global components, shape (n, 3)."""
     system = System(scene, dynamics=False)
     system.set_time(0.0, 1.0)
-    local = system.elastic.pressure_forces(system.frames)[:, :3]
+    local = system.terms.of_loads(system.frames)[:, :3]
     return np.einsum("ni,nij->nj", local, system.frames[: system.count, 1:])
 
 

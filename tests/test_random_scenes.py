@@ -58,9 +58,9 @@ def test_nothing_depends_on_units_place_direction_and_order(study, seed):
     assert {way: e for way, e in found.items() if not e[0] <= allowed(way)} == {}
 
 
-@pytest.mark.parametrize("seed", [9, 99, 117])
+@pytest.mark.parametrize("seed", [9, 74, 99, 117])
 def test_a_turned_scene_iterates_alike(seed):
-    """Where the largest component decided when to stop, forces of joints differed by 1e-7."""
+    """Where components along some axes decided when to stop, forces of joints differed by 1e-7."""
     study = STUDIES["generalised-α"]
     all_ways = ways(random_scene(seed, study.wanted), seed)
     still, turned = (outcome(study, all_ways[name]) for name in ("as it is", "turned"))

@@ -33,7 +33,9 @@ def bent(**options):
 STATICS = {
     "load steps": lambda scene: fl.statics(scene, load_steps=4),
     "arc length": lambda scene: fl.follow_loads(scene, (0.5, 1.0)),
-    "path": lambda scene: fl.follow_path(scene, locate=None, resolution=0.3),
+    "path": lambda scene: fl.follow_path(
+        scene, resolution=0.3, options=fl.PathOptions(locate=None)
+    ),
 }
 
 
@@ -101,7 +103,7 @@ def test_a_moving_clamp_has_the_force_of_a_joint(scheme, steps):
         step = 5e-4 if steps is None else steps
         results.append(SCHEMES[scheme]().run(scene, duration=0.02, step=step))
     assert np.ptp(results[0].reaction("bar.start")[:, 2]) > 50.0
-    # accelerations at the start are means over the first step, see fem_lie.solve.motion.start
+    # accelerations at the start are means over the first step: system/equations/consistent
     times = np.linspace(0.002, 0.02, 9)
     clamp, weld = (result.resampled(times) for result in results)
     forces = on_bar(weld)

@@ -12,7 +12,7 @@ import pytest
 from fem_lie.forms.cells import Cells
 from fem_lie.solve.conserving.memory import model_of, room_for_step, start_state
 from fem_lie.solve.conserving.step import records
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 from tests.random_scenes import CONSERVING, random_scene
 from tests.scene_builder import build
 
@@ -31,13 +31,13 @@ def leaves(record: Any, name: str) -> Iterator[tuple[str, Any]]:
 def given() -> dict[str, Any]:
     """Records of a scene with beams, a joint and springs."""
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
-    system = System(scene, dynamics=True)
-    cells = Cells(system.numbering.assemblies)
-    model = model_of(system, cells, [], records.Scheme(1e-3, 0.1, 0.9))
+    equations = Equations(scene, dynamics=True)
+    cells = Cells(list(equations.tables.assemblies))
+    model = model_of(equations, cells, records.Scheme(1e-3, 0.1, 0.9))
     return {
         "model": model,
-        "state": start_state(system, cells),
-        "step": room_for_step(system, cells),
+        "state": start_state(equations, cells),
+        "step": room_for_step(equations, cells),
     }
 
 

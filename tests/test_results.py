@@ -14,13 +14,13 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies.body import ground
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
+from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.pictures.bodies import _surfaces, draw
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import joint_places, shapes
-from fem_lie.pictures.stage import _round_step
+from fem_lie.pictures.stage import Canvas, _round_step
 from fem_lie.pictures.units import Units
 from fem_lie.results import Result
 
@@ -235,7 +235,7 @@ def test_other_files_are_refused(rod, tmp_path):
     rod.save(tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
-    with pytest.raises(ValueError, match=r"of version 8: format 'fem_lie results', version 0"):
+    with pytest.raises(ValueError, match=r"of version 9: format 'fem_lie results', version 0"):
         Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0
@@ -343,7 +343,7 @@ def test_tapered_and_twisted_beams_are_drawn_so():
                 (1, 0, 0),
                 lambda s: fl.Section.rectangle(0.2 - 0.1 * s, 0.1, m),
                 cells=cells,
-                twist=twist,
+                up=fl.Twisted(twist),
             )
         )
         # sides of a twisted piece are folded outward: a third of its angle, 4 degrees at most
@@ -450,7 +450,7 @@ def test_an_animation_moves(rod, tmp_path, no_display):
 
 def test_a_single_configuration_in_a_plane_is_seen_from_its_front(tmp_path, no_display):
     info, frames = _arc(3.0, 4, SQUARE)
-    draw(info, frames, tmp_path / "arc.png", size=(400, 300))
+    draw(info, frames, tmp_path / "arc.png", canvas=Canvas(size=(400, 300)))
     image = np.asarray(Image.open(tmp_path / "arc.png").convert("RGB"), dtype=int)
     blue = np.ptp(image, axis=-1) > 60
     rows, columns = np.nonzero(blue)

@@ -47,8 +47,9 @@ class Case:
     def scene(self) -> fl.Scene:
         scene = fl.Scene(self.gravity, choices=fl.Choices(gyroscopic=self.gyroscopic))
         section = fl.Section.circle(0.01, fl.Material(self.young, 0.3, self.density))
-        options = {"formulation": self.formulation, "group": self.group, "damping": self.damping}
-        beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options))
+        options = {"formulation": self.formulation, "damping": self.damping}
+        beam = fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options)
+        scene.add(beam.on(self.group))
         body = scene.add(fl.RigidBody(0.1, self.inertia, (1.0, 0.5, 0)))
         body.move((0, self.velocity, 0))
         carrier = scene.add(fl.RigidBody(0.1, 0.1 * np.ones(3), (0, -1.0, 0)))

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.joints.equations import rolling
 from fem_lie.system.constraints import Connections
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -41,7 +40,7 @@ def state(seed: int) -> tuple[np.ndarray, np.ndarray]:
 def bound(connections: Connections, H: np.ndarray, v: np.ndarray) -> np.ndarray:
     """The velocities that are to be zero."""
     first = np.zeros(connections.m)
-    rolling.rates(H, v, connections.rolling, first, np.zeros(connections.m))
+    connections.sets[1].values(H, v, first)
     return first[len(connections.table.targets) :]
 
 
@@ -49,7 +48,7 @@ def dense(connections: Connections, H: np.ndarray) -> np.ndarray:
     """Rows of the constraints of velocities."""
     border = connections.border
     legs, rows = np.zeros((len(border.nodes), 6)), np.zeros((connections.m, 2, 6))
-    rolling.jacobian(H, connections.rolling, legs)
+    connections.sets[1].jacobian(H, legs)
     rows[border.rows, border.nodes] = legs
     return rows.reshape(-1, 12)[len(connections.table.targets) :]
 
@@ -65,7 +64,7 @@ def test_rows_forces_and_rates(name, seed):
     np.testing.assert_allclose(bound(connections, H, v), W @ v.ravel(), atol=1e-13)
     weights = np.random.default_rng(seed).normal(size=m)
     r = np.zeros(12 + m)
-    rolling.evaluate(H, v, connections.rolling, weights, np.ones(m), 1.0, 2, r)
+    connections.sets[1].evaluate(H, v, weights, np.ones(m), 2, r)
     k = len(connections.table.targets)
     np.testing.assert_allclose(r[:12], W.T @ weights[k:], atol=1e-13)
     np.testing.assert_allclose(r[12 + k :], W @ v.ravel(), atol=1e-13)
@@ -75,7 +74,7 @@ def test_rows_forces_and_rates(name, seed):
     )
     assert np.abs(total).max() < 1e-12
     second = np.zeros(m)
-    rolling.rates(H, v, connections.rolling, np.zeros(m), second)
+    connections.sets[1].rates(H, v, np.zeros(m), second)
     h = 1e-6
     ahead, behind = (bound(connections, lie.se3_retract(H, s * v), v) for s in (h, -h))
     # central differences: h² · 10³ and 1e-16/h

@@ -9,6 +9,7 @@ import fem_lie as fl
 from demos.elastica import elastica
 from fem_lie import lie
 from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
@@ -51,13 +52,15 @@ def helix(s: float) -> tuple[float, float, float]:
 
 def twisted_arc(formulation, section=SECTION) -> tuple[fl.Scene, fl.Beam]:
     scene = fl.Scene()
-    beam = fl.Beam.curve(helix, section, cells=5, twist=lambda s: 0.3 * s, formulation=formulation)
+    beam = fl.Beam.curve(
+        helix, section, cells=5, formulation=formulation, up=fl.Twisted(lambda s: 0.3 * s)
+    )
     return scene, scene.add(beam)
 
 
 def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.SectionForces:
     """Those of one beam of a scene in given frames of its nodes."""
-    info = System(scene, dynamics=False).info()
+    info = Equations(scene, dynamics=False).info
     placed = np.zeros((sum(len(body.nodes) for body in info.bodies), 4, 3))
     placed[info.body(beam.name).nodes] = frames
     result = fl.StaticResult(

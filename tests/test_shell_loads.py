@@ -8,6 +8,8 @@ import fem_lie as fl
 from fem_lie.lie.motions import retract
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.system import System
+from fem_lie.system.instant import Instant, Plan
+from fem_lie.system.symmetry import symmetric as is_symmetric
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -73,7 +75,7 @@ def deformed(system: System, seed: int = 1, size: float = 0.2) -> np.ndarray:
 
 def pushes(system: System, H: np.ndarray) -> np.ndarray:
     """Forces of all pressures, global components, shape (n, 3)."""
-    local = system.elastic.pressure_forces(H)[:, :3]
+    local = system.terms.of_loads(H)[:, :3]
     return np.einsum("ni,nij->nj", local, H[: system.count, 1:])
 
 
@@ -100,8 +102,8 @@ def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
         dynamics=False,
     )
     H = deformed(system)
-    ((_, blocks),) = system.elastic.pressure_tangents(H)
-    rows, columns = system.elastic.pairs[-1]
+    (load,) = system.terms.loads
+    blocks, (rows, columns) = load.tangent(H, load.room()), load.pairs
     K = np.zeros((system.count, 6, system.count, 6))
     np.add.at(K.transpose(0, 2, 1, 3), (rows, columns), blocks)
     rng, step = np.random.default_rng(2), 1e-5
@@ -110,7 +112,7 @@ def test_load_stiffness_is_the_derivative_of_the_forces(cell, degree):
     for sign in (1, -1):
         moved = H.copy()
         retract(moved[: system.count], sign * step * h)
-        values.append(system.elastic.pressure_forces(moved))
+        values.append(system.terms.of_loads(moved))
     expected = -(values[0] - values[1]) / (2 * step)
     found = np.einsum("iajb,jb->ia", K, h)
     # the third derivative is that of a cubic, or quartic, and small: 1e-10
@@ -143,7 +145,7 @@ def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree
         # Archimedes: the weight of what is displaced
         buoyancy = 3.0 * np.asarray(gradient) * volume(shell, system, H)
         np.testing.assert_allclose(forces.sum(axis=0), buoyancy, atol=1e-12)
-    assert system.symmetric
+    assert is_symmetric(system)
 
 
 def test_pressure_pushes_to_the_side_of_the_directors():
@@ -196,13 +198,13 @@ def open_case(name: str) -> fl.Scene:
 )
 def test_matrix_is_known_to_be_symmetric_where_the_pressure_has_a_potential(name, symmetric):
     system = System(open_case(name), dynamics=False)
-    assert system.symmetric is symmetric
+    assert is_symmetric(system) is symmetric
     zero = np.zeros((system.count, 6))
     H = deformed(system, seed=5, size=0.05)
     system.elastic.reset_stress(H)
-    state = H, zero, zero, np.zeros(0), np.ones(0)
-    system.residual(*state, np.zeros(system.size))
-    system.fill_matrix(*state, zero, 0.0, 0.0)
+    now, forces, none = Instant(H, zero, zero, np.zeros(0)), system.room(), np.ones(0)
+    system.residual(now, none, np.zeros(system.size), forces)
+    system.fill_matrix(now, forces, Plan(zero, none))
     K = system.kkt.matrix[:, :]
     skew = np.abs(K - K.T).max() / np.abs(K).max()
     assert skew <= 1e-12 if symmetric else skew > 1e-6
@@ -285,7 +287,7 @@ def test_a_strip_bends_under_pressure_as_a_beam_does(cell, degree, cells, bound)
     )
     shell.clamp("a=0")
     scene = scene_with(shell, fl.SurfacePressure(shell, 8.0 * 12e6 * t**3 / 12))
-    assert not System(scene, dynamics=False).symmetric
+    assert not is_symmetric(System(scene, dynamics=False))
     result = fl.follow_loads(scene)
     expected = bent_by_pressure(8.0)
     assert expected[1] > 0.6

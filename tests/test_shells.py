@@ -163,12 +163,13 @@ def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
     model = SceneEquilibrium(scene, "")
     fl.ArcLength().follow(model)
     model.factorise(1.0)
-    matrix = model.system.kkt.matrix[:, :]
+    matrix = model.equations.system.kkt.matrix[:, :]
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
     rng = np.random.default_rng(1)
     state, step = model.state(), 1e-5
     # an increment of free unknowns, by way of the solution
-    dx = model.solve(np.where(model.system.held.ravel(), 0.0, rng.normal(size=model.system.size)))
+    held = model.equations.unknowns.held.ravel()
+    dx = model.solve(np.where(held, 0.0, rng.normal(size=model.equations.unknowns.size)))
     dx /= np.abs(dx).max()
     residuals = []
     for sign in (1, -1):
@@ -178,9 +179,9 @@ def test_tangent_is_symmetric_and_the_derivative_of_the_residual():
         residuals.append(internal - load)
     model.restore(state)
     w = dx.copy()
-    model.system.supports.turn(model.state().frames, w.reshape(-1, 6))
+    model.equations.system.supports.turn(model.state().frames, w.reshape(-1, 6))
     derivative = (residuals[0] - residuals[1]) / (2 * step)
-    np.testing.assert_allclose(matrix @ w * ~model.system.held.ravel(), derivative, atol=2e-6)
+    np.testing.assert_allclose(matrix @ w * ~held, derivative, atol=2e-6)
 
 
 def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():
@@ -259,7 +260,7 @@ def test_free_shell_tumbles_with_its_momentum(formulation, group):
     It starts without the stretch that its spin makes; those vibrations, 2 % of its energy, are too
     fast for the steps and damped by the scheme.
     """
-    shell = arch_shell((4, 2), formulation=formulation, group=group)
+    shell = arch_shell((4, 2), formulation=formulation).on(group)
     shell.turn((0.2, 0.1, 0.3), (0, 0, 0))
     shell.move((0.1, 0, 0))
     result = fl.GeneralisedAlpha(radius=0.9).run(scene_with(shell), duration=2.0, step=0.05)

@@ -12,8 +12,8 @@ AXIS = np.array([0.6, 0.0, 0.8])
 
 def spinning(guided: bool, group: fl.Group, *, joint: bool = False) -> tuple[fl.Scene, fl.Shell]:
     """A plate that turns about z; one corner, which moves along y, is held along x and z."""
-    shell = fl.Shell(
-        fl.surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, group=group, name="plate"
+    shell = fl.Shell(fl.surface(lambda a, b: (1.0 + a, b, 0.0), (3, 3)), LAYER, name="plate").on(
+        group
     )
     scene = fl.Scene(gravity=(0.0, 0.0, -0.1))
     scene.add(shell)

@@ -6,10 +6,13 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.motions import add_turning, advance
+from fem_lie.lie.kinds import advance
+from fem_lie.lie.motions import add_turning
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.load_steps import LoadSteps
+from fem_lie.solve.statics.newton import Newton
 from fem_lie.system import System
+from fem_lie.system.instant import Instant, Plan
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -144,7 +147,7 @@ def test_rigid_motion_of_kink_and_links_costs_nothing_and_turns_forces():
         system.elastic.add_forces(H, r)
         return r
 
-    stiffness = np.abs(system.elastic.tangents(system.frames[:n])[0]).max()
+    stiffness = max(np.abs(t.tangent(system.frames, t.room())).max() for t in system.terms)
     unloaded = system.frames[:n]
     carried = lie.se3_compose(motion, unloaded)
     assert np.abs(forces(carried)).max() <= 1e-13 * stiffness
@@ -169,16 +172,17 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
     """
     n, zero, ones = system.count, np.zeros((system.count, 6)), np.ones(system.m)
     rng, step = np.random.default_rng(3), 1e-5
+    room = system.room()
 
     def residual(H, weights):
         r = np.empty(system.size)
         system.elastic.reset_stress(H)
-        system.residual(H, zero, zero, weights, ones, r)
+        system.residual(Instant(H, zero, zero, weights), ones, r, room)
         return r
 
     residual(H, weights)
-    forces = system._applied + system._internal
-    system.fill_matrix(H, zero, zero, weights, ones, zero, 0.0, 0.0)
+    forces = room.outer + room.inner
+    system.fill_matrix(Instant(H, zero, zero, weights), room, Plan(zero, ones))
     A, free = dense(system), ~system.held
     if not along_motion:
         for i in np.flatnonzero(system.uncoupled):
@@ -193,7 +197,7 @@ def derivative_error(system: System, H, weights, *, along_motion: bool) -> float
         ends = []
         for sign in (1, -1):
             moved = H.copy()
-            advance(moved, -sign * step * dx, system.held, system.uncoupled, 1.0)
+            advance(system.kinds, moved, -sign * step * dx, system.held, system.uncoupled, 1.0)
             ends.append(residual(moved, weights + sign * step * dx[6 * n :]))
         found = (ends[0] - ends[1]) / (2 * step)
         worst = max(worst, np.abs(A @ dx - found).max() / np.abs(found).max())
@@ -210,20 +214,26 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     H, weights = system.frames.copy(), 0.1 * rng.normal(size=system.m)
     dx = 0.1 * rng.normal(size=system.size)
     dx[: 6 * system.count][system.held.ravel()] = 0.0
-    advance(H, dx, system.held, system.uncoupled, 1.0)
+    advance(system.kinds, H, dx, system.held, system.uncoupled, 1.0)
     assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
 
-    newton = LoadSteps(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
+    newton = LoadSteps(
+        scene, Rotation.of((0, 0, 0), (0, 0, 0)), Newton(1e-14, carried_stress=False), "six_"
+    )
     assert newton.solve(1.0)
-    assert np.abs(newton.H - newton.system.frames).max() > 0.1
-    error = derivative_error(newton.system, newton.H, newton.multipliers, along_motion=True)
+    assert np.abs(newton.H - newton.equations.start.frames).max() > 0.1
+    error = derivative_error(
+        newton.equations.system, newton.H, newton.multipliers, along_motion=True
+    )
     assert error <= 1e-7
 
 
 def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
     scene = machine(clamped=True, loaded=True)
-    system = LoadSteps(scene, Rotation.of((0, 0, 0), (0, 0, 0)), False, 1e-14, 25, "six_")
-    system.system.set_time(1.0, 1.0)
+    system = LoadSteps(
+        scene, Rotation.of((0, 0, 0), (0, 0, 0)), Newton(1e-14, carried_stress=False), "six_"
+    )
+    system.equations.set_time(1.0, 1.0)
     increments = []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
         system._iterate(1.0)

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.joints.equations import sliding
 from fem_lie.system import System
 from fem_lie.system.constraints import Connections
 
@@ -39,6 +38,7 @@ class Case:
         rng = np.random.default_rng(seed)
         system = system_of(kind)
         self.connections: Connections = system.connections
+        (self.set,) = self.connections.sets[1:]
         self.n, self.m = system.count, system.m
         bend = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.15, 0.15, 0.15]
         turned = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), system.frames[: self.n])
@@ -47,14 +47,13 @@ class Case:
 
     def evaluate(self, H: np.ndarray) -> np.ndarray:
         r = np.zeros(6 * self.n + self.m)
-        table = self.connections.sliding
-        sliding.evaluate(H, table, self.weights, np.ones(self.m), self.n, r)
+        self.set.evaluate(H, self.v, self.weights, np.ones(self.m), self.n, r)
         return r
 
     def jacobian(self) -> np.ndarray:
         border, rows = self.connections.border, np.zeros((self.m, self.n, 6))
         legs = np.zeros((len(border.nodes), 6))
-        sliding.jacobian(self.H, self.connections.sliding, legs)
+        self.set.jacobian(self.H, legs)
         rows[border.rows, border.nodes] = legs
         return rows.reshape(self.m, -1)
 
@@ -80,9 +79,9 @@ def test_derivatives(kind, seed):
     force = case.evaluate(case.H)[: 6 * n]
     np.testing.assert_allclose(force, B.T @ case.weights, atol=1e-12 * (1 + np.abs(B).max()))
     blocks = np.zeros((n * n, 6, 6))
-    rows, columns = case.connections.sliding_pairs()
+    rows, columns = case.set.pairs
     place = np.where((rows < n) & (columns < n), rows * n + columns, -1)
-    sliding.geometric(case.H, case.connections.sliding, case.weights, place, blocks)
+    case.set.geometric(case.H, case.weights, place, blocks)
     K = blocks.reshape(n, n, 6, 6).transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
     numeric = case.differences(lambda H: case.evaluate(H)[: 6 * n])
     assert np.abs(K - numeric).max() < 1e-6 * (1 + np.abs(K).max())

@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+import ufl
 from scipy.special import ellipk
 from test_paths import arch, column
 
 import fem_lie as fl
+from fem_lie.elements.beams.element import cellwise
 from fem_lie.linear.pivots import inertia
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from tests.random_scenes import PROPORTIONAL, random_scene
+from tests.scene_builder import build
 
 
 def dense(model: StableEquilibrium, factor: float) -> np.ndarray:
@@ -38,7 +42,7 @@ def test_inertia_is_that_of_the_eigenvalues():
 def test_tangent_is_symmetric_at_equilibrium_and_its_pivots_count_eigenvalues(joint):
     """Beams couple rotations; in local increments that vanishes where forces balance."""
     scene, _ = arch(12, hinged=joint)
-    path = fl.follow_path(scene, 0.95, resolution=0.1, locate=None)
+    path = fl.follow_path(scene, 0.95, resolution=0.1, options=fl.PathOptions(locate=None))
     model = StableEquilibrium(scene, "test_")
     for station in path.stations[:: max(1, len(path) // 6)]:
         model.restore(station.state)
@@ -126,7 +130,7 @@ def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
     assert modes.factors[0] == pytest.approx(1.0, rel=0.02)  # the mesh; shear takes 1e-3
     # two half waves along the load: (2 + 1/2)² over 4
     assert modes.factors[1] == pytest.approx(6.25 / 4, rel=0.04)
-    point = fl.follow_path(scene, 1.2, critical_points=1).critical[0]
+    point = fl.follow_path(scene, fl.PathEnds(1.2, critical_points=1)).critical[0]
     assert point.factor == pytest.approx(modes.factors[0], rel=1e-3)
     assert point.negative_pivots == (0, 1)
 
@@ -185,8 +189,52 @@ def test_modes_that_do_not_exist_are_refused():
         fl.imperfect(scene)
 
 
+@pytest.mark.parametrize("seed", [60, 68])
+def test_round_off_is_no_load_factor(seed):
+    """Constraints bring zeros that are defective: they came out as factors of 1e9 and above."""
+    scene = build(random_scene(seed, PROPORTIONAL), static=True).scene
+    found = fl.buckling(scene, 1).factors
+    with pytest.raises(fl.ConvergenceError, match="found 1 of 2 positive") as caught:
+        fl.buckling(scene, 2)
+    np.testing.assert_allclose(caught.value.result.factors, found, rtol=1e-8)
+
+
+def test_rigid_bodies_buckle():
+    """A post of length l on a hinge with the spring k, under its weight: ``m g l = k``."""
+    scene = fl.Scene((0, 0, -9.81))
+    post = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), (0, 0, 0.7)))
+    hinge = scene.add(fl.Revolute(fl.ground(), post.centre, axis=(0, 1, 0), at=(0, 0, 0)))
+    scene.add(fl.Spring(hinge.angle, 30.0))
+    found = fl.buckling(scene, 1).factors
+    np.testing.assert_allclose(found, 30.0 / (2.0 * 9.81 * 0.7), rtol=1e-10)
+
+
 def test_pulled_column_does_not_buckle_below_what_its_elements_resolve():
     """Elements of length h carry bending as shear of the stiffness 12 EI/h², which then yields."""
     for count in (4, 8):
         scene, _, euler = column("fixed-free", count, factor=-1.0)
         assert fl.buckling(scene, 1).factors[0] * euler >= 12 * count**2
+
+
+class Plain(fl.Director):
+    """Its energy as a form, without a stress to be carried."""
+
+    def forms(self, nodal, cells):
+        mesh = nodal.function.function_space.mesh
+        stretch, curvature = fl.director_strains(nodal)
+        strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
+        energy = 0.5 * ufl.inner(strain, cellwise(mesh, cells.stiffness) * strain)
+        dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1})
+        return fl.local_frame_forms(energy * dx, nodal)
+
+
+def test_elements_that_carry_no_stress_are_no_structure_to_buckle_linearly():
+    """Their tangent in the unloaded frames knows nothing of loads: any factor would be wrong."""
+    scene, section = fl.Scene(), fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1e3))
+    for name, formulation in (("bar", fl.Director(1)), ("own", Plain(1))):
+        scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4, formulation=formulation))
+        scene.bodies[-1].name = name
+        scene.add(fl.Clamp(scene.bodies[-1].start))
+        scene.add(fl.PointLoad(scene.bodies[-1].end, force=(-1, 0, 0)))
+    with pytest.raises(ValueError, match="the elements of own carry no stress"):
+        fl.buckling(scene, 1)

@@ -23,7 +23,7 @@ KINDS = [(group, parametrisation) for group in fl.Group for parametrisation in f
 def tumbling(group: fl.Group = fl.Group.R3xSO3) -> fl.Scene:
     """A free body under smooth loads."""
     scene = fl.Scene()
-    body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body", group=group))
+    body = scene.add(fl.RigidBody(2.0, (1.0, 2.0, 2.5), (0.3, 0, 0), name="body").on(group))
     body.move((1.0, -2.0, 0.5))
     body.turn((3.0, 2.0, -1.0), about=body.centre)
     scene.add(fl.PointLoad(body.centre, force=(9, 5, -7), history=lambda t: math.sin(4 * t + 1)))

@@ -7,8 +7,8 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.linear.direct import MOTION, DirectSolver
-from fem_lie.solve.motion.start import accelerations
 from fem_lie.system import System
+from fem_lie.system.equations.consistent import accelerations
 from tests.closed_loop import closed_loop
 from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 

@@ -111,7 +111,7 @@ def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_
 def test_branch_refuses_to_come_back_on_the_path_it_leaves():
     """A state of a path that is no bifurcation, with the path's own tangent for a mode."""
     scene, _ = arch(12)
-    path = fl.follow_path(scene, critical_points=1, resolution=0.1)
+    path = fl.follow_path(scene, fl.PathEnds(critical_points=1), resolution=0.1)
     station = path.stations[4]
     nodes = path.frames.shape[1]
     tangent = station.response[: 6 * nodes].reshape(nodes, 6)
@@ -131,13 +131,13 @@ def test_branch_refuses_to_come_back_on_the_path_it_leaves():
 def test_beside_a_crossed_branch_modes_and_response_are_measured_in_one_unit():
     """What is left of the response has no part along the mode: displacements over the diameter."""
     scene, _ = arch(12)
-    path = fl.follow_path(scene, 0.5, resolution=0.1, locate=None)
+    path = fl.follow_path(scene, 0.5, resolution=0.1, options=fl.PathOptions(locate=None))
     model = StableEquilibrium(scene, "test_")
     station = path.stations[3]
     model.restore(station.state)
-    h = np.random.default_rng(0).standard_normal(model.system.size)
+    h = np.random.default_rng(0).standard_normal(model.equations.system.size)
     rest, _ = _beside(model, station, h)
-    n = model.system.count
+    n = model.equations.system.count
     unit = np.array([model.diameter] * 3 + [1.0] * 3)
     a, b = (x[: 6 * n].reshape(n, 6) / unit for x in (rest, h))
     assert abs(np.sum(a * b)) <= 1e-10 * np.linalg.norm(a) * np.linalg.norm(b)
@@ -150,5 +150,5 @@ def test_path_says_where_it_ends_by_default():
         replace(load, force=tuple(0.5 * f for f in load.force)) for load in scene.loads
     ]
     assert "until=" in fl.follow_path(scene).reason
-    beyond = fl.follow_path(scene, 2.0, critical_points=1)
+    beyond = fl.follow_path(scene, fl.PathEnds(2.0, critical_points=1))
     assert beyond.limits and "until=" not in beyond.reason

@@ -100,7 +100,7 @@ CASES: dict[str, tuple] = {
         fl.RigidBody,
         dict(
             mass=(1.0, "number"), inertia=((1, 1, 1), "array"), position=((0, 0, 0), "vector"),
-            rotation=(np.eye(3), "array"), group=(fl.Group.SE3, "group of motions"),
+            rotation=(np.eye(3), "array"),
             name=("a", "name"),
         ),
     ),
@@ -108,9 +108,9 @@ CASES: dict[str, tuple] = {
         fl.Beam,
         dict(
             mesh=(LINE, "line mesh"), section=(SECTION, "section"), up=((0, 0, 1), "vector"),
-            twist=(F, "function or nothing"), formulation=(fl.Geodesic(), "formulation"),
+            formulation=(fl.Geodesic(), "formulation"),
             damping=(fl.Damping(), "damping"), rotary_inertia=(True, "flag"),
-            group=(fl.Group.SE3, "group of motions"), name=("a", "name"),
+            name=("a", "name"),
         ),
     ),
     "Beam.straight": (
@@ -144,7 +144,7 @@ CASES: dict[str, tuple] = {
             mesh=(SURFACE, "surface mesh"), section=(LAYER, "shell section"),
             director=(lambda x: (0, 0, 1), "function or nothing"), along=((1, 0, 0), "vector"),
             formulation=(fl.Displacement(), "formulation"), kink_angle=(0.5, "number"),
-            group=(fl.Group.SE3, "group of motions"), name=("a", "name"),
+            name=("a", "name"),
         ),
     ),
     "Scene": (fl.Scene, dict(gravity=((0, 0, 1), "vector"), choices=(fl.Choices(), "choices"))),
@@ -253,9 +253,22 @@ CASES: dict[str, tuple] = {
     "statics": (
         fl.statics,
         dict(
-            scene=(HELD, "scene"), levels=((1.0,), "levels"), tolerance=(1e-10, "number"),
-            load_steps=(1, "optional whole"), max_iterations=(9, "whole"),
+            scene=(HELD, "scene"), levels=((1.0,), "levels"), load_steps=(1, "optional whole"),
             spin=((0, 0, 0), "vector"),
+        ),
+    ),
+    "Body.on": (
+        lambda group: fl.RigidBody(1.0, (1, 1, 1)).on(group),
+        dict(group=(fl.Group.SE3, "group of motions")),
+    ),
+    "Newton": (
+        fl.Newton, dict(tolerance=(1e-10, "number"), max_iterations=(9, "whole")),
+    ),
+    "PathEnds": (
+        fl.PathEnds,
+        dict(
+            factor=(0.1, "optional number"), steps=(5, "whole"),
+            critical_points=(1, "optional whole"),
         ),
     ),
     "vibrations": (fl.vibrations, dict(scene=(HELD, "scene"), count=(1, "whole"))),
@@ -265,7 +278,6 @@ CASES: dict[str, tuple] = {
         fl.follow_path,
         dict(
             scene=(HELD, "scene"), until=(0.1, "optional number"), resolution=(0.5, "number"),
-            steps=(5, "whole"),
         ),
     ),
     "run": (

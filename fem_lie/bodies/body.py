@@ -9,74 +9,34 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import LARGEST, Array, choice, instance, numbers, text
+from fem_lie._arrays import Array, choice, instance, text, vector
+from fem_lie.bodies.held import HeldRotation
+from fem_lie.grips.grip import Grip
+from fem_lie.lie.kinds import NodeKind, rigid_motions
 from fem_lie.lie.motions import Group
 
 if TYPE_CHECKING:
+    import dolfinx
+
     from fem_lie.bodies.turning import Turning
     from fem_lie.forms.assembly import Assembly
 
 _ORTHONORMAL = 1e-8  # as of prescribed motions
 
 
-def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
-    """``value`` as finite numbers of shape ``(size,)``.
-
-    Raises:
-        ValueError: It is something else; the message says what was given for what.
-    """
-    try:
-        array = numbers(value, what)
-    except TypeError:
-        raise ValueError(f"{what} must be {size} numbers, got {value!r}") from None
-    if array.shape != (size,) or not np.isfinite(array).all():
-        raise ValueError(f"{what} must be {size} finite numbers, got {value!r}")
-    if not (np.abs(array) < LARGEST).all():
-        raise ValueError(f"{what} must be {size} numbers below {LARGEST:g}, got {value!r}")
-    return array
-
-
-def direction(value: npt.ArrayLike, what: str) -> Array:
-    """A unit vector along ``value``, shape (3,), however long that is.
-
-    Raises:
-        ValueError: It is zero, or not three finite numbers.
-    """
-    given = vector(value, 3, what)
-    largest = np.abs(given).max()
-    if largest == 0.0:
-        raise ValueError(f"{what} must not be zero, got {value!r}")
-    # squares of very small or large numbers are none
-    scaled = given / largest
-    return np.asarray(scaled / np.linalg.norm(scaled))
-
-
-class HeldRotation(NamedTuple):
-    """Something that takes hold of the rotation of a node.
-
-    Attributes:
-        node: Which one.
-        other: What holds it, the same for all nodes that are held by the same rigid thing.
-        what: Its name for messages.
-        axis: The only axis of its moment, if there is but one, global components.
-    """
-
-    node: int
-    other: Hashable
-    what: str
-    axis: Array | None = None
-
-
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
 """What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
 
 NO_HOLDS: Holds = MappingProxyType({})
+
+
+AnyBody = TypeVar("AnyBody", bound="Body")
 
 
 class Body:
@@ -91,7 +51,7 @@ class Body:
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
         leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
-        group: On which its nodes move in time integration.
+        group: On which its nodes move in time integration, see :meth:`on`.
         faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
         thickness: Of those, shape (m,), for drawing.
         held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
@@ -99,10 +59,13 @@ class Body:
             node's own, shape (n, 3, 3).
         uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
             by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
+        source: DOLFINx's own mesh, if it was made of one.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
     uncoupled: ClassVar[bool] = False
+    group: Group = Group.SE3
+    source: dolfinx.mesh.Mesh | None = None
 
     def __init__(
         self,
@@ -114,7 +77,6 @@ class Body:
         points: dict[str, int],
         box: Array | None = None,
         leaders: npt.NDArray[np.int64] | None = None,
-        group: Group = Group.SE3,
         name: str = "",
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
@@ -124,12 +86,25 @@ class Body:
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
         self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
-        self.group = choice(group, Group, f"{type(self).__name__}: group")
         self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)
         self.thickness: Array = np.empty(0)
         self.held = np.zeros((len(self.frames), 6), dtype=bool)
         self.supports = np.full((len(self.frames), 3, 3), np.nan)
         self._points = points
+
+    def on(self: AnyBody, group: Group) -> AnyBody:
+        """Let its nodes move on a group in time integration: ``Beam.straight(...).on(Group.SE3)``.
+
+        Raises:
+            TypeError: It is no group.
+        """
+        self.group = choice(group, Group, f"{type(self).__name__}: group")
+        return self
+
+    @property
+    def node_kind(self) -> NodeKind:
+        """What its nodes are."""
+        return NodeKind.FRAME
 
     @property
     def kind(self) -> Hashable:
@@ -181,6 +156,10 @@ class Body:
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
         return Point(self, index % len(self.frames), f"node {index}")
 
+    def grip_of(self, node: int) -> Grip | None:
+        """By what joints hold a node: ``None`` if it has a frame."""
+        return None
+
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes turn about their third directors.
 
@@ -204,7 +183,9 @@ class Body:
                 f"velocities of {self.label} must be finite and of shape ({count}, 6), got\n"
                 f"{self.velocities}"
             )
-        axes = self.frames[:, 1:]
+        axes = self.frames[:, 1:].copy()
+        if self.node_kind == NodeKind.SLOPE:
+            axes[:, 0] /= np.linalg.norm(axes[:, 0], axis=1, keepdims=True)
         gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
         right = np.linalg.det(axes) > 0.0
         finite = np.isfinite(self.frames).all(axis=(1, 2))
@@ -224,12 +205,27 @@ class Body:
         """
         centre = about.position if isinstance(about, Point) else vector(about, 3, "about")
         spin = vector(omega, 3, "omega")
-        self._add_velocity(np.cross(spin, self.frames[:, 0] - centre), spin)
+        self._add_velocity(np.zeros(3), spin, centre)
 
     def move(self, velocity: npt.ArrayLike) -> None:
         """Add a translation, global components, to the initial velocities."""
         given = vector(velocity, 3, "velocity")
-        self._add_velocity(np.tile(given, (len(self.frames), 1)), np.zeros(3))
+        self._add_velocity(given, np.zeros(3), np.zeros(3))
+
+    def require_frames(self, what: str) -> None:
+        """Refuse what takes hold of frames if the nodes have none.
+
+        Args:
+            what: It, for the message.
+
+        Raises:
+            ValueError: They have none.
+        """
+        if self.node_kind != NodeKind.FRAME:
+            raise ValueError(
+                f"{what} needs nodes with frames, but those of {self.label} have places and "
+                "slopes: clamps and joints hold them, and forces fixed in space act on them"
+            )
 
     def turning(self) -> Turning | None:
         """How far its elements may turn from end to end, or ``None`` if it has none."""
@@ -259,21 +255,33 @@ class Body:
         """
         raise ValueError(f"{self.label} has no cells to put a load on")
 
-    def _add_velocity(self, translation: npt.NDArray[Any], spin: Array) -> None:
-        self.velocities[:, :3] += np.einsum("nij,nj->ni", self.frames[:, 1:], translation)
-        self.velocities[:, 3:] += self.frames[:, 1:] @ spin
+    def _add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
+        kinds = np.full(len(self.frames), int(self.node_kind))
+        self.velocities += rigid_motions(kinds, self.frames, about) @ [*translation, *spin]
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A node of a body, or ground (``body`` is ``None``): where joints and loads are attached."""
+    """A node of a body, or ground (``body`` is ``None``): where joints and loads are attached.
+
+    Or a place on a body that is no node: it has a grip, and all that holds on to it sees a frame
+    like any other.
+
+    Attributes:
+        body: Whose it is.
+        node: Which of its nodes; of a grip the first of those that move it.
+        name: For messages.
+        grip: How the frame follows from those of nodes, if it is none of them.
+    """
 
     body: Body | None
     node: int = 0
     name: str = ""
+    grip: Grip | None = None
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` or ``TypeError`` if there is no such body or node."""
+        instance(self.grip, Grip | None, "Point: grip", "a grip, or None for a node")
         instance(self.body, Body | None, "Point: body", "a body, or None for ground")
         instance(self.node, int | np.integer, "Point: node", "the number of a node")
         text(self.name, "Point: name")
@@ -288,15 +296,39 @@ class Point:
 
     @property
     def position(self) -> Array:
-        """Initial position of the node, shape (3,)."""
-        return np.zeros(3) if self.body is None else self.body.frames[self.node, 0]
+        """Initial position, shape (3,)."""
+        return np.zeros(3) if self.body is None else self.frame[0]
 
     @property
     def frame(self) -> Array:
-        """Initial frame of the node, shape (4, 3)."""
-        return (
-            lie.frame(np.zeros(3), np.eye(3)) if self.body is None else self.body.frames[self.node]
-        )
+        """Initial frame, shape (4, 3)."""
+        if self.body is None:
+            return lie.frame(np.zeros(3), np.eye(3))
+        grip = self.any_grip
+        return self.body.frames[self.node] if grip is None else grip.frame(self.body.frames)
+
+    @property
+    def any_grip(self) -> Grip | None:
+        """What says where it is, if not the frame of its node."""
+        return self.joint_grip if self.grip is None else self.grip
+
+    @property
+    def joint_grip(self) -> Grip | None:
+        """By what joints hold it, if not by the frame of its node.
+
+        That is its grip, or that of a node without a frame.
+        """
+        if self.body is None:
+            return None
+        if self.grip is None:
+            return self.body.grip_of(self.node)
+        return None if self.grip.kind.rigid else self.grip
+
+    def same(self, other: Point) -> bool:
+        """Whether it is the same place."""
+        if self.body is not other.body or (self.grip is None) != (other.grip is None):
+            return False
+        return self.node == other.node if self.grip is None else self.grip.same(other.grip)
 
     @property
     def size(self) -> float:
@@ -307,21 +339,3 @@ class Point:
     def label(self) -> str:
         """For messages and results."""
         return "ground" if self.body is None else f"{self.body.label}.{self.name}"
-
-
-def require_point(value: object, what: str) -> None:
-    """Refuse what is no point of a body and not ground.
-
-    Args:
-        value: What was given.
-        what: For what, as "PointLoad: point".
-
-    Raises:
-        TypeError: It is something else.
-    """
-    instance(value, Point, what, "a point such as beam.end, body['tip'], body.node(3) or ground()")
-
-
-def ground() -> Point:
-    """What does not move."""
-    return Point(None)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.points import require_node
 
 if TYPE_CHECKING:
     from fem_lie.bodies.body import Body, Point
@@ -167,7 +168,36 @@ class SceneInfo:
             return int(point)
         if point.body is None:
             raise ValueError("ground does not move; give a point of a body")
+        require_node(point, "what is looked up")
         return int(self.body(point.body.name).nodes[point.node])
+
+    def frame(self, point: Point | str | int, frames: Array) -> Array:
+        """Frames of a point, shape (…, 4, 3), from those of all nodes, (…, N, 4, 3).
+
+        Args:
+            point: As for :meth:`node`, or a place that is no node.
+            frames: Of all nodes.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        grip = None if isinstance(point, str | int | np.integer) else point.any_grip
+        if grip is None:
+            return frames[..., self.node(point), :, :]
+        return grip.frame(frames[..., self._nodes(point), :, :])
+
+    def twist(self, point: Point | str | int, frames: Array, v: Array) -> Array:
+        """Twists of a point, shape (…, 6), from those of all nodes; arguments as :meth:`frame`."""
+        grip = None if isinstance(point, str | int | np.integer) else point.any_grip
+        if grip is None:
+            return v[..., self.node(point), :]
+        nodes = self._nodes(point)
+        return grip.twist(frames[..., nodes, :, :], v[..., nodes, :])
+
+    def _nodes(self, point: Point | str | int) -> Indices:
+        """Of the body of a point."""
+        assert not isinstance(point, str | int | np.integer) and point.body is not None
+        return self.body(point.body.name).nodes
 
     def _node_of_name(self, label: str) -> int:
         known = {}

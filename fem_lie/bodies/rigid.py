@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, numbers, positive
-from fem_lie.bodies.body import Body, Point, vector
+from fem_lie._arrays import Array, numbers, positive, vector
+from fem_lie.bodies.body import Body, Point
+from fem_lie.grips.follower import following
 from fem_lie.lie.motions import Group
 
 _ORTHOGONAL = 1e-8
@@ -25,9 +26,14 @@ def _proper(rotation: npt.ArrayLike) -> Array:
 class RigidBody(Body):
     """A rigid body whose frame is at its centre of mass.
 
+    On R³×SO(3), where it moves if nothing else is said, it flies and spins more accurately; on
+    SE(3) it turns more accurately about a fixed axis (docs/groups.md).
+
     Attributes:
         gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
     """
+
+    group = Group.R3xSO3
 
     def __init__(
         self,
@@ -36,7 +42,6 @@ class RigidBody(Body):
         position: npt.ArrayLike = (0.0, 0.0, 0.0),
         rotation: npt.ArrayLike | None = None,
         *,
-        group: Group = Group.R3xSO3,
         name: str = "",
     ) -> None:
         """Place the body.
@@ -47,8 +52,6 @@ class RigidBody(Body):
                 its three principal values.
             position: Centre of mass, global components.
             rotation: Body axes as columns, shape (3, 3); default: global axes.
-            group: On which it moves in time integration; the default flies and spins more
-                accurately, SE3 turns more accurately about a fixed axis (docs/groups.md).
             name: For messages and results.
 
         Raises:
@@ -68,7 +71,6 @@ class RigidBody(Body):
             points={"centre": 0},
             # the box of uniform density with the same second moments, m b²/12 each
             box=np.sqrt(12.0 * np.diag(self.gram)[1:].clip(0.0) / mass),
-            group=group,
             name=name,
         )
 
@@ -76,6 +78,18 @@ class RigidBody(Body):
     def centre(self) -> Point:
         """The centre of mass; joints elsewhere on the body take it with ``at=...``."""
         return self["centre"]
+
+    def at(self, place: npt.ArrayLike) -> Point:
+        """The point of the body that is at a place, global components, in the beginning.
+
+        Its axes are those of the body. Joints, loads, supports and results take it as they take the
+        centre.
+        """
+        x = vector(place, 3, f"a place on {self.label}")
+        H = self.frames[0]
+        offset = np.vstack([H[1:] @ (x - H[0]), np.eye(3)])
+        name = ", ".join(f"{component:g}" for component in x)
+        return Point(self, 0, f"at ({name})", following(0, offset))
 
 
 def gram_from_rigid(

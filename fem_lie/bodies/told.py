@@ -50,7 +50,10 @@ class Told:
         if isinstance(value, Body):
             return b"body %d" % self._number[value]
         if isinstance(value, Point):
-            return b"ground" if value.body is None else self.of((value.body, value.node))
+            if value.body is None:
+                return b"ground"
+            place = value.node if value.grip is None else (value.grip.nodes, value.grip.data)
+            return self.of((value.body, place))
         if isinstance(value, Enum):
             return str(value).encode()
         if value is None or isinstance(value, bool | int | float | str | np.generic):

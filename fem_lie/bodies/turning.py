@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from fem_lie._arrays import Indices
 
 
+class FoldedElementError(ArithmeticError):
+    """An element turns farther than it may."""
+
+
 @dataclass(frozen=True, eq=False)
 class Turning:
     """Along which nodes the elements of a body turn, and how far they may.

@@ -7,6 +7,7 @@ once; only the nodal frames are written anew before each call, by one compiled l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +16,11 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms import kernels
-from fem_lie.forms.cell_forms import CellForm, FormTable
+from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_sums import CellForm, Pattern
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.forms.term import Pairs, Term
 
 
 @compiled
@@ -44,7 +47,7 @@ class NodalInertia:
     damping: Array | None = None
 
 
-class Assembly:
+class Assembly(Term):
     """Elastic forces, tangent, energy and inertia of all bodies of one kind.
 
     Attributes:
@@ -53,12 +56,10 @@ class Assembly:
         cell_order: Likewise its cells.
         indptr: Rows of the pattern of node pairs, with ``indices``.
         inertia: In that pattern, or ``None`` without mass.
-        viscous: Whether there are viscous forces.
-        settles: Whether forces depend on more than one step of Newton for the cells' own unknowns.
-        summed_alone: Whether forces and energy are sums of :attr:`tables` and nothing else.
+        beside: Other terms on its nodes.
     """
 
-    settles, summed_alone = False, True
+    label, of_bodies, carries, conserved = "elements", True, True, True
 
     def __init__(
         self,
@@ -80,16 +81,27 @@ class Assembly:
         """
         self.order, self.cell_order, self.count = order, cell_order, len(order)
         self.inertia: NodalInertia | None = None
+        self.beside: list[Term] = []
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         cells = frames.function.function_space.dofmap.list
         self._residual = CellForm(forms.residual, kernels.residual_kernel, cells)
         self._energy = CellForm(forms.energy, kernels.energy_kernel, cells)
-        self._matrix = fem.create_matrix(forms.tangent)
-        self.indptr, self.indices = self._matrix.indptr, self._matrix.indices
+        self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells)
+        self._pattern = Pattern.of(cells, self.count)
+        self.indptr, self.indices = self._pattern.indptr, self._pattern.indices
+        self._unknowns = forms.increment.function_space.dofmap.bs
         self.viscous = forms.viscous is not None
         if forms.viscous is not None:
+            assert forms.viscous_tangent is not None
             self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
+            self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
             self._velocity_at = forms.velocity_at
+
+    @cached_property
+    def pairs(self) -> Pairs:
+        """Those of the pattern."""
+        rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
+        return rows, self.indices.astype(np.int64)
 
     @property
     def forms(self) -> LocalFrameForms:
@@ -102,7 +114,7 @@ class Assembly:
         return self._forms.contents
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable]:
+    def tables(self) -> tuple[FormTable, FormTable] | None:
         """Of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
         return self._residual.table, self._energy.table
 
@@ -113,43 +125,40 @@ class Assembly:
 
     def summed(self, elements: Array) -> Array:
         """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
-        cells = self._residual.cells.astype(np.int64)
-        key = np.repeat(np.arange(self.count), np.diff(self.indptr)) * self.count + self.indices
-        pairs = self.count * cells[:, :, np.newaxis] + cells[:, np.newaxis]
-        blocks = np.zeros((len(key), elements.shape[2], elements.shape[2]))
-        np.add.at(blocks, np.searchsorted(key, pairs), elements.transpose(0, 1, 3, 2, 4))
+        size = elements.shape[2]
+        blocks = np.zeros((len(self.indices), size, size))
+        np.add.at(
+            blocks, self._pattern.place, elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
+        )
         return blocks
 
-    def add_forces(self, H: Array, out: Array) -> None:
-        """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, shape (6 count,)."""
-        self._residual.add_vector(H, out)
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, six of each node."""
+        self._residual.add_vector(H, out.reshape(-1))
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """Likewise the viscous forces at twists ``v``, shape (count, 6)."""
         _gather_twists(v, self._viscous.cells, self._velocity_at, self._viscous.values)
-        self._viscous.add_vector(H, out)
+        self._viscous.add_vector(H, out.reshape(-1))
 
     def energy(self, H: Array) -> float:
         """Stored energy at frames ``H``."""
         return self._energy.scalar(H)
 
-    def tangent(self, H: Array) -> Array:
+    def tangent(self, H: Array, kept: Array) -> Array:
         """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
-        return self._blocks(H, self._forms.tangent)
+        return self._blocks(H, self._tangent)
 
-    def viscous_tangent(self, H: Array) -> Array:
-        """Blocks (nnz, 6, 6) of the derivative of the viscous forces in the twists."""
-        assert self._forms.viscous_tangent is not None
-        return self._blocks(H, self._forms.viscous_tangent)
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
+        """Blocks (nnz, 6, 6) of the derivative in the twists; that in frames is left out."""
+        return self._blocks(H, self._viscous_tangent), None
 
-    def _blocks(self, H: Array, form: fem.Form) -> Array:
-        return self._assembled(H, form).reshape(-1, 6, 6)
-
-    def _assembled(self, H: Array, form: fem.Form) -> Array:
-        self._frames.frames[:] = H
-        self._matrix.set_value(np.float64(0.0))
-        fem.assemble_matrix(self._matrix, form)
-        return np.asarray(self._matrix.data, dtype=np.float64)
+    def _blocks(self, H: Array, form: CellForm) -> Array:
+        """Sum of the cells' matrices, with what they carry now, shape (nnz, u, u)."""
+        form.pack()
+        blocks = np.zeros((len(self.indices), self._unknowns, self._unknowns))
+        form.add_matrix(H, self._pattern, blocks)
+        return blocks
 
     def set_eigenstrain(self, values: Array) -> None:
         """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""
@@ -159,9 +168,9 @@ class Assembly:
         self._energy.pack()
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry the stress on to the end of the increment ``h`` (6 count,) from frames ``H``."""
+        """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""
         self._frames.frames[:] = H
-        self._forms.increment.x.array[:] = h
+        self._forms.increment.x.array[:] = h.reshape(-1)
         self._forms.carry()
 
     def clear_stress(self) -> None:
@@ -183,6 +192,8 @@ class Assembly:
     def reset(self, carried: Array) -> None:
         """Be as when it was made; ``carried``: what was carried then."""
         self.restore(carried)
+        for term in self.beside:
+            term.clear_stress()
         self._forms.increment.x.array[:] = 0.0
         if self._eigenstrain is not None:
             self._eigenstrain.x.array[:] = 0.0
@@ -198,4 +209,4 @@ class Assembly:
 
     def reset_stress(self, H: Array) -> None:
         """Make the carried stress the true one at frames ``H``."""
-        self.carry(H, np.zeros(6 * self.count))
+        self.carry(H, np.zeros((self.count, 6)))

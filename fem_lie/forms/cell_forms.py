@@ -1,4 +1,4 @@
-"""Forms summed over their cells, by addresses of kernels and coefficients, in one compiled call.
+"""Cells of any stencil summed, by addresses of kernels and of their data, in one compiled call.
 
 What DOLFINx's assembly does, in one call with the frames of each cell's nodes, which are written at
 the head of its packed coefficients. For twenty beams that is half the time. A form is a row of
@@ -8,15 +8,11 @@ integers, so that any number of forms is passed as two arrays.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import dolfinx
 import numba
 import numpy as np
-import numpy.typing as npt
-from dolfinx import fem
 
-from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.kernels import call_kernel, pointer, stack
@@ -75,51 +71,46 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
                     out[unknowns * nodes[first + i] + k] += values[unknowns * i + k]
 
 
-class CellForm:
-    """A form with its constants and coefficients packed; the state comes first in them.
+@compiled
+def add_blocks(
+    H: Array, table: tuple[Indices, Indices], place: Indices, unknowns: int, out: Array
+) -> None:
+    """Sum matrices of all forms over their cells, at nodal frames ``H``.
 
-    Attributes:
-        cells: Nodes of each cell, shape (m, k).
-        values: Coefficients of each cell, which stay where they are.
-        table: For :func:`add_cells`.
+    Args:
+        H: Frames of the nodes, shape (≥ count, 4, 3).
+        table: See :class:`FormTable`.
+        place: Of each pair of nodes of each cell of each form, in ``out``.
+        unknowns: Of each node.
+        out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
-
-    def __init__(self, form: fem.Form, kernel: Any, cells: npt.NDArray[np.int32]) -> None:
-        """Pack everything.
-
-        Args:
-            form: With one integral.
-            kernel: See :mod:`fem_lie.forms.kernels`.
-            cells: Nodes of each cell.
-        """
-        self._form, self.cells = form._cpp_object, cells
-        self._constants = dolfinx.cpp.fem.pack_constants(self._form)
-        mesh = form.mesh
-        x = mesh.geometry.x[_compat.geometry_dofmap(mesh)]
-        self._x = np.ascontiguousarray(x).reshape(len(cells), -1)
-        self.values = np.ascontiguousarray(self._packed(), dtype=np.float64)
-        row = [int(kernel.address), *cells.shape, 0, *_place(self.values)]
-        row += [self._constants.ctypes.data, *_place(self._x)]
-        self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
-        self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
-
-    def _packed(self) -> Array:
-        (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()
-        return np.asarray(values)
-
-    def pack(self) -> None:
-        """Read all coefficients anew."""
-        self.values[:] = self._packed()
-
-    def add_vector(self, H: Array, out: Array) -> None:
-        """Add six numbers for each node at frames ``H``, shape (6 count,)."""
-        add_cells(H, self._plain, 6, out)
-
-    def scalar(self, H: Array) -> float:
-        """The sum of a form that is a number."""
-        value = np.zeros(1)
-        add_cells(H, self._plain, 0, value)
-        return float(value[0])
+    rows, nodes = table
+    most = 1
+    for f in range(rows.shape[0]):
+        most = max(most, rows[f, _NODES] * unknowns)
+    room, pair = stack(most * most), 0
+    for f in range(rows.shape[0]):
+        kernel, count, width = rows[f, _KERNEL], rows[f, _NODES], rows[f, _WIDTH]
+        values = numba.carray(room, (count, unknowns, count, unknowns))
+        for e in range(rows[f, _CELLS]):
+            first = rows[f, _FIRST] + count * e
+            w = pointer(rows[f, _W] + 8 * width * e)
+            packed, k = numba.carray(w, (12 * count,)), 0
+            for i in range(first, first + count):
+                for a in range(4):
+                    for j in range(3):
+                        packed[k] = H[nodes[i], a, j]
+                        k += 1
+            values[:] = 0.0
+            x = pointer(rows[f, _X] + 8 * rows[f, _EXTENT] * e)
+            call_kernel(kernel, room, w, pointer(rows[f, _C]), x)
+            for i in range(count):
+                for j in range(count):
+                    block = out[place[pair]]
+                    pair += 1
+                    for a in range(unknowns):
+                        for b in range(unknowns):
+                            block[a, b] += values[i, a, j, b]
 
 
 def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, Indices]:
@@ -138,8 +129,3 @@ def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, 
         at += len(table.nodes)
     empty = np.empty((0, _EXTENT + 1), dtype=np.int64), np.empty(0, dtype=np.int64)
     return np.concatenate([empty[0], *rows]), np.concatenate([empty[1], *nodes])
-
-
-def _place(array: Array) -> tuple[int, int]:
-    """Address, and length of a row."""
-    return array.ctypes.data, array.shape[1]

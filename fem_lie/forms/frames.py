@@ -16,6 +16,8 @@ from fem_lie._jit import compiled
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.lie import directors, kinds
+from fem_lie.lie.kinds import SLOPE
 
 VALUES, UNKNOWNS = 12, 6
 
@@ -24,53 +26,20 @@ VALUES, UNKNOWNS = 12, 6
 def push(H: Array, h: Array, out: Array) -> None:
     """``L h``: ``δx = R u``, ``δd_k = R (η × e_k)``; shapes (n, 4, 3), (n, 6), (n, 4, 3)."""
     for i in range(h.shape[0]):
-        u0, u1, u2, w0, w1, w2 = h[i, 0], h[i, 1], h[i, 2], h[i, 3], h[i, 4], h[i, 5]
-        for j in range(3):
-            d1, d2, d3 = H[i, 1, j], H[i, 2, j], H[i, 3, j]
-            out[i, 0, j] = d1 * u0 + d2 * u1 + d3 * u2
-            out[i, 1, j] = d2 * w2 - d3 * w1
-            out[i, 2, j] = d3 * w0 - d1 * w2
-            out[i, 3, j] = d1 * w1 - d2 * w0
-
-
-@compiled
-def _along(H: Array, a: int, f: Array, k: int) -> float:
-    """Component of ``f[k]`` along director ``a`` of the frame ``H``."""
-    return H[1 + a, 0] * f[k, 0] + H[1 + a, 1] * f[k, 1] + H[1 + a, 2] * f[k, 2]
+        directors.push(H[i], h[i], out[i])
 
 
 @compiled
 def pull(H: Array, f: Array, sign: float, r: Array) -> None:
     """``r += sign · Lᵀ f``: force ``Rᵀ f_x``, moment ``Σ e_k × Rᵀ f_k``; (n, 4, 3) to (n, 6)."""
     for i in range(f.shape[0]):
-        for a in range(3):
-            r[i, a] += sign * _along(H[i], a, f[i], 0)
-        r[i, 3] += sign * (_along(H[i], 2, f[i], 2) - _along(H[i], 1, f[i], 3))
-        r[i, 4] += sign * (_along(H[i], 0, f[i], 3) - _along(H[i], 2, f[i], 1))
-        r[i, 5] += sign * (_along(H[i], 1, f[i], 1) - _along(H[i], 0, f[i], 2))
+        directors.pull(H[i], f[i], sign, r[i])
 
 
 @compiled
 def pull_derivative(H: Array, f: Array, sign: float, block: Array) -> None:
-    """``block += sign · ∂(Lᵀ f)/∂h`` of one node.
-
-    ``(Rᵀf_x)^`` in (force, rotation), ``Σ m_k e_kᵀ − (e_k·m_k) I`` with ``m_k = Rᵀ f_k`` in
-    (moment, rotation).
-    """
-    n0, n1, n2 = _along(H, 0, f, 0), _along(H, 1, f, 0), _along(H, 2, f, 0)
-    block[0, 4] -= sign * n2
-    block[0, 5] += sign * n1
-    block[1, 3] += sign * n2
-    block[1, 5] -= sign * n0
-    block[2, 3] -= sign * n1
-    block[2, 4] += sign * n0
-    trace = 0.0
-    for k in range(3):
-        trace += _along(H, k, f, 1 + k)
-        for a in range(3):
-            block[3 + a, 3 + k] += sign * _along(H, a, f, 1 + k)
-    for a in range(3):
-        block[3 + a, 3 + a] -= sign * trace
+    """``block += sign · ∂(Lᵀ f)/∂h`` of one node, see :func:`~.directors.pull_derivative`."""
+    directors.pull_derivative(H, f, sign, block)
 
 
 @frame_function
@@ -104,6 +73,41 @@ DIRECTORS = FrameMap(
     unknowns=UNKNOWNS,
 )
 """Flat coordinates are position and three directors of each node, whatever cell and degree."""
+
+
+@frame_function
+def _slope_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    r = numba.carray(out, (nodes, 6))
+    for i in range(nodes):
+        kinds.pull(SLOPE, H[i], f[i], 1.0, r[i])
+
+
+@frame_function
+def _slope_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
+    rates = numba.carray(out, (nodes, 4, 3))
+    for i in range(nodes):
+        kinds.push(SLOPE, H[i], h[i], rates[i])
+
+
+@frame_function
+def _slope_geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    A = numba.carray(out, (nodes, 6, nodes, 6))
+    for i in range(nodes):
+        kinds.pull_derivative(SLOPE, H[i], f[i], 1.0, A[i, :, i])
+
+
+SLOPES = FrameMap(
+    coordinates=None,
+    pull=_slope_pull,
+    push=_slope_push,
+    geometric=_slope_geometric,
+    values=VALUES,
+    unknowns=UNKNOWNS,
+)
+"""Flat coordinates are position and slope of each node, the first two of its four rows."""
 
 
 @compiled

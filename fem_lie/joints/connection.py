@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, instance
-from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
 from fem_lie.joints.equations import functions as joint_functions
 from fem_lie.joints.equations.relative_motion import relative_motion
@@ -149,9 +149,14 @@ class Connection(ABC):
         """Raise ``ValueError`` if it is bad in itself."""
 
     @property
+    def points(self) -> list[Point]:
+        """What it is attached to."""
+        return [point for tie in self.ties() for point in (tie.a, tie.b)]
+
+    @property
     def bodies(self) -> list[Body | None]:
-        """What it is attached to, ``None`` for ground."""
-        return [point.body for tie in self.ties() for point in (tie.a, tie.b)]
+        """Those of its points, ``None`` for ground."""
+        return [point.body for point in self.points]
 
     @property
     def turns(self) -> bool:
@@ -225,9 +230,7 @@ class Coordinate(NamedTuple):
 
     def _equals(self, tie: Tie) -> bool:
         mine = self.tie
-        if any(
-            p.body is not q.body or p.node != q.node for p, q in ((mine.a, tie.a), (mine.b, tie.b))
-        ):
+        if not (mine.a.same(tie.a) and mine.b.same(tie.b)):
             return False
         pairs = (
             (mine.selection, tie.selection),

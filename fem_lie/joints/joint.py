@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, text
-from fem_lie.bodies.body import Body, Point, direction, require_point, vector
+from fem_lie._arrays import Array, direction, text, vector
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_point
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
 from fem_lie.joints.equations import functions as joint_functions
 
@@ -27,7 +28,7 @@ class Joint(Connection):
     what touches ``Δ`` alone is constant in local frames; otherwise it is not ``reversible``.
 
     Attributes:
-        a: A point of a body, or :func:`~fem_lie.bodies.body.ground`.
+        a: A point of a body, or :func:`~fem_lie.bodies.points.ground`.
         b: A point of another body, or ground.
         at: Where the joint is in the initial configuration (global, length); default: where the
             two points coincide. Given, the points are joined to it by rigid links.
@@ -69,13 +70,13 @@ class Joint(Connection):
     def check(self) -> None:
         """Raise ``ValueError`` if place or axis are bad, or it joins a point to itself."""
         self.frame()
-        if self.a.body is self.b.body and self.a.node == self.b.node:
+        if self.a.same(self.b):
             raise ValueError(f"{self.label} joins a point to itself")
 
     @property
-    def bodies(self) -> list[Body | None]:
-        """The bodies on both sides, ``None`` for ground."""
-        return [self.a.body, self.b.body]
+    def points(self) -> list[Point]:
+        """Both sides."""
+        return [self.a, self.b]
 
     def ties(self) -> list[Tie]:
         """One pair of frames with all constraints."""

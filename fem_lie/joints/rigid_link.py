@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie.bodies.body import Point, require_point
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_node, require_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,9 @@ class RigidLink:
         """Raise ``ValueError`` if a point is ground, or both are the same."""
         if self.a.is_ground or self.b.is_ground:
             raise ValueError("a rigid link needs two points of bodies, got ground; use a Clamp")
-        if self.a.body is self.b.body and self.a.node == self.b.node:
+        require_node(self.a, "a rigid link")
+        require_node(self.b, "a rigid link")
+        if self.a.same(self.b):
             raise ValueError(f"the rigid link joins {self.a.label} to itself")
 
     @property

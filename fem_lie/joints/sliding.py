@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, at_time, history, instance, text
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.body import Body, Point, require_point, vector
+from fem_lie._arrays import Array, Indices, at_time, history, instance, text, vector
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.points import require_point
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.joints.connection import Connection, History, SlidingTie, Tie, rows
 
@@ -61,6 +62,11 @@ class Sliding(Connection):
     def ties(self) -> list[Tie]:
         """None that is fixed to a node of the beam."""
         return []
+
+    @property
+    def points(self) -> list[Point]:
+        """What slides."""
+        return [self.b]
 
     @property
     def bodies(self) -> list[Body | None]:

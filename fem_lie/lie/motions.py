@@ -1,4 +1,4 @@
-r"""On which group a node moves in time integration, and by which map: compiled, for one node.
+r"""On which group a frame moves in time integration, and by which map: compiled, for one frame.
 
 Both groups move the same frames ``H = (R, x)``; what differs is what an increment ``d = (u, θ)``
 does and which vector stands for the velocity of the origin:
@@ -17,8 +17,9 @@ Forces, tangents and the unknowns of Newton's method stay in the node's own fram
 iteration matrix can be kept for both. In that frame the correction of an increment on R³×SO(3) is
 ``x = (R₁ᵀ δu, δθ)``, so that the twist of the moved frame is ``blockdiag(I, T) x``.
 
-A node's *kind* is ``group + 2 · parametrisation``. (Brüls, Cardona & Arnold, Mech. Mach. Theory 48
-(2012) 121, compare the two groups.)
+A frame's *kind* is ``group + 2 · parametrisation``; nodes that are no frames are in
+:mod:`fem_lie.lie.kinds`. (Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121, compare the
+two groups.)
 """
 
 from __future__ import annotations
@@ -69,14 +70,6 @@ class Parametrisation(IntEnum):
 @inlined
 def move(kind: int, H: Array, d: Array, out: Array) -> None:
     """The frame ``H`` moved by ``d``: translation in the frame on SE(3), global on R³×SO(3)."""
-    if kind == 0:
-        lie.retract(H, d, out)
-    else:
-        _move_otherwise(kind, H, d, out)
-
-
-@compiled
-def _move_otherwise(kind: int, H: Array, d: Array, out: Array) -> None:
     u, θ = load(d, 0), load(d, 3)
     p, r1, r2, r3 = cayley(u, θ) if kind >= 2 else exponential(u, θ)
     x, d1, d2, d3 = load_row(H, 0), load_row(H, 1), load_row(H, 2), load_row(H, 3)
@@ -84,13 +77,6 @@ def _move_otherwise(kind: int, H: Array, d: Array, out: Array) -> None:
     store_row(out, 1, rotate(d1, d2, d3, r1))
     store_row(out, 2, rotate(d1, d2, d3, r2))
     store_row(out, 3, rotate(d1, d2, d3, r3))
-
-
-@compiled
-def move_all(kinds: Indices, H: Array, d: Array, out: Array) -> None:
-    """:func:`move` for nodes (n,)."""
-    for i in range(kinds.shape[0]):
-        move(kinds[i], H[i], d[i], out[i])
 
 
 @compiled
@@ -110,18 +96,6 @@ def tangent(kind: int, d: Array, out: Array) -> None:
         lie.tangent(d, out)
 
 
-@compiled
-def twists(kinds: Indices, d: Array, x: Array, out: Array) -> None:
-    """``T(d) x`` of all nodes, shapes (n, 6)."""
-    T = np.empty((6, 6))
-    for i in range(kinds.shape[0]):
-        tangent(kinds[i], d[i], T)
-        for k in range(6):
-            out[i, k] = 0.0
-            for n in range(6):
-                out[i, k] += T[k, n] * x[i, n]
-
-
 @inlined
 def to_local(kind: int, H: Array, v: Array, vdot: Array, twist: Array, rate: Array) -> None:
     """Twist and its rate in the frame ``H`` from velocity and acceleration of the group."""
@@ -133,17 +107,16 @@ def to_local(kind: int, H: Array, v: Array, vdot: Array, twist: Array, rate: Arr
         store(rate, 0, minus(local_components(H, load(vdot, 0)), cross(load(v, 3), u)))
 
 
-@compiled
-def from_local(kinds: Indices, H: Array, twist: Array, rate: Array, v: Array, vdot: Array) -> None:
-    """Inverse of :func:`to_local` for all nodes, shapes (n, 6)."""
-    for i in range(kinds.shape[0]):
-        for k in range(6):
-            v[i, k], vdot[i, k] = twist[i, k], rate[i, k]
-        if kinds[i] & 1:
-            u = load(twist[i], 0)
-            store(v[i], 0, global_components(H[i], u))
-            turning = plus(load(rate[i], 0), cross(load(twist[i], 3), u))
-            store(vdot[i], 0, global_components(H[i], turning))
+@inlined
+def from_local(kind: int, H: Array, twist: Array, rate: Array, v: Array, vdot: Array) -> None:
+    """Inverse of :func:`to_local`."""
+    for k in range(6):
+        v[k], vdot[k] = twist[k], rate[k]
+    if kind & 1:
+        u = load(twist, 0)
+        store(v, 0, global_components(H, u))
+        turning = plus(load(rate, 0), cross(load(twist, 3), u))
+        store(vdot, 0, global_components(H, turning))
 
 
 @inlined
@@ -156,34 +129,6 @@ def global_components(H: Array, a: Vector) -> Vector:
 def local_components(H: Array, a: Vector) -> Vector:
     """``Rᵀ a``."""
     return rotate_back(load_row(H, 1), load_row(H, 2), load_row(H, 3), a)
-
-
-@compiled
-def turn(H: Array, a: Array) -> None:
-    """Both halves of ``a`` (6,) from components along the frame's axes to global ones."""
-    for at in (0, 3):
-        store(a, at, global_components(H, load(a, at)))
-
-
-@compiled
-def turn_back(H: Array, a: Array) -> None:
-    """Inverse of :func:`turn`."""
-    for at in (0, 3):
-        store(a, at, local_components(H, load(a, at)))
-
-
-@compiled
-def turn_all(H: Array, r: Array, count: int) -> None:
-    """:func:`turn` for the rows (6 count,) of moving nodes at the head of ``r``."""
-    for i in range(count):
-        turn(H[i], r[6 * i : 6 * i + 6])
-
-
-@compiled
-def turn_all_back(H: Array, r: Array, count: int) -> None:
-    """:func:`turn_back` for the rows (6 count,) of moving nodes at the head of ``r``."""
-    for i in range(count):
-        turn_back(H[i], r[6 * i : 6 * i + 6])
 
 
 @compiled
@@ -238,25 +183,3 @@ def add_turnings(r: Array, factor: float, diagonal: Indices, chosen: Flags, bloc
     for i in range(chosen.shape[0]):
         if chosen[i]:
             add_turning(r[i], factor, blocks[diagonal[i]])
-
-
-@compiled
-def advance(H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float) -> float:
-    """Move the nodes by ``−dx``; returns the largest increment over ``size``.
-
-    ``H ← H exp(−dx)``, or for uncoupled nodes the motion of :mod:`fem_lie.elements.shells.maps`.
-    """
-    largest, h = 0.0, np.empty((1, 6))
-    for i in range(held.shape[0]):
-        if not held[i].all():
-            for k in range(6):
-                h[0, k] = -dx[6 * i + k]
-                step = abs(h[0, k]) / (size if k < 3 else 1.0)
-                if step > largest or step != step:  # nan stays
-                    largest = step
-            if uncoupled[i]:
-                retract(H[i : i + 1], h)
-            else:
-                lie.retract(H[i], h[0], H[i])
-                lie.reorthonormalise(H[i])
-    return largest

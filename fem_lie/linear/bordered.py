@@ -33,19 +33,16 @@ The matrix is regular with it, and the iteration still ends where all constraint
 
 @compiled
 def _fill(
-    bptr: Indices,
-    bind: Indices,
+    pattern: tuple[Indices, Indices, Indices, Indices, Indices],
     blocks: Array,
     held: Flags,
-    iptr: Indices,
-    incident: Indices,
-    lptr: Indices,
     columns: Array,
     rows: Array,
     scale: Array,
     softness: Array,
     data: Array,
 ) -> None:
+    bptr, bind, iptr, incident, lptr = pattern
     at = 0
     for i in range(bptr.shape[0] - 1):
         for k in range(6):
@@ -85,7 +82,9 @@ class KKT:
 
     Attributes:
         indptr: Rows of the pattern of node pairs, with ``indices``.
-        matrix: The PETSc matrix; :meth:`fill` changes its values.
+        matrix: The PETSc matrix; :meth:`fill` changes its values, :meth:`couple` puts another one
+            in its place.
+        version: Of the pattern.
         units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
         unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
         measure: What counts of each multiplier is its value times this, shape (m,).
@@ -115,13 +114,23 @@ class KKT:
                 :data:`SOFTNESS`.
         """
         self.redundant = redundant
-        count, m = len(held), len(border.ptr) - 1
+        m = len(border.ptr) - 1
         unit = 2.0 ** np.round(np.log2(length))
         nodes = np.where(held, 1.0, [unit] * 3 + [1.0] * 3)
         self.units = np.append(nodes, np.where(angular, 1.0, unit))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
-        self.legs, self._held = border, held
+        self.legs, self._held, self._m, self.version = border, held, m, 0
+        self.couple(pairs)
+
+    def couple(self, pairs: list[tuple[Indices, Indices]]) -> None:
+        """Build the pattern anew, for other pairs of nodes; the values are zero.
+
+        Args:
+            pairs: As when it was made.
+        """
+        count, m = len(self._held), self._m
+        self.version += 1
         diagonal = np.arange(count)
         r = np.concatenate([diagonal, *(p[0] for p in pairs)])
         c = np.concatenate([diagonal, *(p[1] for p in pairs)])
@@ -201,20 +210,9 @@ class KKT:
         _clear_held(columns, self.legs.nodes, self._held)
         _clear_held(rows, self.legs.nodes, self._held)
         softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
-        _fill(
-            self.indptr,
-            self.indices,
-            blocks,
-            self._held,
-            self._incident_ptr,
-            self._incident,
-            self.legs.ptr,
-            columns,
-            rows,
-            scale,
-            softness,
-            self._data,
-        )
+        incident = self._incident_ptr, self._incident
+        pattern = self.indptr, self.indices, *incident, self.legs.ptr
+        _fill(pattern, blocks, self._held, columns, rows, scale, softness, self._data)
         self.matrix.stateIncrease()
         self.matrix.assemble()
 

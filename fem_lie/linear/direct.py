@@ -100,10 +100,8 @@ class DirectSolver:
         """
         self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
         self._own = Equilibrated(kkt)
-        self._matrix = self._own.matrix
-        if all(method.kind == "cholesky" for method in methods):
-            self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._solvers: dict[Method, PETSc.KSP] = {}
+        self._symmetric = all(method.kind == "cholesky" for method in methods)
+        self._take_over()
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
         self._idle: IdleMultipliers | None = None
@@ -117,6 +115,13 @@ class DirectSolver:
         )
         self._change = self._matrix.createVecRight()
 
+    def _take_over(self) -> None:
+        """The matrix that is there now, for which there are no solvers yet."""
+        self._matrix = self._own.matrix
+        if self._symmetric:
+            self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._solvers: dict[Method, PETSc.KSP] = {}
+
     def factorise(self) -> None:
         """Factorise the matrix as it is now.
 
@@ -125,6 +130,8 @@ class DirectSolver:
         """
         # packages that met what is not finite fail on all that comes after
         self._own.take()
+        if self._own.matrix is not self._matrix:
+            self._take_over()
         self._idle = self._own.idle()
         self._set_up()
         self.factorisations += 1

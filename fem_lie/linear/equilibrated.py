@@ -106,15 +106,23 @@ class Equilibrated:
 
     def __init__(self, kkt: KKT) -> None:
         """Share the pattern of ``kkt``; :meth:`take` comes later."""
-        values, columns, pointers = kkt.csr
         self._kkt = kkt
         self.right, self.left = kkt.units, np.ones(len(kkt.units))
+        self._share()
+
+    def _share(self) -> None:
+        """The pattern, as it is now."""
+        values, columns, pointers = self._kkt.csr
+        self._version = self._kkt.version
         self.csr = np.zeros_like(values), columns, pointers
         self._matrix: PETSc.Mat | None = None
 
     @property
     def matrix(self) -> PETSc.Mat:
-        """For PETSc, made when it is first asked for; :meth:`take` changes its values."""
+        """For PETSc, made when it is first asked for; :meth:`take` changes its values.
+
+        It is another one after the pattern has changed.
+        """
         if self._matrix is None:
             values, columns, pointers = self.csr
             self._matrix = PETSc.Mat().createAIJWithArrays(
@@ -128,6 +136,8 @@ class Equilibrated:
         Raises:
             SingularMatrixError: It is not finite.
         """
+        if self._version != self._kkt.version:
+            self._share()
         largest = _take(*self._kkt.csr, self.right, self._kkt.unit_rows, self.csr[0], self.left)
         if not np.isfinite(largest):
             raise SingularMatrixError("the matrix is not finite")

@@ -9,7 +9,6 @@ Comput. 38 (2016) S385.)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from petsc4py import PETSc
 
@@ -20,11 +19,9 @@ import scipy.sparse.linalg
 from slepc4py import SLEPc
 
 from fem_lie._arrays import Array
-from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.rigid_parts import RigidParts
-
-Complex = npt.NDArray[np.complex128]
+from fem_lie.linear.slepc import Complex, padded, pairs_of, set_up, to_petsc
 
 _SHIFT = (
     1e-10  # over the largest ratio of stiffness to mass: rigid motion must not make it singular
@@ -37,7 +34,6 @@ _SPLIT = 1e-7  # of the unit of s: round-off parts a double zero by its root
 _SYMMETRIC = 1e-9
 _FAR = 10.0  # how much larger than the unit of s they may be
 _SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
-_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,8 +184,8 @@ class Pencil:
         types = SLEPc.EPS.ProblemType
         solver.setProblemType(types.GHEP if self._symmetric else types.GNHEP)
         solver.setTarget(-shift)
-        _set_up(solver, min(count + _SPARE, K.shape[0]), SLEPc.EPS, prefix)
-        return _pairs(solver, K, self.M.shape[0])
+        set_up(solver, min(count + _SPARE, K.shape[0]), SLEPc.EPS, prefix)
+        return pairs_of(solver, K, self.M.shape[0])
 
     def _quadratic(self, count: int, rate: float, prefix: str) -> tuple[Complex, Complex]:
         """Eigenvalues ``s``, scaled by a rate so that those wanted are about one."""
@@ -203,8 +199,8 @@ class Pencil:
         solver = SLEPc.PEP().create(PETSc.COMM_SELF)
         solver.setOperators([to_petsc(K), to_petsc(C), to_petsc(M)])
         solver.setTarget(shift)
-        _set_up(solver, min(2 * count + _SPARE, K.shape[0]), SLEPc.PEP, prefix)
-        s, vectors = _pairs(solver, K, self.M.shape[0])
+        set_up(solver, min(2 * count + _SPARE, K.shape[0]), SLEPc.PEP, prefix)
+        s, vectors = pairs_of(solver, K, self.M.shape[0])
         return rate * s, vectors
 
     def _bordered(self, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
@@ -246,55 +242,6 @@ def _orthonormal(vectors: Array, M: sp.csr_matrix) -> Array:
     weight, base = np.linalg.eigh(vectors @ (M @ vectors.T))
     kept = weight > _FOLLOWS * weight.max()
     return np.asarray((base[:, kept] / np.sqrt(weight[kept])).T @ vectors)
-
-
-def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
-    """Zero rows and columns for the multipliers."""
-    return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
-
-
-def to_petsc(A: sp.csr_matrix) -> PETSc.Mat:
-    """The same matrix for PETSc, with all of its diagonal."""
-    # a direct solver wants a diagonal, even if it is zero
-    A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
-    A.sort_indices()
-    pointers = (A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data)
-    return PETSc.Mat().createAIJ(A.shape, csr=pointers, comm=PETSc.COMM_SELF)
-
-
-def _set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
-    solver.setOptionsPrefix(prefix)
-    solver.setWhichEigenpairs(kind.Which.TARGET_MAGNITUDE)
-    solver.setDimensions(wanted)
-    solver.setTolerances(_TOLERANCE, 200)
-    transform = solver.getST()
-    transform.setType(SLEPc.ST.Type.SINVERT)
-    if kind is SLEPc.PEP:
-        transform.setTransform(True)
-    linear = transform.getKSP()
-    linear.setType(PETSc.KSP.Type.PREONLY)
-    linear.getPC().setType(PETSc.PC.Type.LU)
-    linear.getPC().setFactorSolverType("mumps")
-    solver.setFromOptions()
-    try:
-        with slepc_errors():
-            solver.solve()
-    except PETSc.Error as error:
-        raise ConvergenceError(
-            f"SLEPc failed (PETSc error {error.ierr}): the shifted matrix may be singular; see its "
-            f"options under the prefix {prefix!r}"
-        ) from error
-
-
-def _pairs(solver: Any, K: sp.csr_matrix, n: int) -> tuple[Complex, Complex]:
-    """All converged eigenvalues and vectors, without multipliers."""
-    found = solver.getConverged()
-    real, imaginary = (PETSc.Vec().createSeq(K.shape[0]) for _ in range(2))
-    values, vectors = np.empty(found, dtype=np.complex128), np.empty((found, n), np.complex128)
-    for k in range(found):
-        values[k] = solver.getEigenpair(k, real, imaginary)
-        vectors[k] = real.array[:n] + 1j * imaginary.array[:n]
-    return values, vectors
 
 
 def _one_of_each_pair(

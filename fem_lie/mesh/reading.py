@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -9,11 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import Indices
 from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
+from fem_lie.mesh.sides import turn, turned_round
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
     import dolfinx
+
+_log = logging.getLogger(__name__)
 
 
 def read_gmsh(
@@ -106,6 +111,7 @@ def from_dolfinx(
             for name, vertices in names.items()
         },
         kink_angle=kink_angle,
+        source=mesh,
     )
 
 
@@ -157,6 +163,9 @@ def surface_from_dolfinx(
 ) -> SurfaceMesh:
     """A DOLFINx mesh of a surface; cells keep DOLFINx's numbers, points those of its geometry.
 
+    To DOLFINx no cell has a side. Here all of a piece look to that to which its first one looks,
+    and the nodes of the others are taken the other way round.
+
     Args:
         mesh: Triangles or quadrilaterals of first order in space, on one process.
         cell_tags: Tags of cells.
@@ -179,7 +188,8 @@ def surface_from_dolfinx(
     kinds = kinds_of_cells(mesh)
     if len(kinds) != 1:
         raise ValueError(f"the mesh must have cells of one kind, got {' and '.join(kinds)}")
-    cell, cells = mesh.topology.cell_name(), geometry_dofmap(mesh)
+    cell = mesh.topology.cell_name()
+    cells: Indices = geometry_dofmap(mesh).astype(np.int64)
     if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:
         raise ValueError(
             "the mesh must consist of triangles or quadrilaterals of order 1 in space (gdim 3), "
@@ -189,15 +199,19 @@ def surface_from_dolfinx(
     mesh.topology.create_connectivity(1, 2)
     edges = _tagged(facet_tags, curves, "facet_tags")
     vertices = _tagged(vertex_tags, named_points, "vertex_tags")
+    turned = turned_round(cells, cell)
+    if turned.any():
+        _log.info("%d of %d cells are turned round, to look to one side", turned.sum(), len(cells))
     return SurfaceMesh.from_cells(
         mesh.geometry.x,
-        cells,
+        turn(cells, cell, turned),
         cell,
         groups=_tagged(cell_tags, groups, "cell_tags"),
         curves={name: entities_to_geometry(mesh, 1, found) for name, found in edges.items()},
         named_points={
             name: entities_to_geometry(mesh, 0, found).ravel() for name, found in vertices.items()
         },
+        source=mesh,
     )
 
 

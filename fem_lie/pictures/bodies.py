@@ -12,8 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes
-from fem_lie.pictures.stage import INK, add_frame, plotting, target_of
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import INK, PLAIN, Canvas, add_frame, plotting, target_of
 
 _PALEST = 0.25
 _AMBIENT = 0.45
@@ -25,6 +24,9 @@ _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 
+PLAYED = Canvas(size=(800, 600))
+"""Of pictures that move."""
+
 
 def draw(
     info: SceneInfo,
@@ -33,10 +35,7 @@ def draw(
     *,
     paths: Sequence[Array] = (),
     triads: bool = False,
-    title: str = "",
-    units: Units = SI,
-    size: tuple[int, int] = (1600, 1200),
-    text: int | None = None,
+    canvas: Canvas = PLAIN,
 ) -> None:
     """Draw the bodies in several configurations, the last in full colour, earlier ones paler.
 
@@ -48,10 +47,7 @@ def draw(
         path: Name of the ``.png`` file.
         paths: Lines to draw with them, each of shape (T, 3).
         triads: Draw the nodal frames of the last configuration, and the bodies see-through.
-        title: Above the picture.
-        units: For the axes.
-        size: Width and height, pixels.
-        text: Size of numbers and titles at the axes; default: a hundredth of the width.
+        canvas: What it is drawn on.
 
     Raises:
         ValueError: The name does not end in ``.png``.
@@ -59,7 +55,7 @@ def draw(
     """
     target = target_of(path, ".png")
     steps = frames.reshape(-1, *frames.shape[-3:])
-    with plotting(paths, title, size) as plotter:
+    with plotting(paths, canvas) as plotter:
         bodies = shapes(info, steps)
         # backwards: a single configuration is the last one
         strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
@@ -70,7 +66,7 @@ def draw(
             _add(plotter, info, bodies, np.asarray(step), float(strength), float(opacity))
         if triads:
             _add_triads(plotter, steps[-1])
-        add_frame(plotter, steps, paths, units, size, text)
+        add_frame(plotter, steps, paths, canvas)
         plotter.screenshot(target)
 
 
@@ -81,9 +77,7 @@ def animate(
     *,
     seconds: float = 5.0,
     paths: Sequence[Array] = (),
-    title: str = "",
-    units: Units = SI,
-    size: tuple[int, int] = (800, 600),
+    canvas: Canvas = PLAYED,
 ) -> None:
     """Draw the bodies in one configuration after the other.
 
@@ -93,9 +87,7 @@ def animate(
         path: Name of the ``.gif`` file.
         seconds: How long it plays.
         paths: Lines to draw with them, each of shape (T, 3).
-        title: Above the picture.
-        units: For the axes.
-        size: Width and height, pixels.
+        canvas: What it is drawn on.
 
     Raises:
         ValueError: The name does not end in ``.gif``, or it plays for no time.
@@ -107,10 +99,10 @@ def animate(
     if not seconds > 0.0:
         raise ValueError(f"seconds must be positive, got {seconds!r}")
     images = []
-    with plotting(paths, title, size) as plotter:
+    with plotting(paths, canvas) as plotter:
         bodies = shapes(info, frames)
         actors = _add(plotter, info, bodies, frames[0], 1.0)
-        add_frame(plotter, frames, paths, units, size)
+        add_frame(plotter, frames, paths, canvas)
         for step in frames:
             for actor, surface in zip(actors, _surfaces(info, bodies, step), strict=True):
                 actor.mapper.dataset = surface

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.surfaces import SurfaceMesh
-from fem_lie.pictures.stage import INK, add_frame, plotting, target_of
-from fem_lie.pictures.units import SI, Units
+from fem_lie.pictures.stage import INK, Canvas, add_frame, plotting, target_of
 from fem_lie.pictures.vtk import surface_grid
 
 # of both signs: blue and red about zero; of one sign: from dark to bright
@@ -21,45 +21,51 @@ _SUBDIVISION = 2  # of cells of second degree
 _ONE_SIGN = 0.02  # of the largest; less of the other sign is none
 
 
+class DrawnSurface(NamedTuple):
+    """Cells of a surface.
+
+    Attributes:
+        mesh: What the cells are.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        unloaded: Places of the points, shape (p, 3).
+    """
+
+    mesh: SurfaceMesh
+    cells: Indices
+    unloaded: Array
+
+
 def draw_values(
     path: str | os.PathLike[str],
-    mesh: SurfaceMesh,
-    cells: Indices,
-    unloaded: Array,
+    surface: DrawnSurface,
     points: Array,
     values: Array,
     label: str,
-    *,
-    title: str = "",
-    units: Units = SI,
-    size: tuple[int, int] = (1600, 1200),
+    canvas: Canvas,
 ) -> None:
     """Draw a surface in colours, with their scale, and the outline of the unloaded one.
 
     Args:
         path: Name of the ``.png`` file.
-        mesh: What the cells are.
-        cells: Points of each cell in DOLFINx's order, shape (m, k).
-        unloaded: Places of the points, shape (p, 3).
+        surface: What is drawn.
         points: Places to be drawn, shape (p, 3).
         values: Values at the points, shape (p,).
         label: What they are, and their unit.
-        title: Above the picture.
-        units: For the axes.
-        size: Width and height, pixels.
+        canvas: What it is drawn on.
 
     Raises:
         ValueError: The name does not end in ``.png``.
         RuntimeError: There is no display, and no Xvfb to stand in.
     """
     target = target_of(path, ".png")
-    grid = surface_grid(points, cells, mesh)
+    mesh, cells, unloaded = surface
+    size, grid = canvas.size, surface_grid(points, cells, mesh)
     grid.point_data[label] = values
-    surface = _compat.drawn_surface(grid, _SUBDIVISION)
+    drawn = _compat.drawn_surface(grid, _SUBDIVISION)
     rim = _compat.drawn_surface(surface_grid(unloaded, cells, mesh), 1).extract_feature_edges()
-    with plotting((), title, size) as plotter:
+    with plotting((), canvas) as plotter:
         plotter.add_mesh(
-            surface,
+            drawn,
             scalars=label,
             clim=_limits(values),
             cmap=_SIGNED if _signed(values) else _PLAIN,
@@ -84,7 +90,7 @@ def draw_values(
         if rim.n_points:
             plotter.add_mesh(rim, color=INK, line_width=size[0] / 800)
         both = np.stack([unloaded, points])[:, :, np.newaxis]
-        add_frame(plotter, both, (), units, size)
+        add_frame(plotter, both, (), canvas)
         plotter.screenshot(target)
 
 

@@ -14,6 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import Units
 
 if TYPE_CHECKING:
@@ -123,6 +124,7 @@ def _shape(ax: Axes, info: SceneInfo, frames: Array, units: Units) -> None:
     with tempfile.TemporaryDirectory() as folder:
         name = Path(folder) / "shape.png"
         # as many pixels as it is given, and numbers as large as those of the curve
-        bodies.draw(info, frames, name, units=units, size=(900, 700), text=20)
+        canvas = Canvas(units=units, size=(900, 700), text=20)
+        bodies.draw(info, frames, name, canvas=canvas)
         ax.imshow(imread(name))
     ax.set_axis_off()

@@ -6,16 +6,36 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.pictures.units import Units
+from fem_lie.pictures.units import SI, Units
 
 INK = "#333333"
 _MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
 _PER_TEXT = 100  # widths of the picture in pixels per size of the text
+
+
+class Canvas(NamedTuple):
+    """What a picture is drawn on.
+
+    Attributes:
+        title: Above the picture.
+        units: For the axes.
+        size: Width and height, pixels.
+        text: Size of numbers and titles at the axes; default: a hundredth of the width.
+    """
+
+    title: str = ""
+    units: Units = SI
+    size: tuple[int, int] = (1600, 1200)
+    text: int | None = None
+
+
+PLAIN = Canvas()
+"""Without a title, in metres."""
 
 
 def target_of(path: str | os.PathLike[str], suffix: str) -> str:
@@ -26,8 +46,9 @@ def target_of(path: str | os.PathLike[str], suffix: str) -> str:
 
 
 @contextmanager
-def plotting(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Iterator[Any]:
+def plotting(paths: Sequence[Array], canvas: Canvas) -> Iterator[Any]:
     """White scene with lines and a title."""
+    title, size = canvas.title, canvas.size
     from fem_lie.pictures.display import display
 
     with display():
@@ -56,15 +77,9 @@ def plotting(paths: Sequence[Array], title: str, size: tuple[int, int]) -> Itera
             plotter.close()
 
 
-def add_frame(
-    plotter: Any,
-    frames: Array,
-    paths: Sequence[Array],
-    units: Units,
-    size: tuple[int, int],
-    text: int | None = None,
-) -> None:
+def add_frame(plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canvas) -> None:
     """Axes with round numbers around all configurations, and the camera."""
+    units, size = canvas.units, canvas.size
     from vtkmodules.vtkCommonCore import vtkStringArray
 
     x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
@@ -75,7 +90,7 @@ def add_frame(
     low, high = step * (low - (low >= high)), step * (high + (low >= high))
     counts = np.rint((high - low) / step).astype(int) + 1
     bounds = np.column_stack([low, high]).ravel().tolist()
-    font = text or size[0] // _PER_TEXT
+    font = canvas.text or size[0] // _PER_TEXT
     axes = plotter.show_bounds(
         bounds=bounds,
         grid="back",

@@ -16,7 +16,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
-    from fem_lie.bodies.beam import Beam
+    from fem_lie.bodies.beams.beam import Beam
 
 # type of cell, and its nodes in VTK's order
 _VTK_CELLS = {

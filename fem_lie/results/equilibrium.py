@@ -13,6 +13,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
@@ -111,7 +112,7 @@ class StaticResult(StateSeries, Displaced):
         rows = self._instants(_DRAWN) if at is None else [self._row(state) for state in at]
         drawn = np.concatenate([self.initial[np.newaxis], self.frames[rows]])
         paths = self._traces(trace)
-        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
+        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, canvas=Canvas(title, units))
 
     def _row(self, state: int | float) -> int:
         """Number of a state that is asked for by its index or by a load factor."""
@@ -128,7 +129,7 @@ class StaticResult(StateSeries, Displaced):
 
     def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
         """Paths of points through all states, from the unloaded one on."""
-        starts = [self.initial[[self.info.node(point)], 0] for point in points]
+        starts = [self.info.frame(point, self.initial)[np.newaxis, 0] for point in points]
         return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
 
 

@@ -15,8 +15,8 @@ from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
 from fem_lie.results.rows import INVARIANTS, write_all
 from fem_lie.results.steps import StepHistory
 
-_FORMAT, _VERSION = "fem_lie results", 8
-NUMBERS = ("factorisations", "k_updates", "phi_updates", "seconds")
+_FORMAT, _VERSION = "fem_lie results", 9
+NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
 """What a result says of the work, the last in seconds."""
 
 

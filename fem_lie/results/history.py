@@ -14,6 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.resampling import resampled
@@ -59,6 +60,8 @@ class Result(StateSeries):
         iterations: Newton iterations so far, shape (T,).
         factorisations: Matrices that were factored in the whole run; in ``k_updates`` of them mass
             and stiffness were new, and in all ``phi_updates`` the constraints' Jacobian.
+        divided: Steps of constant size that a conserving scheme has made in parts, because no
+            solution was found in full.
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
@@ -85,6 +88,7 @@ class Result(StateSeries):
     seconds: float
     info: SceneInfo
     steps: StepHistory | None = None
+    divided: int = 0
 
     def __post_init__(self) -> None:
         nodes, count = self.frames.shape[1] if self.frames.ndim == 4 else 0, len(self.times)
@@ -102,7 +106,7 @@ class Result(StateSeries):
         Raises:
             ValueError: There is no such point.
         """
-        return self.velocities[:, self.info.node(point)]
+        return self.info.twist(point, self.frames, self.velocities)
 
     def coordinate(self, joint: Connection | str, name: str | None = None) -> Array:
         """Relative coordinate of a joint, shape (T,): angle in rad, unwrapped, or a length.
@@ -279,7 +283,7 @@ class Result(StateSeries):
         """
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
         drawn, paths = self.frames[rows], self._traces(trace)
-        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, title=title, units=units)
+        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, canvas=Canvas(title, units))
 
     def _instants(self, images: int) -> Indices:
         """Numbers of the states at evenly spaced times."""

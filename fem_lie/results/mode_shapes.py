@@ -14,6 +14,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, instance, number
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 
 LARGEST_TURN = 0.5
@@ -100,7 +101,7 @@ class ModeShapes(ABC):
         largest = fitting if amplitude is None else number(amplitude, "amplitude")
         frames = moved_along(shape, self.frames, largest * np.asarray(look.parts))
         name = look.title if title is None else title
-        bodies.draw(self.info, frames, path, title=name, units=units)
+        bodies.draw(self.info, frames, path, canvas=Canvas(name, units))
 
     @abstractmethod
     def _look(self, mode: int) -> ModeLook:

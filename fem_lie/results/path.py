@@ -183,8 +183,7 @@ class EquilibriumPath(StaticResult):
         path: str | os.PathLike[str] | None = None,
         *,
         label: str = "",
-        load: float = 1.0,
-        load_label: str = "load factor",
+        load: tuple[float, str] = (1.0, "load factor"),
         others: Sequence[tuple[EquilibriumPath, Array]] = (),
         reference: tuple[Array, Array, str] | None = None,
         shape: bool = True,
@@ -196,8 +195,7 @@ class EquilibriumPath(StaticResult):
             values: Of all states, shape (k,), or the name of an observed quantity.
             path: Name of the file if it is to be saved.
             label: What the values are.
-            load: Load at factor 1.
-            load_label: What the load is.
+            load: Load at factor 1, and what it is.
             others: Further paths with their values, such as branches.
             reference: Values, loads and name of points to be drawn with it.
             shape: Draw the last state beside the curve.
@@ -213,8 +211,8 @@ class EquilibriumPath(StaticResult):
         return plot_paths(
             paths,
             path,
-            (name, load_label),
-            load,
+            (name, load[1]),
+            load[0],
             reference=reference,
             states=(self.info, self.frames[rows]) if shape else None,
             units=units,

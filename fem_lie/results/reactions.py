@@ -43,33 +43,33 @@ def reaction(
     """
     if not supports:
         raise ValueError("give at least one clamp, support or prescribed motion")
-    place = frames[:, _node(info, supports[0]), 0]
+    place = info.frame(_point(supports[0]), frames)[:, 0]
     total, counted = np.zeros((len(place), 6)), set[tuple[str, int]]()
     for support in supports:
-        key, node, wrench = _of(support, info, frames, joint_forces, reactions)
+        key, at, wrench = _of(support, info, frames, joint_forces, reactions)
         if key not in counted:
             counted.add(key)
-            lever = frames[:, node, 0] - place
+            lever = at - place
             total += wrench
             total[:, 3:] += np.cross(lever, wrench[:, :3])
     return total
 
 
-def _node(info: SceneInfo, support: Support) -> int:
-    return info.node(support.point if isinstance(support, Clamp | PrescribedMotion) else support)
+def _point(support: Support) -> Point | str:
+    return support.point if isinstance(support, Clamp | PrescribedMotion) else support
 
 
 def _of(
     support: Support, info: SceneInfo, frames: Array, joint_forces: Array, reactions: Array
-) -> tuple[tuple[str, int], int, Array]:
-    """What it is, the node about which its moment is, and its force and moment, shape (k, 6)."""
-    node = _node(info, support)
+) -> tuple[tuple[str, int], Array, Array]:
+    """What it is, where its moment is about (k, 3), and its force and moment, shape (k, 6)."""
     if isinstance(support, PrescribedMotion):
         joint = info.joint(f"motion of {support.point.label}")
-        axes = frames[:, node, 1:]
+        at = info.frame(support.point, frames)
+        axes = at[:, 1:]
         parts = joint_forces[:, joint].reshape(-1, 2, 3)
-        return ("motion", joint), node, np.einsum("tij,tki->tkj", axes, parts).reshape(-1, 6)
-    row = info.supports.row(node)
+        return ("motion", joint), at[:, 0], np.einsum("tij,tki->tkj", axes, parts).reshape(-1, 6)
+    row = info.supports.row(info.node(_point(support)))
     if row is None:
         names = [
             f"{body.name}.{name}"
@@ -83,4 +83,4 @@ def _of(
             f"{label} is not held; {len(info.supports.nodes)} nodes are, those with names: "
             f"{', '.join(names) or 'none'}"
         )
-    return ("support", row), int(info.supports.at[row]), reactions[:, row]
+    return ("support", row), frames[:, info.supports.at[row], 0], reactions[:, row]

@@ -2,7 +2,8 @@
 
 Between ``H₀, v₀`` and ``H₁, v₁`` at a distance Δ, ``H(s) = H₀ exp(p(s))`` with the cubic ``p`` that
 has ``p(0) = 0``, ``p(1) = ξ = log(H₀⁻¹ H₁)``, ``p′(0) = Δ v₀``, ``p′(1) = Δ T(ξ)⁻¹ v₁``; the
-velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any other to fourth order.
+velocity is ``T(p) p′/Δ``. A steady screw motion is met exactly, any other to fourth order. The
+length of a slope, which is no unit vector, is taken linearly.
 """
 
 from __future__ import annotations
@@ -63,16 +64,28 @@ def between(rows: Mapping[str, Array], at: Array) -> dict[str, Array]:
 
 def _motion(rows: Mapping[str, Array], row: Indices, part: Array) -> tuple[Array, Array]:
     """Frames (K, N, 4, 3) and velocities (K, N, 6) in parts (K,) of the intervals after rows."""
-    H, v, Δ = rows["frames"], rows["velocities"], np.diff(rows["times"])[row, None, None]
-    s = part[:, np.newaxis, np.newaxis]
-    ξ = lie.se3_relative(H[row], H[row + 1])
-    end = np.einsum("knij,knj->kni", lie.se3_tangent_inverse(ξ), v[row + 1])
-    first, last = Δ * v[row], Δ * end
+    Δ, s = np.diff(rows["times"])[row, None, None], part[:, np.newaxis, np.newaxis]
+    (H0, v0, stretch), (H1, v1, later) = (_with_unit_rows(rows, k) for k in (row, row + 1))
+    ξ = lie.se3_relative(H0, H1)
+    end = np.einsum("knij,knj->kni", lie.se3_tangent_inverse(ξ), v1)
+    first, last = Δ * v0, Δ * end
     p = s**2 * (3 - 2 * s) * ξ + s * (1 - s) ** 2 * first - s**2 * (1 - s) * last
     rate = 6 * s * (1 - s) * ξ + (1 - s) * (1 - 3 * s) * first - s * (2 - 3 * s) * last
-    frames = lie.se3_retract(H[row], p)
+    frames = lie.se3_retract(H0, p)
     velocities = np.einsum("knij,knj->kni", lie.se3_tangent(p), rate / Δ)
+    between_both = (1.0 - s) * stretch + s * later
+    frames[:, :, 1] *= between_both
+    velocities[:, :, :1] /= between_both
     return frames, velocities
+
+
+def _with_unit_rows(rows: Mapping[str, Array], row: Indices) -> tuple[Array, Array, Array]:
+    """Frames and velocities along unit vectors, and the length of the first: slopes have one."""
+    H, v = rows["frames"][row].copy(), rows["velocities"][row].copy()
+    stretch = np.linalg.norm(H[:, :, 1], axis=-1, keepdims=True)
+    H[:, :, 1] /= stretch
+    v[:, :, :1] *= stretch
+    return H, v, stretch
 
 
 def _linear(values: Array, row: Indices, part: Array) -> Array:

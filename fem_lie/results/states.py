@@ -15,6 +15,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints import Connection
 from fem_lie.pictures import bodies
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.reactions import Support, reaction
 
@@ -39,10 +40,12 @@ class Located:
         Raises:
             ValueError: There is no such point.
         """
-        return np.asarray(self.frames[..., self.info.node(point), 0, :])
+        return np.asarray(self.info.frame(point, self.frames)[..., 0, :])
 
     def rotation(self, point: Point | str | int) -> Array:
         """Rotation of a point's frame, local to global, shape (3, 3), or (k, 3, 3) in k states.
+
+        Of a node of a cable the first column is its slope, as long as that is.
 
         Args:
             point: As for :meth:`position`.
@@ -50,7 +53,7 @@ class Located:
         Raises:
             ValueError: There is no such point.
         """
-        return lie.rotation(self.frames[..., self.info.node(point), :, :])
+        return lie.rotation(self.info.frame(point, self.frames))
 
 
 class Displaced(Located):
@@ -71,7 +74,7 @@ class Displaced(Located):
         Raises:
             ValueError: There is no such point.
         """
-        return np.asarray(self.position(point) - self.initial[self.info.node(point), 0])
+        return np.asarray(self.position(point) - self.info.frame(point, self.initial)[0])
 
 
 class StateSeries(Located, ABC):
@@ -140,8 +143,7 @@ class StateSeries(Located, ABC):
             path,
             seconds=seconds,
             paths=paths,
-            title=title,
-            units=units,
+            canvas=Canvas(title, units, bodies.PLAYED.size),
         )
 
     @abstractmethod

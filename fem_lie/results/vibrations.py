@@ -12,6 +12,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, whole
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.mode_shapes import LARGEST_TURN, chosen
 
@@ -123,7 +124,7 @@ class Modes:
         """
         frames = self.moved(mode, amplitude, np.linspace(np.pi, 0.0, 7))
         name = self._title(mode, title, units)
-        bodies.draw(self.info, frames, path, title=name, units=units)
+        bodies.draw(self.info, frames, path, canvas=Canvas(name, units))
 
     def animate(
         self,
@@ -149,7 +150,8 @@ class Modes:
         """
         phases = np.linspace(0.0, 2 * np.pi, whole(images, "images"), endpoint=False)
         frames, name = self.moved(mode, amplitude, phases), self._title(mode, title, units)
-        bodies.animate(self.info, frames, path, seconds=seconds, title=name, units=units)
+        canvas = Canvas(name, units, bodies.PLAYED.size)
+        bodies.animate(self.info, frames, path, seconds=seconds, canvas=canvas)
 
     def _title(self, mode: int, title: str | None, units: Units) -> str:
         if title is not None:

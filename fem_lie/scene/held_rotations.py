@@ -12,7 +12,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fem_lie.bodies.body import Body, HeldRotation, Point, ground
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.points import ground
 from fem_lie.joints import Connection, RigidLink
 from fem_lie.scene.load import Load
 from fem_lie.scene.nodal_loads import PointLoad

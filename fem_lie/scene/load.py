@@ -12,13 +12,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, at_time, flag, history, instance
-from fem_lie.bodies.beam import Beam
+from fem_lie._arrays import Array, Indices, at_time, flag, history, instance
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
+from fem_lie.forms.term import Term
 
 History = Callable[[float], float]
 
@@ -43,6 +45,29 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     return factors
 
 
+class Sum(Protocol):
+    """Of what loads contribute to the equations, at amplitude one."""
+
+    def nodes(self, body: Body) -> Indices:
+        """Numbers of a body's nodes, as a term of this sum takes them."""
+
+    def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
+        """Forces on nodes.
+
+        Args:
+            body: Whose.
+            force: Force and moment at each node, shape (n, 6).
+            levers: Force on the directors of each node beside, shape (n, 3, 3).
+            following: Whether components are those in the nodes' frames.
+        """
+
+    def add_strain(self, body: Body, strain: Array) -> None:
+        """A strain (Γ, κ) without stress of each cell of a body, shape (m, 6)."""
+
+    def add_term(self, term: Term) -> None:
+        """What has a matrix."""
+
+
 class Load(ABC):
     """What all loads have in common; use one of the subclasses.
 
@@ -65,6 +90,10 @@ class Load(ABC):
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the body has no such cells."""
 
+    @abstractmethod
+    def contribute(self, to: Sum) -> None:
+        """Add what it is in the equations."""
+
 
 class NodalLoad(Load):
     """Forces and moments on nodes.
@@ -79,6 +108,10 @@ class NodalLoad(Load):
         """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
         flag(self.following, f"{type(self).__name__}: following")
+
+    def contribute(self, to: Sum) -> None:
+        """Forces on nodes."""
+        to.add_nodal(self.body, self.nodal(), self.on_directors(), following=self.following)
 
     @abstractmethod
     def nodal(self) -> Array:
@@ -109,6 +142,10 @@ class StrainLoad(Load):
     def body(self) -> Beam:
         """The body that carries the load."""
         return self.beam
+
+    def contribute(self, to: Sum) -> None:
+        """A strain."""
+        to.add_strain(self.body, self.strains())
 
     @abstractmethod
     def strains(self) -> Array:

@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, instance
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.body import Body, Point, require_point, vector
-from fem_lie.scene.load import NodalLoad
+from fem_lie._arrays import Array, instance, vector
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.points import require_point
+from fem_lie.bodies.rods.cable import Cable
+from fem_lie.grips.held_load import HeldLoad
+from fem_lie.scene.load import NodalLoad, Sum
 
 if TYPE_CHECKING:
     from fem_lie.scene.load import History
@@ -46,6 +49,18 @@ class PointLoad(NodalLoad):
         vector(self.moment, 3, f"moment at {self.point.label}")
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
+        if self.following or np.any(self.moment):
+            self.body.require_frames("a moment, or a load that follows,")
+
+    def contribute(self, to: Sum) -> None:
+        """On a node, or on those that move a place between them."""
+        grip = self.point.grip
+        if grip is None or grip.kind.rigid:
+            super().contribute(to)
+            return
+        nodes = to.nodes(self.body)[list(grip.nodes)]
+        wrench = self.nodal()[self.point.node]
+        to.add_term(HeldLoad(grip, nodes, wrench, following=self.following))
 
     def axis(self) -> Array:
         """Of the moment before anything moves, global components, shape (3,)."""
@@ -65,13 +80,22 @@ class PointLoad(NodalLoad):
         values[self.point.node, 3:] = self.moment
         return values
 
+    def on_directors(self) -> Array:
+        """Of a force beside the node, shape (n, 3, 3)."""
+        values, grip = super().on_directors(), self.point.grip
+        if grip is not None and grip.kind.rigid:
+            node = self.body.frames[self.point.node]
+            arm = node[1:] @ (self.point.position - node[0])
+            values[self.point.node] = np.outer(arm, np.asarray(self.force, dtype=np.float64))
+        return values
+
 
 @dataclass(frozen=True, eq=False)
 class LineLoad(NodalLoad):
-    """Force and moment per reference length on all of a beam or on some of its cells.
+    """Force and moment per reference length on all of a beam or cable, or on some of its cells.
 
     Attributes:
-        beam: What carries it.
+        beam: What carries it, a beam or a cable.
         force: Three components per length: global if fixed in space, local if following.
         moment: Three components per length, in the same axes.
         cells: Name of a group of cells; default: all.
@@ -89,12 +113,14 @@ class LineLoad(NodalLoad):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
-        instance(self.beam, Beam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
+        instance(self.beam, Beam | Cable, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
         vector(self.force, 3, f"line force on {self.body.label}")
         vector(self.moment, 3, f"line moment on {self.body.label}")
+        if self.following or np.any(self.moment):
+            self.body.require_frames("a moment, or a load that follows,")
         self.body.cells_of(self.cells)
 
     @property

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.term import Pairs, PushedPieces, Term
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, cross, load, load_row, minus, negative, plus, scaled, store
 
@@ -69,42 +70,40 @@ def _tangent(H: Array, pairs: Indices, w: Array, blocks: Array) -> None:
             block[2, 4] -= n0
 
 
-class Pressure:
-    """The forces of one pressure on a beam.
+class Pressure(Term):
+    """The forces of one pressure on a beam."""
 
-    Attributes:
-        rows: Nodes of the blocks of the tangent, with ``columns``.
-        amplitude: Factor of the pressure; it may be changed.
-    """
+    label, load, of_bodies, conserved = "pressure on beams", True, True, True
 
     def __init__(self, pairs: Indices, across: Array) -> None:
         """Keep the pieces, pairs of nodes (s, 2), and ``w``, shape (3,)."""
         self._pairs, self._across = pairs, across
-        self.amplitude = 1.0
-        self.rows: Indices = np.repeat(pairs, 2, axis=1).ravel()
-        self.columns: Indices = np.tile(pairs, (1, 2)).ravel()
+        rows, columns = np.repeat(pairs, 2, axis=1).ravel(), np.tile(pairs, (1, 2)).ravel()
+        self._coupled: Pairs = rows, columns
         self._blocks = np.empty((len(pairs), 2, 2, 6, 6))
 
     @property
-    def pairs(self) -> Indices:
-        """Nodes of the pieces, shape (s, 2)."""
-        return self._pairs
+    def pairs(self) -> Pairs:
+        """Both nodes of each piece."""
+        return self._coupled
 
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """All that the forces are made of."""
+        """See the base class."""
         return self._pairs, self._across
 
     @property
-    def across(self) -> Array:
-        """``w`` of all pieces times the amplitude, shape (s, 3)."""
-        return np.tile(self.amplitude * self._across, (len(self._pairs), 1))
+    def pieces(self) -> PushedPieces:
+        """See the base class."""
+        return PushedPieces(
+            self._pairs, np.tile(self.amplitude * self._across, (len(self._pairs), 1))
+        )
 
-    def add_forces(self, H: Array, out: Array) -> None:
-        """Subtract the forces at frames ``H`` from ``out``, shape (n, 6)."""
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Subtract what pushes from ``out``."""
         _add_forces(H, self._pairs, self.amplitude * self._across, out)
 
-    def tangent(self, H: Array) -> Array:
-        """Blocks of the derivative of what :meth:`add_forces` adds, shape (4 s, 6, 6)."""
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
         _tangent(H, self._pairs, self.amplitude * self._across, self._blocks)
         return self._blocks.reshape(-1, 6, 6)

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, instance, number
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.body import Body, direction, vector
-from fem_lie.bodies.shell import Shell
+from fem_lie._arrays import Array, Indices, direction, instance, number, vector
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import History, Load
+from fem_lie.scene.load import History, Load, Sum
+from fem_lie.scene.pressure import Pressure
 from fem_lie.scene.surface_loads import nodes_of, require_shell, sides_of
+from fem_lie.scene.surface_pressure import SurfacePushes
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,13 @@ class PressureLoad(Load):
     def body(self) -> Beam:
         """The body that carries the load."""
         return self.beam
+
+    def contribute(self, to: Sum) -> None:
+        """Forces on the pieces between successive nodes of the loaded elements."""
+        elements = self.beam.elements[self.beam.cells_of(self.cells)]
+        along = elements[:, [0, *range(2, elements.shape[1]), 1]]
+        pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
+        to.add_term(Pressure(to.nodes(self.beam)[pairs], self.across()))
 
     def across(self) -> Array:
         """``w = m × e₁`` times the pressure, shape (3,)."""
@@ -103,6 +112,11 @@ class SurfacePressure(Load):
     def body(self) -> Body:
         """The body that carries the load."""
         return self.shell
+
+    def contribute(self, to: Sum) -> None:
+        """Forces on the loaded cells."""
+        cells = to.nodes(self.shell)[self.faces()]
+        to.add_term(SurfacePushes(cells, self.rule(), self.on_cells()))
 
     def faces(self) -> Indices:
         """Nodes of the loaded cells, shape (c, k)."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array
-from fem_lie.bodies.body import vector
+from fem_lie._arrays import Array, Indices, vector
+from fem_lie.lie.kinds import rigid_motions
 from fem_lie.scene.load import NodalLoad
 from fem_lie.scene.scene import Scene, require_scene
 
@@ -40,19 +40,21 @@ class Rotation:
         """Whether anything turns."""
         return bool(self.spin.any())
 
-    def velocities(self, H: Array, factor: float = 1.0) -> Array:
-        """Local velocities of frames that turn ``factor`` times as fast, shape (n, 6)."""
-        v = np.empty((len(H), 6))
-        spin = factor * self.spin
-        v[:, :3] = np.einsum("nij,nj->ni", H[:, 1:], np.cross(spin, H[:, 0] - self.about))
-        v[:, 3:] = H[:, 1:] @ spin
-        return v
+    def velocities(self, kinds: Indices, H: Array, factor: float = 1.0) -> Array:
+        """Velocities of nodes that turn ``factor`` times as fast, in their axes, shape (n, 6)."""
+        turns = rigid_motions(kinds, H, self.about)[:, :, 3:]
+        return np.asarray(turns @ (factor * self.spin))
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if a load fixed in space turns as seen from the turning frame."""
+        """Raise ``ValueError`` if a load fixed in space turns as seen from the turning frame.
+
+        Or if nodes have no frames: their velocities along their own axes are not constant.
+        """
         require_scene(scene)
         if not self:
             return
+        for body in scene.bodies:
+            body.require_frames("a steady rotation")
         self._check_parallel("gravity", scene.gravity)
         for number, load in enumerate(scene.loads, start=1):
             if isinstance(load, NodalLoad) and not load.following:

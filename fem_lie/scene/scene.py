@@ -11,11 +11,13 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, choice, instance, shown
-from fem_lie.bodies.body import Body, HeldRotation, Holds, vector
+from fem_lie._arrays import Array, choice, instance, shown, vector
+from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
+from fem_lie.bodies.held import HeldRotation
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.held_rotations import Holding, held_by
@@ -119,6 +121,7 @@ class Scene:
         elif isinstance(item, RigidLink):
             item.check()
             self._check_points(item.label, item.a.body, item.b.body)
+            self._check_frames(item.label, item.a.body, item.b.body)
             self._check_rotations(item)
             self.links.append(item)
         elif isinstance(item, Load):
@@ -129,6 +132,8 @@ class Scene:
         elif isinstance(item, Clamp | PrescribedMotion):
             item.check()
             self._check_points(type(item).__name__, item.point.body)
+            if isinstance(item, PrescribedMotion):
+                self._check_frames(f"a prescribed motion of {item.point.label}", item.point.body)
             self._check_rotations(item)
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
@@ -247,7 +252,7 @@ class Scene:
             for body, end in zip(self.bodies, ends, strict=True)
         )
         nodes = np.concatenate([body.frames for body in self.bodies])
-        draw(SceneInfo(bodies), nodes, path, triads=frames, title=title, units=units)
+        draw(SceneInfo(bodies), nodes, path, triads=frames, canvas=Canvas(title, units))
 
     def _add_body(self, body: Body) -> None:
         if body in self._known:
@@ -265,6 +270,11 @@ class Scene:
         for body in bodies:
             if body is not None and body not in self._known:
                 raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
+
+    def _check_frames(self, what: str, *bodies: Body | None) -> None:
+        for body in bodies:
+            if body is not None:
+                body.require_frames(what)
 
     def _check_coordinates(self, item: Connection) -> None:
         """Refuse what acts along a coordinate of a joint that holds nothing, as it is not here."""

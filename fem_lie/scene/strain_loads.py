@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.body import vector
+from fem_lie._arrays import Array, vector
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.scene.load import StrainLoad
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, instance, numbers
-from fem_lie.bodies.body import Point, require_point
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_node, require_point
 
 _ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
 
@@ -27,6 +28,7 @@ class Clamp:
         """Raise ``ValueError`` if the point is ground."""
         if self.point.is_ground:
             raise ValueError("a clamp needs a point of a body, got ground")
+        require_node(self.point, "a clamp")
 
 
 @dataclass(frozen=True, eq=False)

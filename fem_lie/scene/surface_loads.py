@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, instance
-from fem_lie.bodies.body import Body, vector
-from fem_lie.bodies.shell import Shell
+from fem_lie._arrays import Array, Indices, instance, vector
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import History, Load, NodalLoad
 

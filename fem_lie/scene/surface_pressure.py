@@ -12,6 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, load, load_row, minus, plus, scaled, store
 from fem_lie.mesh.shapes import FaceRule
@@ -91,13 +92,10 @@ def _tangent(
                             blocks[c, i, j, a, k] += f[a]
 
 
-class SurfacePushes:
-    """The forces of one pressure on shells.
+class SurfacePushes(Term):
+    """The forces of one pressure on shells."""
 
-    Attributes:
-        rows: Nodes of the blocks of the tangent, with ``columns``.
-        amplitude: Factor of the pressure; it may be changed.
-    """
+    label, load, of_bodies = "pressure on shells", True, True
 
     def __init__(self, cells: Indices, rule: FaceRule, pressure: Array) -> None:
         """Keep what does not change.
@@ -108,22 +106,26 @@ class SurfacePushes:
             pressure: p₀ and g of each cell, shape (m, 4).
         """
         self._faces = cells, rule.values, rule.slopes, rule.weights, pressure
-        self.amplitude = 1.0
         count = cells.shape[1]
-        self.rows: Indices = np.repeat(cells, count, axis=1).ravel()
-        self.columns: Indices = np.tile(cells, (1, count)).ravel()
+        rows, columns = np.repeat(cells, count, axis=1).ravel(), np.tile(cells, (1, count)).ravel()
+        self._coupled: Pairs = rows, columns
         self._blocks = np.empty((len(cells), count, count, 6, 6))
 
     @property
+    def pairs(self) -> Pairs:
+        """All nodes of each cell."""
+        return self._coupled
+
+    @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """All that the forces are made of."""
+        """See the base class."""
         return self._faces
 
-    def add_forces(self, H: Array, out: Array) -> None:
-        """Subtract the forces at frames ``H`` from ``out``, shape (n, 6)."""
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Subtract what pushes from ``out``."""
         _add_forces(H, *self._faces, self.amplitude, out)
 
-    def tangent(self, H: Array) -> Array:
-        """Blocks of the derivative of what :meth:`add_forces` adds, shape (m k², 6, 6)."""
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
         _tangent(H, *self._faces, self.amplitude, self._blocks)
         return self._blocks.reshape(-1, 6, 6)

@@ -10,12 +10,13 @@ from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRI
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
     from fem_lie.linear.direct import Method
-    from fem_lie.system import System
+    from fem_lie.system.equations import Equations
 
 
-def methods_in_time(system: System) -> tuple[Method, ...]:
+def methods_in_time(equations: Equations) -> tuple[Method, ...]:
     """What is fastest for the equations of motion of a scene, whose matrix is not symmetric."""
-    return MOTION if system.uncoupled.any() or meshed(system.kkt) else CHAINS
+    shells = bool(equations.unknowns.uncoupled.any())
+    return MOTION if shells or meshed(equations.matrix) else CHAINS
 
 
 def meshed(kkt: KKT) -> bool:
@@ -39,15 +40,15 @@ def meshed(kkt: KKT) -> bool:
     return len(gone) < len(near)
 
 
-def methods_for(system: System) -> tuple[Method, ...]:
+def methods_for(equations: Equations) -> tuple[Method, ...]:
     """What is fastest for the static equations of a scene."""
-    if not system.uncoupled.any():
+    if not equations.unknowns.uncoupled.any():
         return CHAINS
-    if not system.symmetric:
+    if not equations.symmetric:
         return SURFACES
-    return SYMMETRIC if system.m == 0 else INDEFINITE
+    return SYMMETRIC if equations.unknowns.m == 0 else INDEFINITE
 
 
-def methods_on_paths(system: System) -> tuple[Method, ...]:
+def methods_on_paths(equations: Equations) -> tuple[Method, ...]:
     """Those whose factors tell the number of negative pivots, where the matrix is symmetric."""
-    return INDEFINITE if system.symmetric else methods_for(system)
+    return INDEFINITE if equations.symmetric else methods_for(equations)

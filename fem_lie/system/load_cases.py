@@ -8,11 +8,10 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.body import Body
+from fem_lie.forms.term import Term
 from fem_lie.scene import Scene
-from fem_lie.scene.load import History, NodalLoad, StrainLoad, amplitudes, histories
-from fem_lie.scene.pressure import Pressure
-from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
-from fem_lie.scene.surface_pressure import SurfacePushes
+from fem_lie.scene.load import History, amplitudes, histories
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -20,22 +19,68 @@ Contents: TypeAlias = tuple[
     list[tuple[Array, Array, Array]],
     list[tuple[int, int, Array]],
     list[int],
-    list[tuple[Array | Indices, ...]],
+    list[object],
 ]
-"""Nodal loads of all cases; case, assembly and values of strains; cases of pressures, and these."""
+"""Nodal loads of all cases; case, assembly and values of strains; cases of terms, and these."""
 
 
 class _Case:
-    """All loads that have one history: what they are at amplitude one."""
+    """All loads that have one history: what they are at amplitude one.
 
-    def __init__(self, count: int) -> None:
+    Attributes:
+        dead: Forces on (x, d₁, d₂, d₃) fixed in space, shape (n, 4, 3).
+        moment: Moments fixed in space, shape (n, 3).
+        following: Forces and moments in the nodes' frames, shape (n, 6).
+        strains: Number of an assembly, and the strain of all its cells.
+        terms: What has a matrix.
+    """
+
+    def __init__(self, numbering: Numbering) -> None:
+        """Nothing acts."""
+        self._numbering, count = numbering, numbering.count
         self.dead = np.zeros((count, 4, 3))
         self.moment = np.zeros((count, 3))
         self.following = np.zeros((count, 6))
+        self.strains: list[tuple[int, Array]] = []
+        self.terms: list[Term] = []
 
     def arrays(self) -> tuple[Array, Array, Array]:
         """In the order of :class:`~fem_lie.system.nodes.loads.Loads`."""
         return self.dead, self.moment, self.following
+
+    def nodes(self, body: Body) -> Indices:
+        """See :class:`~fem_lie.scene.load.Sum`, as of the following."""
+        return self._numbering.nodes[body]
+
+    def add_nodal(self, body: Body, force: Array, levers: Array, *, following: bool) -> None:
+        """A force fixed in space is a force on ``q``, wherever its node follows its leader."""
+        attachment, nodes = self._numbering.attachment, self.nodes(body)
+        leaders = attachment.leader[nodes]
+        if following:
+            # of forces fₖ on the directors: Σ eₖ × fₖ
+            moment = force[:, 3:] + np.cross(np.eye(3), levers).sum(axis=1)
+            values = np.concatenate([force[:, :3], moment], axis=1)
+            turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[nodes]))
+            np.add.at(self.following, leaders, np.einsum("nji,nj->ni", turn, values))
+        else:
+            forces = np.concatenate([force[:, np.newaxis, :3], levers], axis=1)
+            moved = attachment.linear()[nodes].transpose(0, 2, 1) @ forces
+            np.add.at(self.dead, leaders, moved)
+            np.add.at(self.moment, leaders, force[:, 3:])
+
+    def add_strain(self, body: Body, strain: Array) -> None:
+        """In all cells of the body's assembly."""
+        of_body = (body in members for members in self._numbering.members)
+        number = next(number for number, found in enumerate(of_body) if found)
+        strains = [
+            strain if other is body else np.zeros((len(other.cells_of()), 6))
+            for other in self._numbering.members[number]
+        ]
+        self.strains.append((number, np.concatenate(strains)))
+
+    def add_term(self, term: Term) -> None:
+        """One more."""
+        self.terms.append(term)
 
 
 class LoadCases:
@@ -43,7 +88,7 @@ class LoadCases:
 
     Attributes:
         time_dependent: Whether any load has a history.
-        pressures: The forces of each pressure.
+        terms: Those that have a matrix, on all nodes.
         turning: Whether there are moments or following loads.
     """
 
@@ -55,70 +100,25 @@ class LoadCases:
             numbering: Of its nodes.
             weight: Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3).
         """
-        self._numbering = numbering
+        self._assemblies = numbering.assemblies
         # equal histories are one, under the number of the first load that has it
         distinct: dict[History, int] = {}
         for number, history in histories(scene.loads).items():
             distinct.setdefault(history, number)
         self._histories = {number: history for history, number in distinct.items()}
         case = {None: 0} | {history: 1 + k for k, history in enumerate(distinct)}
-        case_of = [case[load.history] for load in scene.loads]
-        count = numbering.count
-        self._cases = [_Case(count) for _ in range(1 + len(distinct))]
+        self._cases = [_Case(numbering) for _ in range(1 + len(distinct))]
         self._cases[0].dead += weight
-        self._strains: list[tuple[int, int, Array]] = []
-        self.pressures: list[Pressure | SurfacePushes] = []
-        self._case_of_pressure: list[int] = []
-        for number, load in zip(case_of, scene.loads, strict=True):
-            if isinstance(load, NodalLoad):
-                self._add_nodal(self._cases[number], load)
-            elif isinstance(load, StrainLoad):
-                self._strains.append((number, *self._in_assembly(load)))
-            elif isinstance(load, PressureLoad):
-                self._case_of_pressure.append(number)
-                self.pressures.append(Pressure(self._pieces(load), load.across()))
-            elif isinstance(load, SurfacePressure):
-                self._case_of_pressure.append(number)
-                cells = numbering.nodes[load.body][load.faces()]
-                self.pressures.append(SurfacePushes(cells, load.rule(), load.on_cells()))
+        for load in scene.loads:
+            load.contribute(self._cases[case[load.history]])
+        self._strains = [(k, *s) for k, part in enumerate(self._cases) for s in part.strains]
+        of_cases = [(k, term) for k, part in enumerate(self._cases) for term in part.terms]
+        self._case_of_term = [k for k, _ in of_cases]
+        self.terms = [term for _, term in of_cases]
         self.time_dependent = bool(distinct)
-        self.turning = any(case.moment.any() or case.following.any() for case in self._cases)
+        nodal = any(case.moment.any() or case.following.any() for case in self._cases)
+        self.turning = nodal or any(term.turning for term in self.terms)
         self._last: Array | None = None
-
-    def _add_nodal(self, case: _Case, load: NodalLoad) -> None:
-        """A force fixed in space is a force on ``q``, wherever its node follows its leader."""
-        attachment = self._numbering.attachment
-        nodes = self._numbering.nodes[load.body]
-        leaders, values, levers = attachment.leader[nodes], load.nodal(), load.on_directors()
-        if load.following:
-            # of forces fₖ on the directors: Σ eₖ × fₖ
-            values[:, 3:] += np.cross(np.eye(3), levers).sum(axis=1)
-            turn = lie.se3_adjoint(lie.se3_inverse(attachment.offset[nodes]))
-            np.add.at(case.following, leaders, np.einsum("nji,nj->ni", turn, values))
-        else:
-            forces = np.concatenate([values[:, np.newaxis, :3], levers], axis=1)
-            moved = attachment.linear()[nodes].transpose(0, 2, 1) @ forces
-            np.add.at(case.dead, leaders, moved)
-            np.add.at(case.moment, leaders, values[:, 3:])
-
-    def _in_assembly(self, load: StrainLoad) -> tuple[int, Array]:
-        """Number of the load's assembly and the strain of all cells there, shape (M, 6)."""
-        for number, members in enumerate(self._numbering.members):
-            if load.body in members:
-                strains = [
-                    load.strains() if body is load.body else np.zeros((len(body.cells_of()), 6))
-                    for body in members
-                ]
-                return number, np.concatenate(strains)
-        raise AssertionError("a load on a body that is not in the scene")
-
-    def _pieces(self, load: PressureLoad) -> Indices:
-        """Pairs of successive nodes on the loaded elements, in the numbering of all nodes."""
-        beam = load.body
-        elements = beam.elements[beam.cells_of(load.cells)]
-        along = elements[:, [0, *range(2, elements.shape[1]), 1]]
-        pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
-        return self._numbering.nodes[beam][pairs]
 
     def at(self, time: float, factor: float) -> Loads:
         """Loads at ``time``; those without history, and gravity, times ``factor``.
@@ -129,8 +129,8 @@ class LoadCases:
         amplitude = np.concatenate([[factor], amplitudes(self._histories, time)[0]])
         if self._last is None or (amplitude != self._last).any():
             self._set_strains(amplitude)
-            for case, pressure in zip(self._case_of_pressure, self.pressures, strict=True):
-                pressure.amplitude = float(amplitude[case])
+            for case, term in zip(self._case_of_term, self.terms, strict=True):
+                term.amplitude = float(amplitude[case])
             self._last = amplitude
         if len(amplitude) == 1 and factor == 1.0:
             return Loads(*self._cases[0].arrays())
@@ -159,10 +159,10 @@ class LoadCases:
     def contents(self) -> Contents:
         """All that forces are made of, but for the histories."""
         cases = [case.arrays() for case in self._cases]
-        pressures = [pressure.contents for pressure in self.pressures]
-        return cases, self._strains, self._case_of_pressure, pressures
+        terms = [term.contents for term in self.terms]
+        return cases, self._strains, self._case_of_term, terms
 
     def _set_strains(self, amplitude: Array) -> None:
         for number in dict.fromkeys(number for _, number, _ in self._strains):
             total = sum(amplitude[c] * strain for c, n, strain in self._strains if n == number)
-            self._numbering.assemblies[number][1].set_eigenstrain(np.asarray(total))
+            self._assemblies[number][1].set_eigenstrain(np.asarray(total))

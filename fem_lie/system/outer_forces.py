@@ -16,9 +16,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
-from fem_lie.forms.frames import push
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.lie.kinds import push_all, wrench
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.system.nodes import inertia
@@ -28,9 +28,9 @@ from fem_lie.system.nodes.loads import PlainLoads
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
 """Where they begin in a row, and how long that is."""
 
-PlainScene: TypeAlias = tuple[PlainLoads, Array, PlainInertia, PackedJoints, bool, bool]
-"""Nodal loads, those of ``dead`` that have a potential, damping that goes with mass, the table of
-joints, whether loads are looked at, and whether joints are."""
+PlainScene: TypeAlias = tuple[Indices, PlainLoads, Array, PlainInertia, PackedJoints, bool, bool]
+"""Kinds of the nodes, nodal loads, those of ``dead`` that have a potential, damping that goes with
+mass, the table of joints, whether loads are looked at, and whether joints are."""
 
 PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
 """A :class:`Seen` at the door from Python: compiled functions are quicker to call so."""
@@ -67,16 +67,16 @@ def _turned(H: Array, local: Vector) -> Vector:
 
 
 @compiled
-def add_local(H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
-    """Add forces and moments in the frames ``H`` (n, 6), times ``sign``, to ``out`` at ``at``."""
+def add_local(kinds: Indices, H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
+    """Add forces of nodes (n, 6), in their axes, times ``sign``, to ``out`` at ``at``."""
     for i in range(forces.shape[0]):
-        f = scaled(sign, _turned(H[i], load(forces[i], 0)))
-        m = scaled(sign, _turned(H[i], load(forces[i], 3)))
-        add_wrench(out, at, load_row(H[i], 0), f, m)
+        f, m = wrench(kinds[i], H[i], forces[i])
+        add_wrench(out, at, load_row(H[i], 0), scaled(sign, f), scaled(sign, m))
 
 
 @compiled
 def add_loads(
+    kinds: Indices,
     H: Array,
     v: Array,
     loads: PlainLoads,
@@ -87,6 +87,7 @@ def add_loads(
     """Add nodal loads; those in ``conservative`` (n, 4, 3) have a potential and no power here.
 
     Args:
+        kinds: What the nodes are, (n,).
         H: Frames, shape (≥ n, 4, 3).
         v: Twists, shape (≥ n, 6).
         loads: See :class:`~fem_lie.system.nodes.loads.Loads`.
@@ -96,7 +97,7 @@ def add_loads(
     """
     dead, moment, following = loads
     n = dead.shape[0]
-    push(H, v[:n], work[0])
+    push_all(kinds, H, v, work[0])
     for i in range(n):
         for k in range(4):
             for j in range(3):
@@ -112,10 +113,12 @@ def add_loads(
 
 
 @compiled
-def add_mass_damping(H: Array, v: Array, D: PlainInertia, work: Array, out: Array) -> None:
+def add_mass_damping(
+    kinds: Indices, H: Array, v: Array, D: PlainInertia, work: Array, out: Array
+) -> None:
     """Add damping ``D q̇`` that goes with mass; ``work`` (2, n, 4, 3)."""
     n = work.shape[1]
-    push(H, v[:n], work[0])
+    push_all(kinds, H, v, work[0])
     indptr, indices, blocks = D
     inertia.multiply(indptr, indices, blocks, work[0], work[1])
     for i in range(n):
@@ -159,22 +162,22 @@ def look(
         wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
             overwritten.
     """
-    loads, conservative, damping, joints, loaded, joined = scene
+    kinds, loads, conservative, damping, joints, loaded, joined = scene
     n, rows = conservative.shape[0], H.shape[0]
     work = np.empty((2, n, 4, 3))
     row[:], wrenches[:] = 0.0, 0.0
     if loaded:
-        add_loads(H, v, loads, conservative, work, row)
+        add_loads(kinds, H, v, loads, conservative, work, row)
     indptr, _, _ = damping
     if indptr.shape[0] > 0:
-        add_mass_damping(H, v, damping, work, row)
+        add_mass_damping(kinds, H, v, damping, work, row)
     if joined:
         r = np.empty(6 * rows + weights.shape[0])
         row[LOSS] += joint_reactions(H, v, joints, weights, weights, r)
         for i in range(n, rows):
             for k in range(6):
                 wrenches[i - n, k] = r[6 * i + k]
-        add_local(H[n:], wrenches, REACTIONS, 1.0, row)
+        add_local(np.zeros(rows - n, dtype=np.int64), H[n:], wrenches, REACTIONS, 1.0, row)
 
 
 @compiled
@@ -194,7 +197,7 @@ def sum_up(
         row: What acts there, see :func:`look`.
         wrenches: Of ground and prescribed frames there, see :func:`look`.
         start: See :class:`Seen`, overwritten.
-        total: See :class:`~fem_lie.solve.alpha.books.Books`, updated.
+        total: See :class:`~fem_lie.system.balance.books.Books`, updated.
     """
     H, v, weights, targets = end
     old_row, old_wrenches, old_H, old_v, old_weights, old_targets = start
@@ -227,17 +230,17 @@ def look_and_sum_up(
         end: As for :func:`sum_up`.
         loaded: Whether loads are looked at.
         joined: Whether joints are.
-        table: Of fixed arrays: loads, those with a potential, damping that goes with mass, joints,
-            then what ``sum_up`` calls ``start`` and ``total``.
+        table: Of fixed arrays: kinds of the nodes, loads, those with a potential, damping that
+            goes with mass, joints, then what ``sum_up`` calls ``start`` and ``total``.
     """
-    loads = numbers3(table, 0), numbers2(table, 1), numbers2(table, 2)
-    damping = integers1(table, 4), integers1(table, 5), numbers3(table, 6)
-    joints = numbers1(table, 7), integers1(table, 8)
-    scene = loads, numbers3(table, 3), damping, joints, loaded, joined
-    old_row, old_wrenches, old_H = numbers1(table, 9), numbers2(table, 10), numbers3(table, 11)
-    old_v, old_weights, old_targets = numbers2(table, 12), numbers1(table, 13), numbers1(table, 14)
+    loads = numbers3(table, 1), numbers2(table, 2), numbers2(table, 3)
+    damping = integers1(table, 5), integers1(table, 6), numbers3(table, 7)
+    joints = numbers1(table, 8), integers1(table, 9)
+    scene = integers1(table, 0), loads, numbers3(table, 4), damping, joints, loaded, joined
+    old_row, old_wrenches, old_H = numbers1(table, 10), numbers2(table, 11), numbers3(table, 12)
+    old_v, old_weights, old_targets = numbers2(table, 13), numbers1(table, 14), numbers1(table, 15)
     start = old_row, old_wrenches, old_H, old_v, old_weights, old_targets
     row, wrenches = np.empty(SIZE), np.empty_like(old_wrenches)
     H, v, weights, _ = end
     look(H, v, weights, scene, row, wrenches)
-    sum_up(h, end, row, wrenches, start, numbers1(table, 15))
+    sum_up(h, end, row, wrenches, start, numbers1(table, 16))

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
 import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.joints.equations import sliding, terms
+from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
 from fem_lie.system.constraints import Connections
-from fem_lie.system.elastic import Elastic
+from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, rigid_tangent, to_inertial
+from fem_lie.system.terms.all_terms import Terms
 
-_SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an open edge
+_ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
+
+Wanted: TypeAlias = Callable[[Term], bool]
+"""Whether a term is taken in."""
+
+
+def _all(_: Term) -> bool:
+    return True
 
 
 class Tangent:
@@ -32,13 +43,11 @@ class Tangent:
     def __init__(
         self,
         mass: Inertia,
-        damping: Inertia | None,
-        elastic: Elastic,
+        terms: Terms,
         connections: Connections,
         held: Flags,
         axes: Array,
         *,
-        viscous: bool,
         redundant: bool,
         length: float,
     ) -> None:
@@ -46,42 +55,42 @@ class Tangent:
 
         Args:
             mass: Inertia of the leaders.
-            damping: Damping that goes with mass.
-            elastic: All assemblies, and pressure.
+            terms: All that has a matrix besides.
             connections: All joints.
             held: Which unknowns of the nodes are zero, shape (n, 6).
             axes: Fixed axes of the supports, see
                 :class:`~fem_lie.system.nodes.fixed_axes.Supports`.
-            viscous: Whether the viscous forces of ``elastic`` count.
             redundant: Whether constraints may follow from others.
             length: Of the model.
         """
-        self._mass, self._damping = mass, damping
-        self._elastic, self._viscous = elastic, viscous
-        self._connections = connections
-        self._table, self._border = connections.table, connections.border
+        self._mass, self._terms, self._connections = mass, terms, connections
+        self._border = connections.border
         self._held, self._count = held, len(held)
-        diagonal = np.arange(self._count)
-        pair = (np.repeat(diagonal, np.diff(mass.indptr)), mass.indices)
-        a, b = self._table.nodes.T
-        both = (np.concatenate([a, b]), np.concatenate([b, a]))
-        slides = connections.sliding_pairs()
-        pairs = [pair, *elastic.pairs, both, (slides[0].ravel(), slides[1].ravel())]
-        angular = connections.angular
+        self._rows = np.zeros((len(self._border.nodes), 6))
+        pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
             pairs, self._border, held, length=length, angular=angular, redundant=redundant
         )
-        place = self.kkt.place
-        self._place_mass = place(*pair)
-        self._place_elastic = [place(*pair) for pair in elastic.pairs]
-        self._diagonal = place(diagonal, diagonal)
-        self._place_sliding = place(*slides)
-        self._place_joints = np.stack(
-            [np.stack([place(a, a), place(a, b)], 1), np.stack([place(b, a), place(b, b)], 1)], 1
-        )
-        nodes = self._border.nodes
-        self.supports = Supports(axes, self.kkt.indptr, self.kkt.indices, nodes)
-        self._rows = np.zeros((len(nodes), 6))
+        self.supports = Supports(axes, self._border.nodes)
+        self._settle()
+
+    def _pairs(self) -> list[Pairs]:
+        """Of inertia, of all terms, and of sets of constraints."""
+        mass = self._mass
+        own = np.repeat(np.arange(self._count), np.diff(mass.indptr)), mass.indices
+        joined = [each.pairs for each in self._connections.sets]
+        return [own, *self._terms.pairs, *((r.ravel(), c.ravel()) for r, c in joined)]
+
+    def _settle(self) -> None:
+        """Find the places of all parts in the pattern as it is now."""
+        place, diagonal = self.kkt.place, np.arange(self._count)
+        own, *coupled = self._pairs()
+        self._versions = self._terms.versions
+        self._place_mass, self._diagonal = place(*own), place(diagonal, diagonal)
+        parts = zip(self._terms, coupled, strict=False)
+        self._parts = [(term, place(*pair)) for term, pair in parts]
+        self._sets = [(each, place(*each.pairs)) for each in self._connections.sets]
+        self.supports.find(self.kkt.indptr, self.kkt.indices)
         self.A = np.zeros((len(self.kkt.indices), 6, 6))
         self.K = np.zeros_like(self.A)
 
@@ -98,111 +107,109 @@ class Tangent:
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
     def constraint_scale(self, H: Array) -> Array:
-        """``1/(B diag(S)⁻¹ Bᵀ)`` of each constraint with the ``S`` in ``A``, shape (m,).
+        """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints with the ``S`` in ``A``, shape (m,).
 
+        Those that are one vector have the mean, which does not depend on their axes, unless they
+        differ much: one scale would leave the matrix as badly conditioned as they differ.
         Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
         ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
         """
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
         B = self.jacobian(H)
         weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
-        total = np.asarray(weighted.sum(axis=1)).ravel()
+        total: Array = np.asarray(weighted.sum(axis=1)).ravel()
+        group = np.cumsum(~self._connections.joined) - 1
+        if len(group):
+            first = np.flatnonzero(np.diff(group, prepend=-1))
+            low, high = np.minimum.reduceat(total, first), np.maximum.reduceat(total, first)
+            mean = np.bincount(group, total) / np.bincount(group)
+            total = np.where((high <= _ALIKE * low)[group], mean[group], total)
         return np.divide(1.0, total, out=np.ones_like(total), where=total > 0.0)
 
     # --- parts ---
 
     def clear(self) -> None:
-        """Start anew."""
+        """Start anew, with the pairs that terms have now."""
+        if self._versions != self._terms.versions:
+            self.kkt.couple(self._pairs())
+            self._settle()
         self.A[:] = 0.0
         self.K[:] = 0.0
 
     def add_inertia(
         self,
-        H: Array,
-        v: Array,
-        a: Array,
+        state: Instant,
         kinds: Indices,
-        force: Array,
-        moment: Array,
+        loads: tuple[Array, Array],
         factors: tuple[float, float],
     ) -> None:
-        """Inertia and nodal loads, see :func:`~fem_lie.system.nodes.sums.rigid_tangent`."""
-        rigid_tangent(
-            H,
-            v,
-            a,
-            kinds,
-            self._mass,
-            self._place_mass,
-            force,
-            moment,
-            self._diagonal,
-            factors,
-            self.A,
-            self.K,
-        )
+        """Inertia and nodal loads.
+
+        Args:
+            state: Where.
+            kinds: Of the nodes.
+            loads: Forces on (x, d₁, d₂, d₃) that the residual found, and moments fixed in space.
+            factors: ∂a/∂d and ∂v/∂d.
+        """
+        H, v, a, _ = state
+        mass, parts = (self._mass.plain, self._place_mass), (self.A, self.K)
+        rigid_tangent((H, v, a), kinds, mass, (*loads, self._diagonal), factors, parts)
 
     def add_mass(self, H: Array, kinds: Indices) -> None:
         """The mass matrix, to ``A``."""
         still = np.zeros((self._count, 6))
-        inertia.tangents(
-            H, still, still, kinds, *self._mass, self._place_mass, 1.0, 0.0, self.A, self.K
-        )
+        motion, parts = (H, still, still), (self.A, self.K)
+        inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, (1.0, 0.0), parts)
 
-    def add_elastic(self, H: Array) -> None:
-        """Elements, with the stress they carry, and pressure, to ``K``."""
-        for place, blocks in zip(self._place_elastic, self._elastic.tangents(H), strict=True):
-            add_blocks(self.K, place, blocks)
+    def add_terms(self, H: Array, kept: Sequence[Array], wanted: Wanted = _all) -> None:
+        """Terms, with the stress that they carry, to ``K``.
 
-    def symmetric_pressures(self, H: Array) -> bool:
-        """Whether each pressure has a symmetric tangent in the free unknowns at frames ``H``.
-
-        For nodes that move by ``x + R u``: the turning of forces is none of theirs.
+        Args:
+            H: Frames.
+            kept: See :meth:`~fem_lie.system.terms.all_terms.Terms.add_forces`.
+            wanted: Which of them.
         """
-        free = np.flatnonzero(~self._held.ravel())
-        for k, blocks in self._elastic.pressure_tangents(H):
-            self.clear()
-            add_blocks(self.K, self._place_elastic[k], blocks)
-            self.K[:, :, 3:] = 0.0
-            self.supports.turn_blocks(H, self.K)
-            A = sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()[free][:, free]
-            if abs(A - A.T).max() > _SYMMETRIC * abs(A).max():
-                return False
-        return True
+        for (term, place), forces in zip(self._parts, kept, strict=True):
+            if wanted(term):
+                add_blocks(self.K, place, term.tangent(H, forces))
+
+    def alone(self, H: Array, term: Term) -> sp.csr_matrix:
+        """The matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
+        kept = term.room()
+        term.add_forces(H, np.zeros((self._count, 6)), kept)
+        self.clear()
+        (place,) = (place for other, place in self._parts if other is term)
+        add_blocks(self.K, place, term.tangent(H, kept))
+        self.supports.turn_blocks(H, self.K)
+        return sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()
 
     def add_geometric(self, H: Array, weights: Array) -> None:
-        """Geometric stiffness of joints with the multipliers ``weights``, to ``K``."""
-        terms.geometric(H, self._table, weights, self._place_joints, self.K)
-        if len(self._place_sliding):
-            sliding.geometric(H, self._connections.sliding, weights, self._place_sliding, self.K)
+        """Geometric stiffness of joints with multipliers ``weights``, and of terms, to ``K``.
 
-    def add_springs(self, H: Array) -> None:
-        """Stiffness of springs in joints, to ``K``."""
-        if len(self._table.springs):
-            terms.add_springs(H, self._table, self._place_joints, 1.0, 0.0, self.K)
-
-    def add_dampers(self, H: Array, factor: float) -> None:
-        """``factor`` times the derivative of dampers in joints in the twists, to ``A``."""
-        if len(self._table.springs):
-            terms.add_springs(H, self._table, self._place_joints, 0.0, factor, self.A)
-
-    def add_viscosity(self, H: Array, factor: float) -> None:
-        """``factor`` times the derivative of viscous forces in the twists' rates, to ``A``."""
-        if self._viscous:
-            for k, blocks in self._elastic.viscous_tangents(H):
-                add_blocks(self.A, self._place_elastic[k], factor * blocks)
-
-    def add_mass_damping(self, H: Array, v: Array, factor: float) -> None:
-        """``factor Lᵀ D L`` to ``A``, ``Lᵀ D ∂(L v)/∂h`` to ``K``.
-
-        ``L v`` is the acceleration ``v`` of a body at rest.
+        That of joints has what acts along them.
         """
-        if self._damping is None:
-            return
-        still, rate = np.zeros((self._count, 6)), v[: self._count]
-        local = np.zeros(self._count, dtype=np.int64)
-        place = self._place_mass
-        inertia.tangents(H, still, rate, local, *self._damping, place, factor, 0.0, self.A, self.K)
+        for each, place in self._sets:
+            each.geometric(H, weights, place, self.K)
+        for term, place in self._parts:
+            blocks = None if term.within_joints else term.geometric(H)
+            if blocks is not None:
+                add_blocks(self.K, place, blocks)
+
+    def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = _all) -> None:
+        """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
+
+        Args:
+            H: Frames.
+            v: Twists.
+            factor: ∂v/∂d.
+            wanted: Of which terms.
+        """
+        for term, place in self._parts:
+            if term.viscous and wanted(term):
+                by_twists, by_frames = term.viscous_tangent(H, v)
+                add_blocks(self.A, place, factor * by_twists)
+                if by_frames is not None:
+                    add_blocks(self.K, place, by_frames)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
         """See :func:`~fem_lie.lie.motions.add_turnings`; to ``K``."""
@@ -229,34 +236,22 @@ class Tangent:
             self.supports.turn_border(H, self._rows)
         self.kkt.fill(self.A, columns, self._rows, scale)
 
-    def fill_increments(
-        self,
-        H: Array,
-        kinds: Indices,
-        d: Array,
-        scale: Array,
-        *,
-        inertial: bool,
-        forces_at: Array | None = None,
-    ) -> None:
-        """``A + K T(d)``, bordered by the constraints at ``H``, into the KKT.
-
-        In components along the nodes' axes, or along fixed ones if ``inertial``. Forces of the
-        constraints are those at the frames ``forces_at`` (default: ``H``).
-        """
-        self._connections.jacobian(H, self._rows)
+    def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> None:
+        """``A + K T(d)``, bordered by the constraints, into the KKT; ``H``: frames of the state."""
+        d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
+        self._connections.jacobian(ahead, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
-        if forces_at is not None:
-            self._connections.jacobian(forces_at, columns)
+        if plan.forces_at is not None:
+            self._connections.jacobian(plan.forces_at, columns)
         if d.any():
             combine(self.A, self.K, kinds, d, bind)
             combine_rows(self._rows, kinds, d, nodes)
         else:
             self.A += self.K
         if self.supports:
-            self.supports.turn_blocks(H, self.A)
-            self.supports.turn_border(H, columns)
-            self.supports.turn_border(H, self._rows)
-        if inertial:
-            to_inertial(self.A, columns, self._rows, H, nodes, self.kkt.indptr, bind)
-        self.kkt.fill(self.A, columns, self._rows, scale)
+            self.supports.turn_blocks(ahead, self.A)
+            self.supports.turn_border(ahead, columns)
+            self.supports.turn_border(ahead, self._rows)
+        if plan.inertial:
+            to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
+        self.kkt.fill(self.A, columns, self._rows, plan.scale)

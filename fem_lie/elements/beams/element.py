@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar
@@ -16,6 +17,9 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.grips.grip import Grip
+from fem_lie.grips.interpolated import interpolated
+from fem_lie.lie.kinds import NodeKind
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +42,16 @@ class CellData:
 
 
 class Formulation(ABC):
-    """A beam element: subclass it in one file, as a frozen dataclass of its options.
+    """An element along a line: subclass it in one file, as a frozen dataclass of its options.
 
     Attributes:
+        node_kind: What its nodes are.
         degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
         bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
             inertia and line loads; otherwise it is the interpolated one.
     """
 
+    node_kind: ClassVar[NodeKind] = NodeKind.FRAME
     degree: int
     bows: ClassVar[bool] = False
 
@@ -65,6 +71,17 @@ class Formulation(ABC):
             relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
         """
         return stiffness
+
+    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+        """The frame at ``0 ≤ ξ ≤ 1`` along an element, as it is interpolated.
+
+        The default is that of positions and directors.
+
+        Args:
+            nodes: Of the element, its two ends first.
+            ξ: Arc length from its first end over its length, unloaded.
+        """
+        return interpolated(nodes, _SHAPES[self.degree](ξ))
 
     @abstractmethod
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
@@ -88,6 +105,12 @@ class Formulation(ABC):
         weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
         return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
 
+
+_SHAPES: dict[int, Callable[[float], Sequence[float]]] = {
+    1: lambda ξ: (1.0 - ξ, ξ),
+    2: lambda ξ: ((1.0 - ξ) * (1.0 - 2.0 * ξ), ξ * (2.0 * ξ - 1.0), 4.0 * ξ * (1.0 - ξ)),
+}
+"""Shape functions on a cell of unit length, ends first."""
 
 _LAGRANGE = {
     1: np.array([[2.0, 1], [1, 2]]) / 6,

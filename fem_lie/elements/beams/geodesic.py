@@ -8,6 +8,7 @@ nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, C
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -30,6 +31,8 @@ from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import stack
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.grips.geodesic import on_geodesic
+from fem_lie.grips.grip import Grip
 
 
 @frame_function
@@ -101,6 +104,11 @@ class Geodesic(Formulation):
     bending_flexibility: bool = True
     degree: ClassVar[int] = 1  # type: ignore[misc]
     bows: ClassVar[bool] = True
+
+    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+        """On the geodesic from end to end."""
+        a, b = nodes
+        return on_geodesic(int(a), int(b), ξ)
 
     def effective_stiffness(self, stiffness: Array, relative: Array) -> Array:
         """As it is, or with the bending of the element's inside, in the axes of its screw."""

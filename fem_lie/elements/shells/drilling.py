@@ -13,29 +13,35 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum, auto
+from typing import TypeAlias
 
 import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.lie.motions import add_turning
+from fem_lie.forms.term import Pairs, Term
+from fem_lie.lie.motions import add_turning, add_turnings
 from fem_lie.mesh.shapes import rule, tabulated
+
+PlainShapes: TypeAlias = tuple[Array, Array, Array]
+"""Shape functions at the points (g, k), their slopes G at those of all cells (m, g, 2, k), and what
+nodes carry, A (m, k, 2, 3)."""
 
 
 @compiled
 def _point(
     H: Array,
     nodes: Indices,
-    N: Array,
-    G: Array,
-    A: Array,
-    x: Array,
-    a: Array,
-    y: Array,
+    shapes: tuple[Array, Array, Array],
+    work: tuple[Array, Array, Array],
     n: Array,
 ) -> float:
-    """``x,₁ x,₂`` and ``a₁ a₂`` at a point, and the gradient ``n`` (k, 6) of ``c``; returns c."""
+    """``x,₁ x,₂`` and ``a₁ a₂`` at a point, and the gradient ``n`` (k, 6) of ``c``; returns c.
+
+    ``shapes`` are N, G and A there, ``work`` is x, a, and room for two vectors.
+    """
+    (N, G, A), (x, a, y) = shapes, work
     k = nodes.shape[0]
     x[:], a[:] = 0.0, 0.0
     for i in range(k):
@@ -72,22 +78,16 @@ def _local(frame: Array, v: Array, out: Array) -> None:
 
 @compiled
 def _strains(
-    H: Array,
-    cells: Indices,
-    N: Array,
-    G: Array,
-    A: Array,
-    rest: Array,
-    h: Array,
-    c: Array,
-    change: Array,
+    H: Array, cells: Indices, shapes: PlainShapes, rest: Array, h: Array, out: tuple[Array, Array]
 ) -> None:
-    """``c`` and its change along twists ``h`` (n, 6), shapes (m, g)."""
+    """``c`` and its change along twists ``h`` (n, 6), both in ``out``, of shape (m, g)."""
+    (N, G, A), (c, change) = shapes, out
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
     n = np.empty((cells.shape[1], 6))
     for e in range(cells.shape[0]):
         for g in range(N.shape[0]):
-            c[e, g] = _point(H, cells[e], N[g], G[e, g], A[e], x, a, y, n) - rest[e, g]
+            here = N[g], G[e, g], A[e]
+            c[e, g] = _point(H, cells[e], here, (x, a, y), n) - rest[e, g]
             change[e, g] = 0.0
             for i in range(cells.shape[1]):
                 for k in range(6):
@@ -96,20 +96,15 @@ def _strains(
 
 @compiled
 def _add_forces(
-    H: Array,
-    cells: Indices,
-    N: Array,
-    G: Array,
-    A: Array,
-    rest: Array,
-    weight: Array,
-    out: Array,
+    H: Array, cells: Indices, shapes: PlainShapes, rest: Array, weight: Array, out: Array
 ) -> None:
+    N, G, A = shapes
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
     n = np.empty((cells.shape[1], 6))
     for e in range(cells.shape[0]):
         for g in range(N.shape[0]):
-            c = _point(H, cells[e], N[g], G[e, g], A[e], x, a, y, n) - rest[e, g]
+            here = N[g], G[e, g], A[e]
+            c = _point(H, cells[e], here, (x, a, y), n) - rest[e, g]
             for i in range(cells.shape[1]):
                 for k in range(6):
                     out[cells[e, i], k] += weight[e, g] * c * n[i, k]
@@ -119,11 +114,8 @@ def _add_forces(
 def _add_tangent(
     H: Array,
     cells: Indices,
-    N: Array,
-    G: Array,
-    A: Array,
-    weight: Array,
-    stress: Array,
+    shapes: PlainShapes,
+    factors: tuple[Array, Array],
     place: Indices,
     K: Array,
 ) -> None:
@@ -132,12 +124,13 @@ def _add_tangent(
     ``∂r/∂h`` in twists is ``w n nᵀ + S ∂n/∂h`` with the carried stress ``S`` times area; what that
     motion has beyond is of the carried forces ``S n``, too.
     """
+    (N, G, A), (weight, stress) = shapes, factors
     k = cells.shape[1]
     x, a, y = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
     n, force, Q, M = np.empty((k, 6)), np.empty(6), np.empty((3, 3)), np.empty((3, 3))
     for e in range(cells.shape[0]):
         for g in range(N.shape[0]):
-            _point(H, cells[e], N[g], G[e, g], A[e], x, a, y, n)
+            _point(H, cells[e], (N[g], G[e, g], A[e]), (x, a, y), n)
             w, S = weight[e, g], stress[e, g]
             for j in range(k):
                 frame, own = H[cells[e, j]], K[place[e, j, j]]
@@ -186,12 +179,14 @@ def _add_tangent(
                             across[3 + f, d] += value
 
 
-class DrillingAssembly:
+class DrillingAssembly(Term):
     """Forces, tangent and energy on the nodes of an assembly of shells.
 
     Attributes:
         carried: Stress γ c at the points of integration, flat.
     """
+
+    label, of_bodies, carries = "drilling of shells with six parameters", True, True
 
     def __init__(
         self,
@@ -219,16 +214,17 @@ class DrillingAssembly:
         points, w = rule(kind.name, quadrature_degree)
         middle = np.asarray(basix.geometry(kind)).mean(axis=0, keepdims=True)
         table = tabulated(kind.name, degree, np.vstack([points, middle]))
-        self._cells, self._N = cells.astype(np.int64), np.ascontiguousarray(table[0, :-1])
+        self._cells, N = cells.astype(np.int64), np.ascontiguousarray(table[0, :-1])
         tangents = np.einsum("agk,mkj->mgaj", table[1:], frames[cells, 0])
         normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
         e2 = np.cross(normal, directions[:, np.newaxis])
         axes = np.stack([np.cross(e2, normal), e2], axis=2)
         axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
         inverse = np.linalg.inv(np.einsum("mgaj,mgbj->mgab", tangents, axes)[:, :-1])
-        self._G = np.einsum("mgba,agk->mgbk", inverse, table[1:, :-1])
+        G = np.einsum("mgba,agk->mgbk", inverse, table[1:, :-1])
         # what nodes carry are the axes of the centre
-        self._A = np.einsum("mbj,mkdj->mkbd", axes[:, -1], frames[cells, 1:])
+        A = np.einsum("mbj,mkdj->mkbd", axes[:, -1], frames[cells, 1:])
+        self._shapes: PlainShapes = N, G, A
         area = w * np.linalg.norm(normal[:, :-1], axis=-1)
         self._area, self._weight = area, area * stiffness[:, np.newaxis]
         self._gamma = stiffness[:, np.newaxis]
@@ -239,6 +235,10 @@ class DrillingAssembly:
         key = np.repeat(np.arange(len(frames)), np.diff(indptr)) * len(frames) + indices
         pairs = len(frames) * self._cells[:, :, np.newaxis] + self._cells[:, np.newaxis]
         self._place = np.searchsorted(key, pairs)
+        rows = np.repeat(np.arange(len(frames)), np.diff(indptr))
+        self._pairs = rows, indices.astype(np.int64)
+        self._diagonal = np.flatnonzero(rows == indices)
+        self._all = np.ones(len(frames), dtype=bool)
 
     @property
     def carried(self) -> Array:
@@ -247,27 +247,52 @@ class DrillingAssembly:
 
     def _strain(self, H: Array, h: Array) -> tuple[Array, Array]:
         c = np.empty_like(self._rest)
-        shapes = self._cells, self._N, self._G, self._A, self._rest
-        _strains(H, *shapes, h.reshape(-1, 6), c, self._change)
+        _strains(H, self._cells, self._shapes, self._rest, h.reshape(-1, 6), (c, self._change))
         return c, self._change
 
-    def add_forces(self, H: Array, out: Array) -> None:
+    @property
+    def pairs(self) -> Pairs:
+        """Those of the shells."""
+        return self._pairs
+
+    def room(self) -> Array:
+        """For all forces."""
+        return np.zeros((len(self._all), 6))
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the forces at frames ``H`` to ``out``, shape (n, 6)."""
-        shapes = self._cells, self._N, self._G, self._A, self._rest
-        _add_forces(H, *shapes, self._weight, out)
+        forces = self.room() if kept is None else kept
+        forces[:] = 0.0
+        _add_forces(H, self._cells, self._shapes, self._rest, self._weight, forces)
+        out += forces
 
     def energy(self, H: Array) -> float:
         """Stored energy."""
         c, _ = self._strain(H, np.zeros((len(H), 6)))
         return float(0.5 * np.sum(self._weight * c**2))
 
-    def add_tangent(self, H: Array, blocks: Array) -> None:
-        """Add the tangent, as of a shell, with the carried stress, to ``blocks`` (nnz, 6, 6)."""
-        shapes = self._cells, self._N, self._G, self._A
-        _add_tangent(H, *shapes, self._weight, self._area * self._stress, self._place, blocks)
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Derivatives in twists, with the carried stress."""
+        blocks = np.zeros((len(self._pairs[0]), 6, 6))
+        factors = self._weight, self._area * self._stress
+        _add_tangent(H, self._cells, self._shapes, factors, self._place, blocks)
+        add_turnings(kept, -1.0, self._diagonal, self._all, blocks)
+        return blocks
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        self.carried[:] = carried
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        self.carried[:] = 0.0
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class."""
+        self.carry(H, np.zeros((len(H), 6)))
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry the stress on to the end of the increment ``h`` (6 n,) from frames ``H``."""
+        """Carry the stress on to the end of the increment ``h`` (n, 6) from frames ``H``."""
         c, change = self._strain(H, h)
         self._stress[:] = self._gamma * (c + change)
 

@@ -122,11 +122,10 @@ def evaluate(
     table: RollingTable,
     weights: Array,
     scale: Array,
-    factor: float,
     count: int,
     r: Array,
 ) -> None:
-    """Add ``Wᵀ weights`` to the nodes' rows of ``r``; set the constraints' to ``scale factor W V``.
+    """Add ``Wᵀ weights`` to the nodes' rows of ``r``; set the constraints' to ``scale W V``.
 
     Arguments as in :func:`fem_lie.joints.equations.terms.evaluate`.
     """
@@ -137,7 +136,7 @@ def evaluate(
         force[:] = 0.0
         for i in range(table.first[j + 1] - table.first[j]):
             row = table.start[0] + table.first[j] + i
-            r[6 * count + row] = scale[row] * factor * (W[i] @ V)
+            r[6 * count + row] = scale[row] * (W[i] @ V)
             force += weights[row] * W[i]
         for side in range(2):
             node = table.nodes[j, side]

@@ -129,9 +129,19 @@ def _gradient(table: SlidingTable, e: int, c: int, d: Array, z: Array, p: Array)
 
 @compiled
 def _nodal(
-    table: SlidingTable, j: int, e: int, ξ: float, d: Array, X: Array, z: Array, p: Array, f: Array
+    table: SlidingTable,
+    j: int,
+    e: int,
+    place: tuple[float, Array, Array],
+    z: Array,
+    p: Array,
+    f: Array,
 ) -> None:
-    """Forces (3, 6) on the nodes of the frame and of both ends that do the work ``p · δz``."""
+    """Forces (3, 6) on the nodes of the frame and of both ends that do the work ``p · δz``.
+
+    ``place`` are ξ, ``d`` and ``X``.
+    """
+    ξ, d, X = place
     sides, whole, part = np.empty((2, 6)), np.empty(6), np.empty(6)
     force(z, p, sides[0], sides[1])
     lie.apply_adjoint_inverse_transposed(table.frames[j], sides[1], f[0])
@@ -157,7 +167,7 @@ def _forces(
     for c in range(table.first[j], table.first[j + 1]):
         _gradient(table, e, c, d, z, p)
         q += weights[table.start[0] + c] * p
-    _nodal(table, j, e, ξ, d, X, z, q, f)
+    _nodal(table, j, e, (ξ, d, X), z, q, f)
     return e, ξ
 
 
@@ -190,7 +200,7 @@ def jacobian(H: Array, table: SlidingTable, rows: Array) -> None:
         e, ξ = _locate(H, table, j, -1, d, X, z)
         for c in range(table.first[j], table.first[j + 1]):
             _gradient(table, e, c, d, z, p)
-            _nodal(table, j, e, ξ, d, X, z, p, f)
+            _nodal(table, j, e, (ξ, d, X), z, p, f)
             if table.slider_leg[j] >= 0:
                 rows[table.legs[c] + table.slider_leg[j]] += f[0]
             for end in range(2):

@@ -200,37 +200,6 @@ def wrenches(
 
 
 @compiled
-def report(
-    H: Array,
-    v: Array,
-    joints: PackedJoints,
-    probes: PackedJoints,
-    weights: Array,
-    pairs: Indices,
-    side: Indices,
-    owner: Indices,
-    forces: Array,
-    coordinates: Array,
-    values: Array,
-    largest: Array,
-) -> None:
-    """:func:`wrenches`, the values of ``probes`` and :func:`violations` in one call.
-
-    ``largest`` gets the largest size of a violation of each ``owner``, whose constraints are more
-    than those of the table; it is zero before. The tables come packed, which makes the call from
-    Python cheaper.
-    """
-    table = joint_table(joints)
-    wrenches(H, v, table, weights, pairs, side, forces)
-    violations(H, joint_table(probes), coordinates)
-    violations(H, table, values)
-    for row in range(len(table.targets)):
-        size = abs(values[row])
-        if size > largest[owner[row]] or size != size:  # nan stays
-            largest[owner[row]] = size
-
-
-@compiled
 def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
     """:func:`unwrap` for two tables."""
     unwrap(H, joint_table(joints))

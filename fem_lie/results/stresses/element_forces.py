@@ -13,17 +13,17 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.beam import Beam
-from fem_lie.bodies.beam_assembly import BeamAssembly
+from fem_lie.bodies.beams.assembly import BeamAssembly
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.orientation import middle_frames
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.orientation import middle_frames
 from fem_lie.joints import Sliding
 from fem_lie.scene import Scene
 from fem_lie.scene.nodal_loads import PointLoad
 
 
 class ElementForces:
-    """The elements of a beam, each for itself; shapes as in :class:`~fem_lie.bodies.beam.Beam`."""
+    """The elements of a beam, each for itself; shapes as in :class:`~.beams.beam.Beam`."""
 
     def __init__(self, beam: Beam) -> None:
         self._elements = beam.elements
@@ -103,8 +103,8 @@ def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
 def single_forces(scene: Scene, beam: Beam) -> Indices:
     """Nodes of a beam at which something other than loads along the line may act.
 
-    Those of joints, springs, links, supports and point loads, and of kinks and branches; all of
-    them if something slides along it.
+    Those of joints, springs, links, supports and point loads, all of an element within which one is
+    attached, and those of kinks and branches; all of them if something slides along it.
     """
     sliding = [item for item in (*scene.joints, *scene.connections) if isinstance(item, Sliding)]
     if any(item.beam is beam for item in sliding):
@@ -118,7 +118,8 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     for connection in (*scene.joints, *scene.connections):
         points += [point for tie in connection.ties() for point in (tie.a, tie.b)]
         points += [point for tie in connection.velocity_ties() for point in (tie.a, tie.b)]
-    nodes = [point.node for point in points if point.body is beam]
+    own = [point for point in points if point.body is beam]
+    nodes = [n for point in own for n in (point.grip.nodes if point.grip else (point.node,))]
     following = np.flatnonzero(beam.leaders != np.arange(len(beam.leaders)))
     return np.unique([*nodes, *following, *beam.leaders[following]]).astype(np.int64)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.units import Units
 from fem_lie.results.stresses.beam_quantities import unit

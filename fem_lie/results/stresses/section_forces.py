@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
-from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult

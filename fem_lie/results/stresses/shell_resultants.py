@@ -19,8 +19,9 @@ import dolfinx
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
-from fem_lie.bodies.shell import Shell
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
+from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.cell_functions import (
@@ -226,17 +227,14 @@ class Resultants(ResultantValues):
         Raises:
             ValueError: The name does not end in ``.png``; or see :meth:`smooth`.
         """
-        from fem_lie.pictures.contours import draw_values
+        from fem_lie.pictures.contours import DrawnSurface, draw_values
 
         node, X = self.places.patches.node, self.shell.own_mesh.points
         draw_values(
             path,
-            self.shell.own_mesh,
-            self.places.patches.number,
-            X[node],
+            DrawnSurface(self.shell.own_mesh, self.places.patches.number, X[node]),
             X[node] + magnified * (self.frames[node, 0] - X[node]),
             self.smooth(name),
             f"{name} [{quantity(name).unit(units)}]",
-            title=title or f"{name} of {self.shell.label}",
-            units=units,
+            Canvas(title or f"{name} of {self.shell.label}", units),
         )

@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
 
-from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.bodies.body import vector
-from fem_lie.bodies.shell import Shell
+from fem_lie._arrays import Array, Flags, Indices, vector
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.stresses.nodal_values import (
     CellPoints,
     SharedValues,

@@ -22,7 +22,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.shell import Shell
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.results.stresses.nodal_values import (
     axes_along,

@@ -15,7 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.lie.motions import from_local, move_all
+from fem_lie.lie.kinds import all_from_local, move_all
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
@@ -41,7 +41,6 @@ from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.nodes.shared_setup import numbered
-from fem_lie.system.system import refuse_ranks
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
@@ -50,7 +49,9 @@ def applies(scene: Scene, policy: Policy) -> bool:
     """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
     held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
     rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
-    return bool(scene.bodies) and rigid and not held and policy.rule() is not None
+    nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
+    simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
+    return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
 
 
 class Run:
@@ -74,7 +75,6 @@ class Run:
             scene: One that :func:`applies`.
             step: Step size.
         """
-        refuse_ranks()
         rule = options.policy.rule()
         assert rule is not None
         self.options = Iteration(
@@ -113,7 +113,7 @@ class Run:
         constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
         vary, owner, varying = [], [], histories(scene.loads)
         for k, given in enumerate(scene.loads):
-            assert isinstance(given, NodalLoad)  # all others need beams
+            assert isinstance(given, NodalLoad)
             (node,) = self.numbering.nodes[given.body]
             twelve, at = np.zeros(12), 6 if given.following else 0
             twelve[at : at + 6] = given.nodal()[0]
@@ -134,7 +134,7 @@ class Run:
         bodies, loads = self.bodies, self.loads
         amplitude = amplitudes(self.histories, [0.0, ahead])
         group, twists = self.bodies.group, self.numbering.velocities
-        from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
+        all_from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
         free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
         move_all(group, s.H, d, H1)
@@ -190,9 +190,7 @@ class Run:
             amplitude,
             self.s,
             Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
-            Kept(history.frames, history.velocities, done),
-            taken,
-            failed,
+            Kept(history.frames, history.velocities, done, taken, failed),
         )
         count = before + np.cumsum(taken)
         kept = (indices <= last) & wanted_rows

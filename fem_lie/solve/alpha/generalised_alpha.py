@@ -24,7 +24,7 @@ from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
 
@@ -48,11 +48,11 @@ class GeneralisedAlpha(Options, Integrator):
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
-    def _system(self, scene: Scene) -> System:
-        return System(scene, dynamics=True, parametrisation=self.parametrisation)
+    def _equations(self, scene: Scene) -> Equations:
+        return Equations(scene, dynamics=True, parametrisation=self.parametrisation)
 
-    def _integration(self, system: System, step: float) -> Run:
-        return Run(self, system, step)
+    def _integration(self, equations: Equations, step: float) -> Run:
+        return Run(self, equations, step)
 
     def _follow(
         self,
@@ -62,7 +62,8 @@ class GeneralisedAlpha(Options, Integrator):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        return variable.run(self, self._system(scene), duration, choice, saving, progress)
+        equations = self._equations(scene)
+        return variable.run(self, equations, duration, choice, saving, progress)
 
     def _compiled(
         self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None

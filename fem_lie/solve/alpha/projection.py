@@ -19,47 +19,44 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.nodes import State, change_velocities
-from fem_lie.solve.motion.start import with_driven
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 _ITERATIONS = 20
 _CONTRACTION = 1e-12  # of the violation, or what the round-off of velocities leaves
 
 
 def project(
-    system: System, solver: DirectSolver, s: State, scale: Array, time: float, step: float
+    equations: Equations, solver: DirectSolver, s: State, scale: Array, time: float, step: float
 ) -> None:
     """Change the velocities at the end of a step.
 
     Args:
-        system: The equations, at the time of the end of the step.
+        equations: Of the scene, at the time of the end of the step.
         solver: With the kept factorisation.
         s: The converged step; its velocities at the end are changed.
         scale: Of the constraints in the matrix, shape (m,).
         time: End of the step.
         step: Over which drives and prescribed motions are differentiated.
     """
-    n, connections = system.count, system.connections
-    velocities, _ = with_driven(system, np.zeros((len(s.H1), 6)), time, step)
-    drive = connections.target_rates(time, step)[0] if system.time_dependent else 0.0
-    border, legs = connections.border, np.empty((len(connections.border.nodes), 6))
-    connections.jacobian(s.H1, legs)
-    legs[system.held[border.nodes]] = 0.0
-    impulse = np.zeros(system.m)
-    change, largest = np.zeros(system.size), np.inf
+    n, velocities = equations.unknowns.moving, np.zeros((len(s.H1), 6))
+    drive: Array = np.zeros(1)
+    if equations.unknowns.time_dependent:
+        driven = equations.driven(time, step)
+        velocities[n + 1 :], drive = driven.velocities, driven.targets
+    B = equations.jacobian(s.H1)
+    impulse = np.zeros(equations.unknowns.m)
+    change, largest = np.zeros(equations.unknowns.size), np.inf
     for _ in range(_ITERATIONS):
         velocities[:n] = s.twist1
-        first = connections.rates(s.H1, velocities)[0] - drive
+        first = equations.constraint_rates(s.H1, velocities) - drive
         violation = float(np.abs(first).max(initial=0.0))
         speed = float(np.abs(velocities).max(initial=0.0))
         # it falls by the turn since the matrix was made each time, until round-off
         if violation <= _CONTRACTION * max(speed, 1e-300) or violation > 0.9 * largest:
             return
         largest = violation
-        residual = solver.times(change)
-        push = legs * (scale * impulse)[border.rows, np.newaxis]
-        np.add.at(residual[: 6 * n].reshape(n, 6), border.nodes, push)
-        solver.right_hand_side[: 6 * n] = residual[: 6 * n]
+        solver.right_hand_side[: 6 * n] = solver.times(change)[: 6 * n]
+        solver.right_hand_side[: 6 * n] += B.T @ (scale * impulse)
         solver.right_hand_side[6 * n :] = scale * first
         solver.solve()
         change[: 6 * n] -= solver.solution[: 6 * n]

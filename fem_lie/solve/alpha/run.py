@@ -11,13 +11,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
-from fem_lie.lie.motions import turn_all, turn_all_back, twists
+from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back, twists
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
-from fem_lie.solve.alpha.books import Books
 from fem_lie.solve.alpha.options import Components, Index, Options
 from fem_lie.solve.alpha.projection import project
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
@@ -25,22 +23,21 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.solve.methods import methods_in_time
-from fem_lie.solve.motion.contradiction import contradiction, contradicts
 from fem_lie.solve.motion.convergence import (
     DIVERGED,
     ROTATION,
     ROUND_OFF,
     UNMEASURED,
+    contradicts,
     estimate,
     failure,
 )
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Decisions, EveryIteration, Update
-from fem_lie.solve.motion.start import check_velocities
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations, Instant, Plan
 
 _log = logging.getLogger(__name__)
 
@@ -57,46 +54,51 @@ class Run(Integration[Recorder]):
         weights: Multipliers.
         solver: Of the iteration.
         books: What loads, drives and supports have done.
+        forces: What the last residual of the iteration found.
     """
 
     _refreshes: ClassVar[bool] = True
     """Whether the border of the kept matrix may be made anew by itself."""
 
-    def __init__(self, options: Options, system: System, step: float) -> None:
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Allocate everything; nothing is computed yet.
 
         Args:
             options: Of the scheme.
-            system: The equations.
+            equations: Of the scene.
             step: Step size.
         """
-        super().__init__(options.policy, system, step, bound=self._refreshes and system.m > 0)
-        self.options, self.p = options, parameters(options.radius, step, system.length)
-        system.velocity_factor = 1.0 / self.p.damping
-        self.s = State.start(system.frames, system.kinds)
-        self._guided = bool(system.supports)
-        self._projects = options.index == Index.STABILISED_TWO and system.m > 0
+        unknowns = equations.unknowns
+        m, length = unknowns.m, unknowns.length
+        super().__init__(options.policy, equations, step, bound=self._refreshes and m > 0)
+        self.options, self.p = options, parameters(options.radius, step, length)
+        equations.measure_velocities(1.0 / self.p.damping)
+        self.s = State.start(equations.start.frames, unknowns.kinds)
+        self._guided, self._moving = unknowns.guided, unknowns.moving
+        self._changing = unknowns.time_dependent
+        self._projects = options.index == Index.STABILISED_TWO and m > 0
         self._turned = options.components == Components.INERTIAL
-        if self._turned and system.supports:
+        if self._turned and self._guided:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = self.p.plain, self.s.plain
-        self.weights, self.scale = np.zeros(system.m), np.ones(system.m)
-        self._accepted = self.s.H, self.s.twist1, self.s.rate1, self.weights
-        turns = system.connections.angular
-        self.measure = np.where(turns, ROTATION, 1.0 / system.length)
-        self._sizes = self.scale, self.measure, system.connections.joined
-        methods = methods_in_time(system)
-        self.solver = DirectSolver(system.kkt, options.petsc_options_prefix, methods)
+        self.weights, self.scale = np.zeros(m), np.ones(m)
+        s = self.s
+        self._accepted = Instant(s.H, s.twist1, s.rate1, self.weights)
+        self._end_instant, self.forces = self._accepted._replace(H=s.H1), equations.room()
+        self.measure = np.where(unknowns.angular, ROTATION, 1.0 / length)
+        self._sizes = self.scale, self.measure, unknowns.joined
+        methods = methods_in_time(equations)
+        self.solver = DirectSolver(equations.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._last_ratio, self._motion, self._index, self._born = 1.0, 0.0, 0, 0
         self._end, self._iterations, self._made = 0.0, 0, 0
-        self.books = Books(system)
+        self.books = equations.books()
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """What takes its rows from the equations."""
-        return Recorder(self.system, steps, self.h, saving, progress, store)
+        return Recorder(self.equations, steps, self.h, saving, progress, store)
 
     @property
     def index(self) -> int:
@@ -107,14 +109,14 @@ class Run(Integration[Recorder]):
 
     def start(self) -> None:
         """Consistent accelerations and multipliers; scaling of the constraints."""
-        system, p, s = self.system, self.p, self.s
-        check_velocities(system, p.h)
-        self.weights[:] = set_start(system, self.solver, p, s)
-        system.set_time(0.0)
-        system.residual(s.H, s.twist1, s.rate1, self.weights, self.scale, self.r)
+        equations, p, s = self.equations, self.p, self.s
+        equations.check_velocities(p.h)
+        self.weights[:] = set_start(equations, self.solver, p, s)
+        equations.set_time(0.0)
+        equations.residual(self._accepted, self.scale, self.r, self.forces)
         self._fill(s.H, s.H, turned=False)
-        self.scale[:] = system.tangent.constraint_scale(s.H)
-        self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
+        self.scale[:] = equations.constraint_scale(s.H)
+        self.books.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
 
@@ -129,28 +131,31 @@ class Run(Integration[Recorder]):
         estimate(1.0, np.inf, 1.0)
         # the first iteration makes the matrix that counts
         s, d, turned = self.s, copy.d, self._turned
-        given = s.H1, s.twist1, s.rate1, self.weights, self.scale, d, self.p.mass, self.p.damping
-        self.system.fill_matrix(*given, self._ahead(), inertial=turned)
+        plan = Plan(d, self.scale, self.p.mass, self.p.damping, self._ahead(), inertial=turned)
+        self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
-            turn_all(s.H, zero, self.system.count)
-            turn_all_back(s.H, zero, self.system.count)
+            turn_all(s.kinds, s.H, zero)
+            turn_all_back(s.kinds, s.H, zero)
         else:
-            self.system.tangent.refill_border(self._ahead(), s.kinds, d, self.scale)
+            self.equations.refresh(self._ahead(), d, self.scale)
 
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
-        system, s = self.system, self.s
         self._index += 1
         self._end = self._index * self.h
-        if system.time_dependent:
-            system.set_time(self._end)
-            s.H1[system.count + 1 :] = system.prescribed_frames(self._end)
+        self._go_to_time(self._end)
         self._iterations = self._step()
         if self._iterations:
-            system.connections.accept(s.H)
+            self.equations.accept(self.s.H)
             self._book(self._end)
         return self._iterations > 0
+
+    def _go_to_time(self, time: float) -> None:
+        """Loads, targets and prescribed frames at the end of the step."""
+        if self._changing:
+            self.equations.set_time(time)
+            self.s.H1[self._moving + 1 :] = self.equations.prescribed_frames(time)
 
     def _book(self, end: float) -> None:
         self.books.add(self.h, end, *self._accepted)
@@ -167,23 +172,20 @@ class Run(Integration[Recorder]):
         counts = [self.solver.factorisations, self.solver.refreshes]
         kept = {"H": self.s.H, "H1": self.s.H1, "motion": self.s.motion, "weights": self.weights}
         kept |= {"scale": self.scale, "numbers": np.array(numbers, dtype=np.float64)}
-        kept |= {"blocks": self.system.tangent.A, "counts": np.array(counts)}
+        kept |= {"counts": np.array(counts)}
         return super().memory() | self.books.memory() | kept
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        s, system = self.s, self.system
+        s, equations = self.s, self.equations
         s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
         self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
         self.books.restore(kept)
         self._last_ratio, self._motion = (float(x) for x in kept["numbers"][:2])
         self._index, self._born = (int(x) for x in kept["numbers"][2:])
-        if system.time_dependent:
-            system.set_time(self._index * self.h)
-        system.tangent.A[:] = kept["blocks"]
+        if equations.unknowns.time_dependent:
+            equations.set_time(self._index * self.h)
         super().restore(kept)
-        system.kkt.matrix.stateIncrease()
-        system.kkt.matrix.assemble()
         self.solver.factorise()
         self.solver.factorisations, self.solver.refreshes = (int(x) for x in kept["counts"])
 
@@ -208,7 +210,7 @@ class Run(Integration[Recorder]):
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
-            self.system.elastic.reset_stress(self.s.H)
+            self.equations.reset_stress(self.s.H)
             count = self._iterate(EveryIteration().begin(bound=False), carried=True)
             count += in_vain if count else 0
         return count
@@ -222,16 +224,14 @@ class Run(Integration[Recorder]):
             return 0
 
     def _newton(self, decisions: Decisions, carried: bool) -> int:
-        system, s = self.system, self.s
+        equations, s = self.equations, self.s
         self._motion = max(predict(*self._plain), self._motion)
         tolerance = self._tolerance()
         previous, ratio = np.inf, self._last_ratio
-        end = s.H1, *self._accepted[1:], self.scale, self.r
+        end = self._end_instant, self.scale, self.r, self.forces
         for iteration in range(1, self.options.max_iterations + 1):
             self._made = iteration
-            if not carried:
-                system.elastic.settle(s.H1)
-            system.residual(*end)
+            equations.residual(*end, carried=carried)
             update = decisions.before_iteration(iteration)
             if self.solver.factorisations == 0 or update == Update.ALL or update is True:
                 self._factorise(None if carried else s.H1)
@@ -241,23 +241,22 @@ class Run(Integration[Recorder]):
             if carried:
                 h = np.empty_like(s.d)
                 twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
-                system.elastic.carry(s.H1, h.ravel())
+                equations.carry(s.H1, h.ravel())
             scale, measure, joined = self._sizes
             self._increment = correct(*self._plain, self.dx, scale, measure, joined, self.weights)
             ratio, remaining = estimate(self._increment, previous, ratio)
             stagnant = carried and ratio > 0.5 and self._increment < _STAGNATION
             if remaining <= tolerance or self._increment <= ROUND_OFF or stagnant:
-                if system.kkt.redundant and self._contradicts(tolerance, stagnant):
+                if equations.matrix.redundant and self._contradicts(tolerance, stagnant):
                     return 0
                 self._last_ratio = ratio if iteration > 1 else ratio**UNMEASURED
                 decisions.after_step(iteration)
                 if decisions.asks and not self._turned:
                     decisions.answer(iteration, ratio, self._staleness())
                 if self._projects:
-                    project(system, self.solver, s, self.scale, self._end, self.p.h)
+                    project(equations, self.solver, s, self.scale, self._end, self.p.h)
                 accept(*self._plain)
-                if system.carried_drilling:
-                    system.carried_drilling.turn_motion(s.H, s.motion, s.kinds, WRITTEN_LOCALLY)
+                equations.turn_drills(s.H, s.motion, WRITTEN_LOCALLY)
                 return iteration
             if not self._increment < DIVERGED:
                 return 0
@@ -266,12 +265,12 @@ class Run(Integration[Recorder]):
 
     def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
         """Whether what is left of the constraints' violation is not the iteration's."""
-        values = self.r[6 * self.system.count :] / self.scale
+        values = self.r[6 * self._moving :] / self.scale
         # increments of an iteration that goes nowhere explain nothing
         allowed = tolerance if stagnant else max(tolerance, self._increment)
         if not contradicts(values, self.measure, allowed):
             return False
-        self.reason = contradiction(self.system, self.s.H1, values)
+        self.reason = self.equations.contradiction(self.s.H1, values)
         return True
 
     def _staleness(self) -> float:
@@ -279,7 +278,7 @@ class Run(Integration[Recorder]):
         x = self.dx.copy()
         back_to_local(self.s.H1, self.s.kinds, x)
         return staleness(
-            self.system, self.solver, self.p.plain, self.s, self.weights, *self._sizes, x
+            self.equations, self.solver, self.p.plain, self.s, self.weights, self._sizes, x
         )
 
     def _tolerance(self) -> float:
@@ -288,14 +287,14 @@ class Run(Integration[Recorder]):
 
     def _solve(self) -> None:
         """Solve; the residual and the solution are in local components."""
-        H1, n = self.s.H1, self.system.count
+        H1, kinds = self.s.H1, self.s.kinds
         if self._turned:
-            turn_all(H1, self.r, n)
+            turn_all(kinds, H1, self.r)
         self.solver.solve()
         if self._turned:
-            turn_all_back(H1, self.dx, n)
+            turn_all_back(kinds, H1, self.dx)
         if self._guided:
-            self.system.supports.turn_back(H1, self.dx[: 6 * n].reshape(-1, 6))
+            self.equations.to_frames(H1, self.dx)
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
@@ -307,28 +306,13 @@ class Run(Integration[Recorder]):
         if self._turned:
             self._factorise(self.s.H1)
             return
-        tangent, s = self.system.tangent, self.s
-        tangent.refill_border(self._ahead(), s.kinds, s.d, self.scale)
+        self.equations.refresh(self._ahead(), self.s.d, self.scale)
         self.solver.refresh()
 
     def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
-        if not self.system.choices.geometric:
-            self.system.elastic.clear_stress()
-        elif stressed is not None:
-            self.system.elastic.reset_stress(stressed)
-        s = self.s
-        self.system.fill_matrix(
-            s.H1,
-            s.twist1,
-            s.rate1,
-            self.weights,
-            self.scale,
-            s.d,
-            self.p.mass,
-            self.p.damping,
-            joint_frames,
-            inertial=turned,
-        )
+        p = self.p
+        plan = Plan(self.s.d, self.scale, p.mass, p.damping, joint_frames, inertial=turned)
+        self.equations.fill(self._end_instant, self.forces, plan, stressed=stressed)
 
     def _ahead(self) -> Array:
         """Frames in the middle of the time for which the matrix is likely to be kept.
@@ -338,7 +322,6 @@ class Run(Integration[Recorder]):
         steps = (self._index - self._born) // 2
         self._born = self._index
         s, frames = self.s, self.s.H1.copy()
-        n = len(s.kinds)
         # along a screw motion on either group: joints stay closed
-        frames[:n] = lie.se3_retract(s.H1[:n], steps * self.p.h * s.twist1)
+        follow_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
         return frames

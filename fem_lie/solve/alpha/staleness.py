@@ -12,11 +12,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.lie.kinds import all_from_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
 from fem_lie.solve.motion.convergence import ROTATION
-from fem_lie.system import System
+from fem_lie.system.equations import Equations, Instant
 
 PROBE = 1e-6
 """Size of the differences, see :data:`~.convergence.ROTATION`: far above round-off, and small."""
@@ -25,14 +26,12 @@ TINY = float(np.finfo(float).tiny)
 
 
 def staleness(
-    system: System,
+    equations: Equations,
     solver: DirectSolver,
     scheme: PlainScheme,
     state: State,
     weights: Array,
-    scale: Array,
-    measure: Array,
-    joined: Flags,
+    sizes: tuple[Array, Array, Flags],
     direction: Array,
 ) -> float:
     """Rate at which the iteration would converge if only mass and stiffness were old.
@@ -40,51 +39,47 @@ def staleness(
     Costs two residuals and a solution.
 
     Args:
-        system: The equations; its matrix is the one that was factorised, in local components.
+        equations: Of the scene; their matrix is the one that was factorised, in local components.
         solver: With the kept factors; what is in it is overwritten.
         scheme: Parameters, as for :func:`~.nodes.correct`, likewise the others.
         state: In an iteration; not changed.
         weights: Multipliers.
-        scale: Of the constraints.
-        measure: Of the multipliers.
-        joined: Which of them are one vector with the one before.
+        sizes: Scale of the constraints, measure of the multipliers, and which of them are one
+            vector with the one before.
         direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
     """
-    nodes, x = 6 * system.count, direction
-    size = _size(system, x, measure, joined)
+    scale, measure, joined = sizes
+    nodes, x = 6 * equations.unknowns.moving, direction
+    length = equations.unknowns.length
+    size = _size(length, x, nodes, measure, joined)
     x[nodes:] = 0.0
-    probe = PROBE / max(_size(system, x, measure, joined), TINY)
+    probe = PROBE / max(_size(length, x, nodes, measure, joined), TINY)
 
     def moved(factor: float) -> Array:
         there = state.copy()
         held, r = weights.copy(), np.empty_like(x)
         correct(scheme, there.plain, -factor * x, scale, measure, joined, held)
-        system.elastic.settle(there.H1)
-        system.residual(there.H1, there.twist1, there.rate1, held, scale, r)
+        equations.residual(Instant(there.H1, there.twist1, there.rate1, held), scale, r)
         return r
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)
-    values, columns, pointers = system.kkt.csr
-    if system.supports:
-        system.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
+    values, columns, pointers = equations.matrix.csr
+    equations.to_unknowns(state.H1, x)
     solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()
-    return _size(system, solver.solution, measure, joined) / max(size, TINY)
+    return _size(length, solver.solution, nodes, measure, joined) / max(size, TINY)
 
 
 def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
     """A correction (6 n + m,) as :func:`~.nodes.correct` leaves it, in the nodes' frames again."""
-    flat = np.flatnonzero(kinds & 1)
-    moves = x[: 6 * len(kinds)].reshape(-1, 6)
-    moves[flat, :3] = np.einsum("nij,nj->ni", H[flat, 1:], moves[flat, :3])
+    all_from_group(kinds, H, x[: 6 * len(kinds)].reshape(-1, 6))
 
 
-def _size(system: System, x: Array, measure: Array, joined: Flags) -> float:
+def _size(length: float, x: Array, nodes: int, measure: Array, joined: Flags) -> float:
     """The size of a correction as :func:`~.nodes.correct` has it."""
-    nodes = 6 * system.count
     parts = x[:nodes].reshape(-1, 6)
     moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
     group = np.cumsum(~joined) - 1
     held = np.sqrt(np.bincount(group, (x[nodes:] * measure) ** 2)).max(initial=0.0)
-    return float(max(moved / system.length, ROTATION * turned, held))
+    return float(max(moved / length, ROTATION * turned, held))

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.lie.kinds import all_from_group, all_to_group, bend_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State, extrapolate
-from fem_lie.solve.motion.start import accelerations, fill_matrix
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 
 def set_start(
-    system: System,
+    equations: Equations,
     solver: DirectSolver,
     scheme: Scheme,
     s: State,
@@ -29,11 +28,11 @@ def set_start(
     Cardona, Numer. Math. 129 (2015) 149.)
 
     Args:
-        system: The equations; its matrix and loads are overwritten.
+        equations: Of the scene; their matrix and loads are overwritten.
         solver: For that matrix.
         scheme: Parameters of the run.
         s: At the frames of the start; its velocities and accelerations are set.
-        twist: Velocities that the joints allow, rows as of ``system.velocities``, the default.
+        twist: Velocities that the joints allow, rows as of ``equations.start``, the default.
         time: Of the start.
 
     Returns:
@@ -42,22 +41,22 @@ def set_start(
     Raises:
         ValueError: The mass matrix is singular.
     """
-    h, n = scheme.h, system.count
+    h, n = scheme.h, equations.unknowns.moving
     ahead = scheme.ahead
-    v = (system.velocities if twist is None else twist).copy()
-    vdot, weights = accelerations(system, solver, s.H, v, time, h)
+    v = (equations.start.velocities if twist is None else twist).copy()
+    vdot, weights = equations.accelerations(solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
     later = State.start(s.H, s.kinds)
     extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
-    later.set_start(v[:n], accelerations(system, solver, later.H, v, time + ahead, h)[0])
+    later.set_start(v[:n], equations.accelerations(solver, later.H, v, time + ahead, h)[0])
     jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
     s.a[:] -= scheme.shift * jerk
-    s.v[:] += velocity_defect(system, solver, scheme, s, jerk)
+    s.v[:] += velocity_defect(equations, solver, scheme, s, jerk)
     return weights
 
 
 def velocity_defect(
-    system: System, solver: DirectSolver, scheme: Scheme, s: State, jerk: Array
+    equations: Equations, solver: DirectSolver, scheme: Scheme, s: State, jerk: Array
 ) -> Array:
     """What ``v₀`` must have across the joints, O(h²), for multipliers without a transient.
 
@@ -73,26 +72,16 @@ def velocity_defect(
     Returns:
         In the velocities of the groups, shape (n, 6).
     """
-    n, h, twist = system.count, scheme.h, s.twist1
-    flat, cayley = (s.kinds & 1) == 1, s.kinds >= 2
-    R = lie.rotation(s.H[:n])[flat]
-    defect = np.einsum("nij,nj->ni", lie.se3_ad(twist), s.rate1)
-    hat = lie.hat(twist[cayley])
-    defect[cayley] -= lie.vee(hat @ hat @ hat)
-    defect[flat, :3] = 0.0
-    local = jerk.copy()
-    local[flat, :3] = np.einsum("nij,ni->nj", R, jerk[flat, :3])
+    n, h = equations.unknowns.moving, scheme.h
+    defect, local = np.empty((n, 6)), jerk.copy()
+    bend_all(s.kinds, s.v, s.vdot, defect)
+    all_from_group(s.kinds, s.H, local)
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
-    left = h**2 * (c * local + defect / 12)
-    system.supports.turn(s.H, left)
-    solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = system.tangent.jacobian(s.H) @ left.ravel()
+    left = h**2 * (c * local + defect / 12).ravel()
+    equations.to_unknowns(s.H, left)
+    rates = equations.jacobian(s.H) @ left
     # what binds velocities asks for nothing
-    solver.right_hand_side[solver.right_hand_side.size - system.connections.of_velocities :] = 0.0
-    solver.right_hand_side[6 * n :] *= fill_matrix(system, s.H, h)
-    solver.factorise()
-    solver.solve()
-    across = solver.solution[: 6 * n].reshape(n, 6).copy()
-    system.supports.turn_back(s.H, across)
-    across[flat, :3] = np.einsum("nij,nj->ni", R, across[flat, :3])
+    rates[len(rates) - equations.unknowns.of_velocities :] = 0.0
+    across = equations.across_joints(solver, s.H, rates, h)
+    all_to_group(s.kinds, s.H, across)
     return across

@@ -29,14 +29,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.forms.frames import pull
-from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import cross, dot, load
+from fem_lie.lie.kinds import bend, from_group, push_all
 from fem_lie.solve.motion.step_error import StepError, largest
-from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
-    from fem_lie.system import System
+    from fem_lie.system.equations import Equations
 
 
 @compiled
@@ -47,34 +44,23 @@ def defects(
 
     Args:
         h: Step size.
-        kinds: Group and parametrisation of each node.
+        kinds: What each node is.
         H1: Frames at the end of the step.
         before: ``v`` and ``v̇`` of the group at its start, shape (≥ 2, n, 6).
         d: Increments of the step.
         vdot1: ``v̇`` at its end.
         out: Overwritten.
     """
+    bent = np.empty(6)
     for i in range(kinds.shape[0]):
         v, vdot = before[0, i], before[1, i]
         for k in range(6):
             jump = vdot1[i, k] - vdot[k]
             out[i, k] = h * v[k] + h * h * (0.5 * vdot[k] + jump / 6.0) - d[i, k]
-        c = h * h * h / 12.0
-        u, ω, du, dω = load(v, 0), load(v, 3), load(vdot, 0), load(vdot, 3)
-        turning, first, second = cross(ω, dω), cross(ω, du), cross(u, dω)
-        swept, square = cross(ω, cross(ω, u)), dot(ω, ω)
-        for k in range(3):
-            out[i, 3 + k] += c * turning[k]
-            if kinds[i] >= 2:
-                out[i, 3 + k] += c * square * ω[k]
-            if kinds[i] & 1 == 0:
-                out[i, k] += c * (first[k] + second[k])
-                if kinds[i] >= 2:
-                    out[i, k] -= c * swept[k]
-        if kinds[i] & 1:
-            local = local_components(H1[i], load(out[i], 0))
-            for k in range(3):
-                out[i, k] = local[k]
+        bend(kinds[i], v, vdot, bent)
+        for k in range(6):
+            out[i, k] += h * h * h / 12.0 * bent[k]
+        from_group(kinds[i], H1[i], out[i])
 
 
 class TimeError:
@@ -84,12 +70,12 @@ class TimeError:
         defect: :func:`defects` of the last step.
     """
 
-    def __init__(self, system: System) -> None:
-        """For the equations ``system``, whose matrix is factorised elsewhere."""
-        n = system.count
-        self._system = system
-        self._work, self._still = np.zeros((2, n, 4, 3)), np.zeros((n, 6))
-        self._held = system.held if system.held.any() else None
+    def __init__(self, equations: Equations) -> None:
+        """For equations whose matrix is factorised elsewhere."""
+        n, held = equations.unknowns.moving, equations.unknowns.held
+        self._equations, self._kinds = equations, equations.unknowns.kinds
+        self._q = np.zeros((n, 4, 3))
+        self._held = held if held.any() else None
         self.defect = np.zeros((n, 6))
 
     def load(
@@ -106,15 +92,13 @@ class TimeError:
             mass: Factor of the mass matrix in the iteration matrix that will be used.
             r: Shape (size,), overwritten.
         """
-        system, n = self._system, self._system.count
-        defects(h, system.kinds, H1, before, d, vdot1, self.defect)
-        inertia.accelerations(H1, self._still, self.defect, self._work[0])
-        inertia.multiply(*system.inertia, self._work[0], self._work[1])
+        n = len(self.defect)
+        defects(h, self._kinds, H1, before, d, vdot1, self.defect)
+        push_all(self._kinds, H1, self.defect, self._q)
         r[:] = 0.0
         forces = r[: 6 * n].reshape(n, 6)
-        pull(H1, self._work[1], mass, forces)
-        if system.supports:
-            system.supports.turn(H1, forces)
+        self._equations.add_inertia_forces(H1, self._q, mass, forces)
+        self._equations.to_unknowns(H1, r)
         if self._held is not None:
             forces[self._held] = 0.0
 

@@ -2,7 +2,7 @@
 
 What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
 before its end, and velocities carry what is of the order h² across the joints
-(:mod:`fem_lie.solve.motion.start`). When h becomes ``r h``::
+(:mod:`fem_lie.system.equations.consistent`). When h becomes ``r h``::
 
     a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
 
@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.lie.kinds import all_to_group
 from fem_lie.linear.levels import KeptFactors
 from fem_lie.results import Result
 from fem_lie.solve.alpha.options import Options
@@ -33,17 +33,11 @@ from fem_lie.solve.motion.convergence import ROTATION, ROUND_OFF
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingRecorder
 from fem_lie.solve.motion.policies import Decisions
-from fem_lie.solve.motion.start import (
-    allowed_velocities,
-    check_velocities,
-    constraint_rates,
-    with_driven,
-)
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 ORDER = 2
 
@@ -56,18 +50,19 @@ SWEEPS = 3
 
 def run(
     options: Options,
-    system: System,
+    equations: Equations,
     duration: float,
     choice: StepChoice,
     saving: Saving,
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`fem_lie.GeneralisedAlpha.run`."""
-    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
-    recorder = GrowingRecorder(system, duration, saving, progress)
-    stepper, finer = AlphaSteps(options, system, control), None
+    jumps, length = events(equations.scene, duration), equations.unknowns.length
+    control = choice.control(duration, length, ORDER, jumps)
+    recorder = GrowingRecorder(equations, duration, saving, progress)
+    stepper, finer = AlphaSteps(options, equations, control), None
     if choice.refinement > 1:
-        finer = AlphaSteps(options, system, control)
+        finer = AlphaSteps(options, equations, control)
     return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
 
 
@@ -87,17 +82,17 @@ class AlphaSteps(Run):
     # factors are kept whole
     _refreshes = False
 
-    def __init__(self, options: Options, system: System, control: Control) -> None:
+    def __init__(self, options: Options, equations: Equations, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""
-        super().__init__(options, system, control.size)
+        super().__init__(options, equations, control.size)
         self.control = control
         self._starter = self.solver
-        self.factors = KeptFactors(self._starter, rigid=not system.numbering.assemblies)
+        self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.decisions = OrMissing(self.decisions, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
-        self._error, self._warm = TimeError(system), False
+        self._error, self._warm = TimeError(equations), False
 
     @property
     def frames(self) -> Array:
@@ -119,29 +114,31 @@ class AlphaSteps(Run):
     def begin(self, h: float) -> None:
         """Start at time 0 with steps of size ``h``, with consistent accelerations."""
         s = self.s
-        check_velocities(self.system, h)
-        s.H[:], s.H1[:], s.motion[:] = self.system.frames, self.system.frames, 0.0
+        equations, frames = self.equations, self.equations.start.frames
+        equations.check_velocities(h)
+        s.H[:], s.H1[:], s.motion[:] = frames, frames, 0.0
         self._set_parameters(h)
-        self.weights[:] = set_start(self.system, self._starter, self.p, s)
+        self.weights[:] = set_start(equations, self._starter, self.p, s)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
-        self.system.set_time(0.0)
+        equations.set_time(0.0)
         self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
         if not self._warm:
             self._warm_up()
             self._warm = True
 
     def _set_parameters(self, h: float) -> None:
-        self.h, self.p = h, parameters(self.options.radius, h, self.system.length)
+        length = self.equations.unknowns.length
+        self.h, self.p = h, parameters(self.options.radius, h, length)
         self._plain = self.p.plain, self.s.plain
-        self.system.velocity_factor = 1.0 / self.p.damping
+        self.equations.measure_velocities(1.0 / self.p.damping)
 
     def set_step(self, time: float, h: float) -> None:
         """Make the state at ``time`` that of the start of a step of size ``h``."""
         s, r, levels = self.s, h / self.h, self.factors.levels
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
-            if self.system.m and self.factors.usable:
+            if len(self.weights) and self.factors.usable:
                 s.v[:] -= self._across(time, 1.0 - r * r)
             self._set_parameters(h)
         levels.use(self.p.mass)
@@ -153,24 +150,20 @@ class AlphaSteps(Run):
 
         With the kept matrix, whose Jacobian is old: by iteration.
         """
-        system, s, n = self.system, self.s, self.system.count
-        v = system.velocities.copy()
-        v[:n] = s.twist1
-        v, _ = with_driven(system, v, time, self.h)
-        wanted = constraint_rates(system, s.H, v)
-        wanted -= system.connections.target_rates(time, self.h)[0]
+        equations, s, n = self.equations, self.s, self._moving
+        driven, v = equations.driven(time, self.h), equations.start.velocities.copy()
+        v[:n], v[n + 1 :] = s.twist1, driven.velocities
+        wanted = equations.constraint_rates(s.H, v) - driven.targets
         across = np.zeros_like(v)
         self.r[: 6 * n] = 0.0
         for _ in range(SWEEPS):
-            found = constraint_rates(system, s.H, across)
+            found = equations.constraint_rates(s.H, across)
             # the rows of the kept matrix are scaled as they were when it was made
             scale = self.factors.levels.scale() * self.factors.levels.factor
             self.r[6 * n :] = scale * (share * wanted - found)
             super()._solve()
             across[:n] += self.dx[: 6 * n].reshape(n, 6)
-        flat = (s.kinds & 1) == 1
-        R = lie.rotation(s.H[:n])[flat]
-        across[:n][flat, :3] = np.einsum("nij,nj->ni", R, across[:n][flat, :3])
+        all_to_group(s.kinds, s.H, across[:n])
         return across[:n]
 
     def pass_event(self, time: float) -> None:
@@ -180,13 +173,13 @@ class AlphaSteps(Run):
         self.books.jump(time, s.H, s.twist1, s.rate1, self.weights)
 
     def _make_consistent(self, time: float) -> None:
-        system, s = self.system, self.s
-        s.H[system.count + 1 :] = system.prescribed_frames(time)
-        v = system.velocities.copy()
-        v[: system.count] = s.twist1
-        v = allowed_velocities(system, self._starter, s.H, v, time, self.h)
-        self.weights[:] = set_start(system, self._starter, self.p, s, v, time)
-        system.set_time(time)
+        equations, s = self.equations, self.s
+        s.H[self._moving + 1 :] = equations.prescribed_frames(time)
+        v = equations.start.velocities.copy()
+        v[: self._moving] = s.twist1
+        v = equations.allowed_velocities(self._starter, s.H, v, time, self.h)
+        self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
+        equations.set_time(time)
 
     def calm(self, time: float, h: float) -> None:
         """Find accelerations anew."""
@@ -199,12 +192,9 @@ class AlphaSteps(Run):
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """Make step ``index``; its iterations, 0 if it failed."""
-        system, s = self.system, self.s
         self._index, self._end = index, end
         seen = end - side(end, self.h) if lands else end
-        if system.time_dependent:
-            system.set_time(seen)
-            s.H1[system.count + 1 :] = system.prescribed_frames(seen)
+        self._go_to_time(seen)
         self._motion = self._speed * self.h
         iterations = self._step()
         if iterations:
@@ -244,7 +234,8 @@ class AlphaSteps(Run):
 
     def _tolerance(self) -> float:
         control = self.control
-        allowed = min(control.tolerance / self.system.length, ROTATION * control.rotation_tolerance)
+        length = self.equations.unknowns.length
+        allowed = min(control.tolerance / length, ROTATION * control.rotation_tolerance)
         return max(min(super()._tolerance(), ITERATION * self.h * allowed), ROUND_OFF)
 
     def _solve(self) -> None:
@@ -257,10 +248,10 @@ class AlphaSteps(Run):
         self._factorise(self.s.H1)
 
     def _factorise(self, stressed: Array | None) -> None:
-        level, m = self.control.level, self.system.m
+        level, m = self.control.level, len(self.weights)
         if level not in self._scales:
             self._fill(stressed, self.s.H1, turned=False)
-            self._scales[level] = self.system.tangent.constraint_scale(self.s.H1)
+            self._scales[level] = self.equations.constraint_scale(self.s.H1)
         scale = self._scales[level]
         if m:
             self.r[-m:] *= scale / self.scale

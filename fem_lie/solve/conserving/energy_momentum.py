@@ -33,17 +33,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from fem_lie._arrays import number
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import Redundant
-from fem_lie.scene.surface_pressure import SurfacePushes
 from fem_lie.solve.conserving import variable
-from fem_lie.solve.conserving.run import Options, Run
+from fem_lie.solve.conserving.run import Run
+from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.motion.integrator import Integrator, check_kinds
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 
 @dataclass(frozen=True)
@@ -75,13 +76,14 @@ class EnergyMomentum(Integrator):
                 f"{self.tolerance}, {self.max_iterations}"
             )
 
-    def _system(self, scene: Scene) -> System:
-        system = System(scene, dynamics=True)
-        _refuse(system)
-        return system
+    def _equations(self, scene: Scene) -> Equations:
+        # translations are global, so the derivatives in velocities are those of R³×SO(3)
+        equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
+        _refuse(equations)
+        return equations
 
-    def _integration(self, system: System, step: float) -> Run:
-        return Run(self._told(), system, step)
+    def _integration(self, equations: Equations, step: float) -> Run:
+        return Run(self._told(), equations, step)
 
     def _follow(
         self,
@@ -91,25 +93,24 @@ class EnergyMomentum(Integrator):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        system, options = self._system(scene), self._told()
-        return variable.run(options, system, duration, choice, saving, progress)
+        equations, options = self._equations(scene), self._told()
+        return variable.run(options, equations, duration, choice, saving, progress)
 
     def _told(self) -> Options:
         return Options(self.tolerance, self.policy, self.max_iterations)
 
 
-def _refuse(system: System) -> None:
+def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what these schemes cannot do."""
-    connections = system.connections
-    drills = system.numbering.drills
-    drilling = [body.label for body, six in drills.items() if body.uncoupled and six]
-    reasons = {
-        "constraints of velocities (KnifeEdge, RollingDisc)": connections.of_velocities > 0,
-        "what slides along a beam (Collar)": len(connections.sliding.nodes) > 0,
-        "supports along axes fixed in space (Shell.guide)": bool(system.supports),
-        "redundant constraints": system.scene.redundant is not Redundant.REFUSE,
-        "pressure on shells": any(isinstance(p, SurfacePushes) for p in system.pressures),
-        f"shells with six parameters ({', '.join(drilling)})": bool(drilling),
+    unknowns = equations.unknowns
+    apart = [term.label for term in equations.tables.terms if not term.conserved]
+    drilling = ", ".join(unknowns.drilling)
+    reasons = dict.fromkeys(unknowns.other_constraints, True) | {
+        "supports along axes fixed in space (Shell.guide)": unknowns.guided,
+        "redundant constraints": unknowns.may_be_redundant,
+        "nodes with places and slopes (Cable)": bool((unknowns.kinds >= SLOPE).any()),
+        f"shells with six parameters ({drilling})": bool(drilling),
+        ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     for what, given in reasons.items():
         if given:

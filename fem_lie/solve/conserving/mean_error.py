@@ -33,10 +33,11 @@ from fem_lie._jit import compiled
 from fem_lie.forms.frames import pull
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back
 from fem_lie.solve.motion.step_error import StepError, largest
+from fem_lie.system.equations import Instant
 from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
-    from fem_lie.system import System
+    from fem_lie.system.equations import Equations
 
 
 class End(NamedTuple):
@@ -56,13 +57,13 @@ class End(NamedTuple):
 class MeanError:
     """The error of each step of one run."""
 
-    def __init__(self, system: System) -> None:
-        """For the equations ``system``, whose matrix is factorised elsewhere."""
-        n = system.count
-        self._system, self._size = system, 6 * n
-        self._q, self._p = np.zeros((2, n, 4, 3))
+    def __init__(self, equations: Equations) -> None:
+        """For equations whose matrix is factorised elsewhere."""
+        unknowns, n = equations.unknowns, equations.unknowns.moving
+        self._equations, self._size = equations, 6 * n
+        self._q = np.zeros((n, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
-        self._r, self._ones = np.zeros(system.size), np.ones(system.m)
+        self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
 
     def load(
         self, h: float, start: End, end: End, delta: Array, weights: Array, mass: float, r: Array
@@ -78,32 +79,29 @@ class MeanError:
             mass: Factor of the mass matrix in the iteration matrix that will be used.
             r: Shape (size,), overwritten.
         """
-        system, size = self._system, self._size
+        equations, size = self._equations, self._size
         A = np.asarray((end.V - start.V) / h, dtype=np.float64)
         before = self._residual(start, A, weights)[:size].copy()
         r[:] = self._residual(end, A, weights)
         forces = r[:size].reshape(-1, 6)
         _compare(start.H, end.H, before.reshape(-1, 6), h * h / 12.0 * mass, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
-        inertia.multiply(*system.inertia, self._q, self._p)
-        pull(end.H, self._p, -mass, forces)
-        forces[system.held] = 0.0
+        equations.add_inertia_forces(end.H, self._q, -mass, forces)
+        forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
     def _residual(self, at: End, A: Array, weights: Array) -> Array:
         """ρ, in the nodes' frames."""
-        system, twist = self._system, self._twist
-        if system.time_dependent:
-            system.set_time(at.time)
+        equations, twist = self._equations, self._twist
+        if equations.unknowns.time_dependent:
+            equations.set_time(at.time)
         twist[:] = 0.0
         pull(at.H, at.V, 1.0, twist)
         twist[:, 3:] *= 0.5
-        system.elastic.settle(at.H)
-        system.residual(at.H, twist, self._still, weights, self._ones, self._r)
-        inertia.accelerations(at.H, twist, self._still, self._q)
+        equations.residual(Instant(at.H, twist, self._still, weights), self._ones, self._r)
+        inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q)
         self._q[:] = A - self._q
-        inertia.multiply(*system.inertia, self._q, self._p)
-        pull(at.H, self._p, 1.0, self._r[: self._size].reshape(-1, 6))
+        equations.add_inertia_forces(at.H, self._q, 1.0, self._r[: self._size].reshape(-1, 6))
         return self._r
 
     def of(self, dx: Array) -> StepError:

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
-from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
-from fem_lie.scene.pressure import Pressure
+from fem_lie.forms.term import Term
 from fem_lie.solve.conserving.step.records import Leaders, Model, Pieces, Scheme, State, Step
 from fem_lie.solve.motion.convergence import ROTATION
-from fem_lie.system import System
-from fem_lie.system.acting import supported
-from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 
 
-def start_state(system: System, cells: Cells) -> State:
+def start_state(equations: Equations, cells: Cells) -> State:
     """At rest at the frames of the start."""
     z = np.zeros
-    n, m = system.count, system.m
+    n, m = equations.unknowns.moving, equations.unknowns.m
     return State(
-        H=system.frames.copy(),
+        H=equations.start.frames.copy(),
         rest=z((n, 4, 3)),
         V=z((n, 4, 3)),
         weights=z(m),
@@ -42,13 +39,14 @@ def start_state(system: System, cells: Cells) -> State:
     )
 
 
-def room_for_step(system: System, cells: Cells) -> Step:
+def room_for_step(equations: Equations, cells: Cells) -> Step:
     """Memory of a step."""
     z = np.zeros
-    n, m, total = system.count, system.m, system.numbering.total
+    unknowns, frames = equations.unknowns, equations.start.frames
+    n, m, total = unknowns.moving, unknowns.m, unknowns.total
     return Step(
         step=z((n, 6)),
-        rows=np.stack([*[system.frames] * 3, z(system.frames.shape)]),
+        rows=np.stack([*[frames] * 3, z(frames.shape)]),
         V1=z((n, 4, 3)),
         F1=z((cells.places, 6)),
         W1=z(cells.count),
@@ -70,36 +68,35 @@ def room_for_step(system: System, cells: Cells) -> Step:
     )
 
 
-def model_of(system: System, cells: Cells, pressures: Sequence[Pressure], scheme: Scheme) -> Model:
+def model_of(equations: Equations, cells: Cells, scheme: Scheme) -> Model:
     """What a step sees of the scene."""
-    attachment = system.numbering.attachment
-    turns = system.connections.angular
-    lengths = np.tile(np.repeat([1.0 / system.length, ROTATION], 3), system.count)
-    pieces = [pressure.pairs for pressure in pressures]
+    known, unknowns = equations.tables, equations.unknowns
+    n, m, length = unknowns.moving, unknowns.m, unknowns.length
+    lengths = np.tile(np.repeat([1.0 / length, ROTATION], 3), n)
     return Model(
         cells=cells.table,
-        joints=system.connections.packed,
-        inertia=system.inertia,
-        damping=system.mass_damping or Inertia.none(),
-        leaders=Leaders(attachment.leader, attachment.offset, attachment.trivial),
-        held=system.held,
-        measure=np.concatenate([lengths, np.where(turns, ROTATION, 1.0 / system.length)]),
-        scale=np.ones(system.m),
-        loads=Loads(*(array.copy() for array in system.loads)),
-        conservative=system.conservative,
-        pressure=Pieces(
-            np.concatenate([np.zeros((0, 2), dtype=np.int64), *pieces]),
-            across(pressures),
-        ),
-        viscous=system.elastic.viscous,
+        joints=known.joints,
+        inertia=known.inertia,
+        damping=known.damping,
+        leaders=Leaders(known.leader, known.offset, n == unknowns.total),
+        held=unknowns.held,
+        measure=np.concatenate([lengths, np.where(unknowns.angular, ROTATION, 1.0 / length)]),
+        scale=np.ones(m),
+        loads=Loads(*(array.copy() for array in known.loads)),
+        conservative=known.conservative,
+        pressure=pieces_of(known.terms),
+        viscous=any(assembly.viscous for _, assembly in known.assemblies),
         scheme=scheme,
-        probes=system.connections.packed_probes,
-        driven=np.zeros(system.m),
-        supported=supported(system),
+        probes=known.probes,
+        driven=np.zeros(m),
+        supported=known.supported,
     )
 
 
-def across(pressures: Sequence[Pressure]) -> Array:
-    """Axes across the pieces under pressure, times the present pressure, shape (s, 3)."""
-    parts = [pressure.across for pressure in pressures]
-    return np.concatenate([np.zeros((0, 3)), *parts])
+def pieces_of(terms: Iterable[Term]) -> Pieces:
+    """All pieces under pressure, with the present one."""
+    found = [term.pieces for term in terms if term.pieces is not None]
+    return Pieces(
+        np.concatenate([np.zeros((0, 2), dtype=np.int64), *(part.nodes for part in found)]),
+        np.concatenate([np.zeros((0, 3)), *(part.across for part in found)]),
+    )

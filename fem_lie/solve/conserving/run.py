@@ -1,154 +1,79 @@
-"""A run of a conserving scheme: state, matrices, loads in time, results and checkpoints."""
+"""A run of a conserving scheme: its steps, results and checkpoints.
+
+A step begins with a prediction, and ends when nothing but round-off changes. Where that fails with
+the matrix that is kept, new ones are made until it converges fast: first from no motion at all, for
+what is predicted has the waves that the step does not resolve as large as their velocities say, far
+beyond what they are at its end; then from the prediction. Where that fails, too, the step is made
+in two halves, and likewise these; each conserves as a step does.
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
-from fem_lie.bodies.balances import WORK
-from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.forms.frames import push
-from fem_lie.lie.motions import Group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.factors import Factors, factorise
+from fem_lie.linear.factors import factorise
 from fem_lie.results import Result
-from fem_lie.scene.load import StrainLoad
-from fem_lie.scene.pressure import Pressure
 from fem_lie.solve.conserving.end_forces import at_end
-from fem_lie.solve.conserving.end_rates import EndRates, local_rates, spatial
-from fem_lie.solve.conserving.memory import across, model_of, room_for_step, start_state
+from fem_lie.solve.conserving.end_rates import local_rates
+from fem_lie.solve.conserving.run_state import PREFIX, RunState, local
 from fem_lie.solve.conserving.step import loop, stopping
-from fem_lie.solve.conserving.step.balance import packed_residual
-from fem_lie.solve.conserving.step.dissipation import REMEMBERS
-from fem_lie.solve.conserving.step.records import Packed, Scheme, Solution, Span
+from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.motion.convergence import failure
-from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.policies import Policy
-from fem_lie.solve.motion.start import accelerations, check_velocities
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
-from fem_lie.system.nodes import inertia
+from fem_lie.system.equations import Instant
 
 _log = logging.getLogger(__name__)
 
-PREFIX = "fem_lie_dynamics_"
-
+HALVINGS = 6
+"""Of a step of which no solution is found, at most."""
+_RESCUE = 1, 40.0
+"""Patience, and the cost of a matrix in iterations, of a step that failed."""
+_NOISE = 1e-9
+"""Of the length of the model: an iteration that came as near has a solution on which round-off does
+not let it settle, and smaller steps have more of that."""
+_LONG, _SETTLED = 20, 1e-11
+"""Iterations without progress after which increments of this size, in lengths, are round-off."""
+_UNPREDICTED = 8
+"""Steps that begin without a prediction after one that had no end with it."""
+_STILL, _DIVIDED, _PARTS = 0, 1, 2
+"""Of :attr:`Run.told`: steps to come without a prediction, steps that were divided, and the most
+parts of one."""
 _SHARE = 0.4
 """Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """What a conserving scheme is told.
+class Run(RunState):
+    """One integration.
 
     Attributes:
-        tolerance: See :class:`~fem_lie.solve.conserving.energy_momentum.EnergyMomentum`, likewise
-            ``policy`` and ``max_iterations``.
-        policy: When to factorise.
-        max_iterations: More in one step are a failure.
-        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
-        learning: μ.
-    """
-
-    tolerance: float
-    policy: Policy
-    max_iterations: int
-    loss: float = 0.0
-    learning: float = 1.0
-
-
-class Run(Integration[History]):
-    """State of one integration.
-
-    Attributes:
-        s: Between steps.
-        this: The present step.
         endures: Whether a matrix is kept that makes a step slow, as long as another one costs more.
     """
 
     endures = True
-
-    def __init__(self, options: Options, system: System, step: float) -> None:
-        """Allocate everything; nothing is computed yet.
-
-        Args:
-            options: Of the scheme.
-            system: The equations.
-            step: Step size.
-        """
-        super().__init__(options.policy, system, step)
-        self.options, self.rule = options, options.policy.rule()
-        self._pressures = [p for p in system.pressures if isinstance(p, Pressure)]
-        # translations are global, so the derivatives in velocities are those of R³×SO(3)
-        system.kinds = np.full(system.count, int(Group.R3xSO3), dtype=np.int64)
-        self.cells = Cells(system.numbering.assemblies)
-        self._strained = any(
-            isinstance(load, StrainLoad) and load.history is not None for load in system.scene.loads
-        )
-        self.s, self.this = start_state(system, self.cells), room_for_step(system, self.cells)
-        scheme = Scheme(self.h, options.loss, options.learning)
-        self.model = model_of(system, self.cells, self._pressures, scheme)
-        self._packed = Packed(self.model, self.s, self.this)
-        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
-        self.counts = np.zeros(2, dtype=np.int64)
-        self._factors: Factors | None = None
-        self._filled = ResultRow(system)
-        self.rates, self._end = EndRates.at(np.zeros((system.count, 6))), 0.0
+    _astray = False
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """See the base class."""
-        return History(self.system.info(), steps, self.h, saving, progress, store)
-
-    @property
-    def index(self) -> int:
-        """See the base class."""
-        return int(self.counters[stopping.STEPS])
-
-    # --- start ---
-
-    def start(self) -> None:
-        """Velocities, multipliers, energies and constraints at the start; scaling."""
-        system, s, n = self.system, self.s, self.system.count
-        check_velocities(system, self.h)
-        push(system.frames[:n], system.velocities[:n], s.V)
-        solver = DirectSolver(system.kkt, PREFIX)
-        v = system.velocities
-        vdot, s.weights[:] = accelerations(system, solver, s.H, v, 0.0, self.h)
-        self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
-        self._set_loads(0.0)
-        s.account[:] = self._evaluate_start()
-        r = np.empty(system.size)
-        system.applied(s.H, v, vdot, s.weights, np.ones(system.m), r)
-        s.gap[:] = r[6 * n :]
-        self._fill(s.H, v[:n], vdot)
-        self.model.scale[:] = system.tangent.constraint_scale(s.H)
-        self.numbers[stopping.EXCESS] = np.inf
-
-    def _evaluate_start(self) -> Array:
-        """Forces and energies of the cells at the start of a step; returns the energies."""
-        frames = self.system.numbering.attachment.frames(self.s.H)
-        evaluate(self.cells.table, frames, np.zeros_like(frames), self.s.F, self.s.W)
-        return self.s.W
+        return History(self.equations.info, steps, self.h, saving, progress, store)
 
     # --- steps ---
 
     def _advance(self, history: History) -> bool:
         last = history.next_stop(self.index)
-        if self.rule is None or self.system.time_dependent:
+        if self.rule is None or self._changing:
             last = self.index + 1
-        if len(self.system.supported) and last > self.index + 1:
+        if self._held and last > self.index + 1:
             # reactions need the accelerations of the last two steps
             if not self._go_to(last - 1, self.index * self.h, (self.index + 1) * self.h):
                 return False
@@ -159,26 +84,106 @@ class Run(Integration[History]):
 
     def _note_rates(self) -> None:
         # reactions of supports are made of them
-        if len(self.system.supported):
-            self.rates = self.rates.after(2.0 * self.s.trend, self.h)
+        if self._held:
+            self.rates = self.rates.after(2.0 * self.s.trend, self.s.sizes[0])
 
     def _go_to(self, last: int, start: float, end: float) -> bool:
         """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
         self._end = end + (last - self.index - 1) * self.h
-        if self.system.time_dependent:
+        if self._changing:
             self._set_time(start, end)
+        first, size = self.index, end - start
         rule = (1, 0.0) if self.rule is None else self.rule
-        code = self._go(last, rule)
-        if code == loop.FAILED and self.options.policy.rescue:
-            _log.info("step %d: kept matrix diverges, full iteration", self.index + 1)
-            code = self._again()
-        return code != loop.FAILED
+        while self.index < last:
+            if self._goes(last, rule):
+                continue
+            past = (self.index - first) * size
+            rescued = self.options.policy.rescue and self._rescued(start + past, end + past)
+            if not rescued:
+                return False
+        return True
 
-    def _again(self) -> int:
-        """The step that failed from its start, with a new matrix in each iteration."""
+    def _goes(self, last: int, rule: tuple[int, float]) -> bool:
+        """Whether steps up to ``last`` are made with the matrix that is kept."""
+        while self.told[_STILL] and self.index < last:
+            if not self._make(rule, still=True):
+                return False
+            self.told[_STILL] -= 1
+        return self.index == last or self._go(last, rule) != loop.FAILED
+
+    def _rescued(self, start: float, end: float) -> bool:
+        """The step that failed, otherwise; whether it is made."""
+        _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
-        self.counters[stopping.ITERATION] = self.counters[stopping.ASKED] = 0
-        return self._go(self.index + 1, (1, 0.0), always=True)
+        numbers = self.numbers
+        if self.counters[stopping.STALLS] >= _LONG and numbers[stopping.LEAST] <= _SETTLED:
+            numbers[stopping.FLOOR] = numbers[stopping.LEAST]
+        return self._again() or (self._astray and self._in_parts(start, end, 1))
+
+    def _again(self) -> bool:
+        """The step that failed from its start, with new matrices until it converges fast."""
+        self._astray = True
+        for still in (True, False):
+            self.numbers[stopping.EXCESS] = np.inf
+            if self._make(_RESCUE, still=still, always=True):
+                self.told[_STILL] = _UNPREDICTED if still else 0
+                return True
+            self._astray &= bool(self.numbers[stopping.LEAST] > _NOISE)
+            self.s.weights[:] = self.this.weights
+        return False
+
+    def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:
+        """Make one step; whether it is.
+
+        Args:
+            rule: When a matrix is made, see :meth:`~fem_lie.solve.motion.policies.Policy.rule`.
+            still: From no motion at all. What is predicted has waves that the step does not resolve
+                as large as their velocities say, far beyond what they are at its end.
+            always: Whatever else the policy says.
+        """
+        self._begin()
+        if still:
+            self.this.step[:] = 0.0
+        return self._go(self.index + 1, rule, always=always) != loop.FAILED
+
+    def _in_parts(self, start: float, end: float, depth: int) -> bool:
+        """The step that failed in two halves, and likewise these; whether it is made.
+
+        The next one is in full again.
+        """
+        index, middle, made = self.index, 0.5 * (start + end), True
+        self._change_size(0.5 * self.h)
+        for a, b in ((start, middle), (middle, end)):
+            self.counters[stopping.STEPS] = index
+            if self._changing:
+                self._set_time(a, b)
+            made = self._again()
+            if not made and self._astray and depth < HALVINGS:
+                made = self._in_parts(a, b, depth + 1)
+            if not made:
+                break
+            if b == middle:
+                self._note_rates()
+        self._change_size(2.0 * self.h)
+        self.told[_PARTS] = max(self.told[_PARTS], 2**depth)
+        if depth == 1:
+            self.told[_DIVIDED] += made
+        return made
+
+    def _change_size(self, h: float) -> None:
+        self._resize(h)
+        # no matrix of another size is used
+        self._factors, self.numbers[stopping.EXCESS] = None, np.inf
+
+    def _begin(self) -> None:
+        """Predict the next step, before a matrix for it is made."""
+        counters, numbers, packed = self.counters, self.numbers, self._packed
+        counters[stopping.ITERATION], counters[stopping.ASKED] = 1, 0
+        counters[stopping.STALLS] = 0
+        motion = loop.packed_begin(packed.model, packed.state, packed.step)
+        numbers[stopping.MOTION] = max(motion, numbers[stopping.MOTION])
+        numbers[stopping.PREVIOUS] = numbers[stopping.LEAST] = np.inf
+        numbers[stopping.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         options, counters = self.options, self.counters
@@ -190,12 +195,8 @@ class Run(Integration[History]):
             if self._factors is None:
                 code = loop.MATRIX
                 if counters[stopping.ITERATION] == 0:
-                    counters[stopping.ITERATION], counters[stopping.ASKED] = 1, 1
-                    motion = loop.packed_begin(*tables)
-                    self.numbers[stopping.MOTION] = max(motion, self.numbers[stopping.MOTION])
-                    self.numbers[stopping.PREVIOUS] = self.numbers[stopping.LEAST] = np.inf
-                    self.numbers[stopping.FELT] = 0.0
-                    counters[stopping.STALLS] = 0
+                    self._begin()
+                counters[stopping.ASKED] = counters[stopping.ITERATION]
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, counters, self.numbers, last)
@@ -218,97 +219,8 @@ class Run(Integration[History]):
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         rescued = self.options.policy.rescue
         index = self.index + 1
-        return failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
-
-    # --- loads ---
-
-    def _set_time(self, start: float, end: float) -> None:
-        """Loads in the middle of the next step, prescribed motions at its end."""
-        system, rows, n = self.system, Span(*self.this.rows), self.system.count
-        self._set_loads(0.5 * (start + end))
-        connections = system.connections
-        if connections.driven:
-            self.model.driven[:] = connections.targets(end) - connections.targets(start)
-        if len(rows.end) > n + 1:
-            before, after = self.s.H[n + 1 :], system.prescribed_frames(end)
-            rows.end[n + 1 :], rows.middle[n + 1 :] = after, after
-            rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
-
-    def _set_loads(self, time: float) -> None:
-        """Forces of the loads at ``time``; strains without stress do work when they change."""
-        self.system.set_time(time)
-        for array, value in zip(self.model.loads, self.system.loads, strict=True):
-            array[:] = value
-        self.model.pressure.across[:] = across(self._pressures)
-        if self._strained:
-            before = self.s.W.copy()
-            self.cells.pack()
-            gain = self._evaluate_start() - before
-            self.s.account[:] += gain
-            self.s.books[WORK] += gain.sum()
-
-    # --- matrix ---
-
-    def _factorise(self) -> None:
-        """New matrix at the present end of the step."""
-        self._fill_here()
-        self._factors = factorise(self.system.kkt)
-        self.counts[:] = self.counts[0] + 1, self.index
-        within = self.counters[stopping.ITERATION] > 1
-        self.counters[stopping.BEST] = stopping.NEW if within else stopping.UNKNOWN
-        self.numbers[stopping.EXCESS] = 0.0
-
-    def _fill_here(self) -> None:
-        """The matrix, not yet factorised: at the present end of the step, or at its start.
-
-        An end that is only predicted has stresses that are not there.
-        """
-        s, this, n = self.s, self.this, self.system.count
-        if self.counters[stopping.ITERATION] > 1:
-            packed = self._packed
-            packed_residual(packed.model, packed.state, packed.step)
-            H = Span(*this.rows).end
-            v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
-            age = 0.0
-        else:
-            H, v, age = s.H, local(s.H[:n], s.V), 1.0
-            a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
-        a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
-        # the constraints in the middle of the matrix's likely life: as old as the last one became
-        age += (self.index - self.counts[1]) // 2
-        self._fill(H, v, a, self._moved(H, v, age), self._moved(H, v, age - 0.5))
-
-    def _moved(self, H: Array, v: Array, steps: float) -> Array:
-        """Frames so many steps later."""
-        n, ahead = self.system.count, H.copy()
-        ahead[:n] = lie.se3_retract(H[:n], steps * self.h * v)
-        return ahead
-
-    def _fill(
-        self,
-        H: Array,
-        v: Array,
-        a: Array,
-        joints_at: Array | None = None,
-        forces_at: Array | None = None,
-    ) -> None:
-        """The matrix at frames ``H``.
-
-        Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
-        """
-        system, n = self.system, self.system.count
-        twists = np.zeros_like(system.velocities)
-        twists[:n] = v
-        scale, r = self.model.scale, np.empty(system.size)
-        system.applied(H, twists, a, self.s.weights, scale, r)
-        if system.choices.geometric:
-            system.elastic.reset_stress(H)
-        else:
-            system.elastic.clear_stress()
-        # the first step conserves, see filtered
-        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
-        state = H, twists, a, self.s.weights, scale, still
-        system.fill_matrix(*state, 4.0 / h**2, 2.0 / h, joints_at, forces_at=forces_at)
+        text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self._astray else text
 
     # --- results ---
 
@@ -322,13 +234,22 @@ class Run(Integration[History]):
         return wanted
 
     def _result(self, history: History) -> Result:
-        return history.result(int(self.counts[0]), history.seconds)
+        divided = int(self.told[_DIVIDED])
+        if divided:
+            _log.warning(
+                "%d of %d steps were made in up to %d parts, where no solution was found in full",
+                *(divided, self.index, self.told[_PARTS]),
+            )
+        return history.result(int(self.counts[0]), history.seconds, divided=divided)
 
     def keep(self, history: History) -> None:
         """Keep the present state."""
         s, row, weights = self.s, history.row, self._end_weights()
+        if self._changing:
+            # drives are violated by what they are not at the end
+            self.equations.set_time(self._end)
         self._filled.by_rates(history, s.H, s.V, weights, s.books)
-        if len(self.system.supported):
+        if self._held:
             history.reactions[row] = self._reactions(weights)
         history.elastic[row] += s.W.sum()
         history.keep(np.array([self.index]), self.counters[stopping.TOTAL : stopping.TOTAL + 1])
@@ -338,27 +259,26 @@ class Run(Integration[History]):
 
         In the first two steps, and in those after an event, by the equations of motion.
         """
-        system, s = self.system, self.s
-        if system.m == 0 or self.index == 0:
+        equations, s, n = self.equations, self.s, self.moving
+        if len(s.weights) == 0 or self.index == 0:
             return s.weights
         if s.sizes[-1] > 0.0:
             return at_end(s.weights, s.earlier, s.sizes)
-        v, matrix = system.velocities.copy(), system.kkt.csr[0].copy()
-        v[: system.count] = local(s.H[: system.count], s.V)
-        solver = DirectSolver(system.kkt, PREFIX)
-        _, weights = accelerations(system, solver, s.H, v, self._end, self.h)
+        v, matrix = equations.start.velocities.copy(), equations.matrix.csr[0].copy()
+        v[:n] = local(s.H[:n], s.V)
+        solver = DirectSolver(equations.matrix, PREFIX)
+        _, weights = equations.accelerations(solver, s.H, v, self._end, self.h)
         # the kept factors are those of this matrix
-        system.kkt.csr[0][:] = matrix
+        equations.matrix.csr[0][:] = matrix
         return weights
 
     def _reactions(self, weights: Array) -> Array:
         """Of supports, by the equations of motion at the end of the step."""
-        system, s = self.system, self.s
-        if system.time_dependent:
-            system.set_time(self._end)
-        system.elastic.settle(s.H)
-        n, v = system.count, local(s.H, s.V)
-        return system.reactions(s.H, v, local_rates(s.H[:n], v[:n], self.rates.end()), weights)
+        s, n = self.s, self.moving
+        v = local(s.H, s.V)
+        rates = local_rates(s.H[:n], v[:n], self.rates.end())
+        now = Instant(s.H, v, rates, weights)
+        return self.equations.reactions(now, carried=False)
 
     # --- checkpoints ---
 
@@ -367,6 +287,7 @@ class Run(Integration[History]):
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
         kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
         kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
+        kept["told"] = self.told
         kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
         return super().memory() | kept
 
@@ -377,20 +298,13 @@ class Run(Integration[History]):
         self.this.V1[:], self.this.r[:] = kept["V1"], kept["r"]
         self.model.scale[:] = kept["scale"]
         self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
-        self.counts[:] = kept["counts"]
-        if self.system.time_dependent:
-            self.system.set_time(max(self.index - 0.5, 0.0) * self.h)
+        self.counts[:], self.told[:] = kept["counts"], kept["told"]
+        if self._changing:
+            self.equations.set_time(max(self.index - 0.5, 0.0) * self.h)
             self.cells.pack()
-            for array, value in zip(self.model.loads, self.system.loads, strict=True):
-                array[:] = value
+            self._take_loads()
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)
         self._note_rates()
-        self._factors = factorise(self.system.kkt)
-
-
-def local(H: Array, V: Any) -> Array:
-    """Twists in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃): ``(RᵀẊ, ½ Σ e_k × Rᵀḋ_k)``."""
-    out = np.empty((len(V), 6))
-    inertia.local_twists(H, V, out)
-    return out
+        stale = np.isinf(self.numbers[stopping.EXCESS])
+        self._factors = None if stale else factorise(self.equations.matrix)

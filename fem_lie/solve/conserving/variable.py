@@ -24,18 +24,18 @@ from fem_lie.linear.levels import Levels
 from fem_lie.results import Result
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
-from fem_lie.solve.conserving.run import PREFIX, Options, Run, local
+from fem_lie.solve.conserving.run import Run
+from fem_lie.solve.conserving.run_state import PREFIX, Options, local
 from fem_lie.solve.conserving.step import stopping
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingHistory
-from fem_lie.solve.motion.start import accelerations, allowed_velocities
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.sums import report_rates
 
 ORDER = 2
@@ -45,18 +45,19 @@ _USUAL = 4
 
 def run(
     options: Options,
-    system: System,
+    equations: Equations,
     duration: float,
     choice: StepChoice,
     saving: Saving,
     progress: bool | None,
 ) -> Result:
     """Integrate with the steps of ``choice``; see :meth:`~fem_lie.EnergyMomentum.run`."""
-    control = choice.control(duration, system.length, ORDER, events(system.scene, duration))
-    recorder = GrowingHistory(system.info(), duration, saving, progress)
-    stepper, finer = ConservingSteps(options, system, control), None
+    jumps, length = events(equations.scene, duration), equations.unknowns.length
+    control = choice.control(duration, length, ORDER, jumps)
+    recorder = GrowingHistory(equations.info, duration, saving, progress)
+    stepper, finer = ConservingSteps(options, equations, control), None
     if choice.refinement > 1:
-        finer = ConservingSteps(options, system, control)
+        finer = ConservingSteps(options, equations, control)
     return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
 
 
@@ -69,6 +70,7 @@ class _Saved(NamedTuple):
         joints: Memory of the connections.
         fields: Of the cells.
         rates: Accelerations of the last steps.
+        told: How steps were made.
     """
 
     s: State
@@ -77,6 +79,7 @@ class _Saved(NamedTuple):
     joints: Array
     fields: list[Array]
     rates: EndRates
+    told: Indices
 
 
 class ConservingSteps(Run):
@@ -86,13 +89,13 @@ class ConservingSteps(Run):
         False  # the estimate is solved for with the same matrix, and needs present constraints
     )
 
-    def __init__(self, options: Options, system: System, control: Control) -> None:
+    def __init__(self, options: Options, equations: Equations, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""
-        super().__init__(options, system, control.size)
+        super().__init__(options, equations, control.size)
         self.control = control
-        self.levels = Levels[Factors](rigid=not system.numbering.assemblies)
-        self._scales, self._error = dict[int, Array](), MeanError(system)
-        self._solution = np.zeros((3, system.size))
+        self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
+        self._scales, self._error = dict[int, Array](), MeanError(equations)
+        self._solution = np.zeros((3, equations.unknowns.size))
 
     @property
     def frames(self) -> Array:
@@ -116,21 +119,11 @@ class ConservingSteps(Run):
         self._set_size(h)
         self.start()
 
-    def _set_size(self, h: float) -> None:
-        self.h = h
-        self.model = self.model._replace(scheme=self.model.scheme._replace(h=h))
-        self._packed.set_scheme(self.model)
-
     def set_step(self, time: float, h: float) -> None:
         """See the protocol."""
         s, r = self.s, h / self.h
         if abs(r - 1.0) > 1e-12:
-            s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
-            s.lag[LENGTH] *= r * r
-            self.numbers[stopping.MOTION] *= r
-            # round-off of a larger step is none of a smaller one
-            self.numbers[stopping.FLOOR] = 0.0
-            self._set_size(h)
+            self._resize(h)
         self.levels.use(4.0 / ((1.0 + self.options.loss * s.lag[REMEMBERS]) * h) ** 2)
         self._factors = self.levels.present
         if self._factors is not None:
@@ -142,7 +135,7 @@ class ConservingSteps(Run):
         level = self.control.level
         if level not in self._scales:
             self._fill_here()
-            self._scales[level] = self.system.tangent.constraint_scale(self.s.H)
+            self._scales[level] = self.equations.constraint_scale(self.s.H)
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
@@ -152,29 +145,29 @@ class ConservingSteps(Run):
 
     def pass_event(self, time: float) -> None:
         """Forget changes of velocity; what is driven gets its new velocity by an impulse."""
-        system, s = self.system, self.s
+        s = self.s
         s.lag[REMEMBERS], s.lag[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = 0.0, 0.0, 0.0, 0.0, 0.0
-        if system.connections.driven or len(s.H) > system.count + 1:
+        if self.equations.unknowns.driven or len(s.H) > self.moving + 1:
             self._kick(time)
-        if len(system.supported):
+        if self._held:
             self._restart_rates(time)
 
     def _restart_rates(self, time: float) -> None:
         """Accelerations after a jump, for reactions."""
-        system, s, n = self.system, self.s, self.system.count
-        self._end, v = time, system.velocities.copy()
+        equations, s, n = self.equations, self.s, self.moving
+        self._end, v = time, equations.start.velocities.copy()
         v[:n] = local(s.H[:n], s.V)
-        solver = DirectSolver(system.kkt, PREFIX)
-        found = accelerations(system, solver, s.H, v, time, self.h)[0]
+        solver = DirectSolver(equations.matrix, PREFIX)
+        found = equations.accelerations(solver, s.H, v, time, self.h)[0]
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
 
     def _kick(self, time: float) -> None:
         """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
-        system, s, n = self.system, self.s, self.system.count
-        v, change = system.velocities.copy(), np.empty_like(s.V)
+        equations, s, n = self.equations, self.s, self.moving
+        v, change = equations.start.velocities.copy(), np.empty_like(s.V)
         v[:n] = local(s.H[:n], s.V)
-        solver = DirectSolver(system.kkt, PREFIX)
-        after = allowed_velocities(system, solver, s.H, v, time, self.h)
+        solver = DirectSolver(equations.matrix, PREFIX)
+        after = equations.allowed_velocities(solver, s.H, v, time, self.h)
         push(s.H[:n], after[:n] - v[:n], change)
         before = self._invariants()
         s.V[:] += change
@@ -186,7 +179,7 @@ class ConservingSteps(Run):
         """Kinetic energy and momenta, shape (7,)."""
         found, work = np.empty(7), np.empty_like(self.this.q)
         report_rates(
-            self.s.H, self.s.V, self.model.inertia.plain, self.system.conservative, work, found
+            self.s.H, self.s.V, self.model.inertia.plain, self.model.conservative, work, found
         )
         return found
 
@@ -194,6 +187,10 @@ class ConservingSteps(Run):
         """Nothing: waves have energy, which is conserved."""
 
     # --- steps ---
+
+    def _in_parts(self, start: float, end: float, depth: int) -> bool:
+        """Not here: what chooses the size of steps chooses smaller ones."""
+        return False
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """See the protocol."""
@@ -204,9 +201,9 @@ class ConservingSteps(Run):
     def saved(self) -> _Saved:
         """See the protocol."""
         s = State(*(array.copy() for array in self.s))
-        joints, fields = self.system.connections.memory, self.cells.local_fields
+        joints, fields = self.equations.memory, self.cells.local_fields
         counts = self.counters.copy(), self.numbers.copy()
-        return _Saved(s, *counts, joints.copy(), fields, self.rates)
+        return _Saved(s, *counts, joints.copy(), fields, self.rates, self.told.copy())
 
     def take_back(self, state: _Saved) -> None:
         """See the protocol."""
@@ -216,9 +213,9 @@ class ConservingSteps(Run):
             self.counters[counter] = state.counters[counter]
         self.counters[stopping.ITERATION] = self.counters[stopping.ASKED] = 0
         self.numbers[stopping.MOTION] = state.numbers[stopping.MOTION]
-        self.system.connections.memory = state.joints
+        self.equations.memory = state.joints
         self.cells.restore(state.fields)
-        self.rates = state.rates
+        self.rates, self.told[:] = state.rates, state.told
 
     def follow(self, other: ConservingSteps, state: _Saved) -> None:
         """See the protocol."""
@@ -228,7 +225,7 @@ class ConservingSteps(Run):
     def estimate(self, before: _Saved, start: float, end: float) -> StepError:
         """See the protocol."""
         s, old, h = self.s, before.s, self.h
-        delta = Span(*self.this.rows).delta[: self.system.count]
+        delta = Span(*self.this.rows).delta[: self.moving]
         ends = End(old.H, old.V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
         self._error.load(h, *ends, delta, s.weights, self.levels.mass, r)

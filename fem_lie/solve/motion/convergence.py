@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 
 ROTATION = 0.1
@@ -17,6 +18,13 @@ DIVERGED = 1e3
 
 UNMEASURED = 0.8
 """Power of the ratio of increments from a step that has none: trust it less and less."""
+
+
+FAR = 1e3
+"""A violation is one of the iteration below this times its last increment and its tolerance."""
+
+CLOSED = 1e-9
+"""Of the model, or rad: gaps that loops are given with are no contradiction."""
 
 
 def failure(
@@ -53,3 +61,14 @@ def estimate(increment: float, previous: float, ratio: float) -> tuple[float, fl
     # of a linearly converging iteration
     remaining = increment * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
     return ratio, remaining
+
+
+def contradicts(values: Array, measure: Array, allowed: float) -> bool:
+    """Whether constraints are violated by what the iteration does not explain.
+
+    Args:
+        values: Of the constraints before the last increment, shape (m,).
+        measure: Of multipliers in the size of an increment, which makes violations comparable.
+        allowed: The larger of the last increment and the tolerance.
+    """
+    return float((np.abs(values) * measure).max(initial=0.0)) > max(FAR * allowed, CLOSED)

@@ -8,7 +8,7 @@ from tqdm import tqdm
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.solve.recording.recorder import History, Recorder
 from fem_lie.solve.recording.saving import NEAR, Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 _ROWS = 256
 _PERCENT = 100
@@ -67,10 +67,10 @@ class GrowingRecorder(Growing, Recorder):
     """That takes what it keeps from the equations of a scene."""
 
     def __init__(
-        self, system: System, duration: float, saving: Saving, progress: bool | None
+        self, equations: Equations, duration: float, saving: Saving, progress: bool | None
     ) -> None:
-        """As :class:`GrowingHistory`, for the equations ``system``."""
-        Recorder.__init__(self, system, _ROWS, 1.0, Saving(1, saving.times), False)
+        """As :class:`GrowingHistory`, for equations."""
+        Recorder.__init__(self, equations, _ROWS, 1.0, Saving(1, saving.times), False)
         self._grow_with(duration, saving, progress)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:

@@ -5,14 +5,12 @@ What all schemes have in common: the clock, results, checkpoints. How a step is 
 
 from __future__ import annotations
 
-import logging
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from fem_lie._arrays import Array
+from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.motion.policies import Policy
@@ -20,10 +18,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
-from fem_lie.system import System
-from fem_lie.system.nodes.element_turns import FoldedElementError
-
-_log = logging.getLogger(__name__)
+from fem_lie.system.equations import Equations
 
 Kept = TypeVar("Kept", bound=History)
 
@@ -32,26 +27,26 @@ class Integration(ABC, Generic[Kept]):
     """State of one integration, whose results go into a history of the kind ``Kept``.
 
     Attributes:
-        system: The equations.
+        equations: Of the scene.
         h: Step size.
         decisions: When to factorise.
         reason: Why the last step failed, where more is known than that it did not converge.
     """
 
-    def __init__(self, policy: Policy, system: System, step: float, *, bound: bool = False) -> None:
+    def __init__(
+        self, policy: Policy, equations: Equations, step: float, *, bound: bool = False
+    ) -> None:
         """Nothing is computed yet.
 
         Args:
             policy: When to factorise.
-            system: The equations.
+            equations: Of the scene.
             step: Step size.
             bound: Whether the constraints may be refreshed by themselves.
         """
-        self.system, self.h, self.decisions = system, float(step), policy.begin(bound)
+        self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
         self.reason = ""
-        spin = float(np.abs(system.velocities[:, 3:]).max())
-        system.choices = system.scene.choices.resolve(spin * step)
-        _log.info("%s; matrix: %s", system.describe(), type(policy).__name__)
+        equations.settle_choices(step, type(policy).__name__)
 
     @abstractmethod
     def history(
@@ -111,24 +106,17 @@ class Integration(ABC, Generic[Kept]):
             return
         row = history.row - 1
         try:
-            self.system.turns.judge(history.turn, float(history.times[row]))
+            self.equations.judge_turn(history.turn, float(history.times[row]))
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""
-        system = self.system
-        kept = {"matrix": system.kkt.csr[0], "joints": system.connections.memory}
-        carried = system.elastic.carried()
-        kept |= {f"carried.{k}": part for k, part in enumerate(carried)}
         learned = self.decisions.memory()
-        return kept | {f"policy.{name}": value for name, value in learned.items()}
+        policy = {f"policy.{name}": value for name, value in learned.items()}
+        return self.equations.kept() | policy
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        system = self.system
-        system.connections.memory = kept["joints"]
+        self.equations.restore(kept)
         self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})
-        carried = range(len(system.elastic.carried()))
-        system.elastic.restore([kept[f"carried.{k}"] for k in carried])
-        system.kkt.csr[0][:] = kept["matrix"]

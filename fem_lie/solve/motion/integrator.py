@@ -24,7 +24,7 @@ from fem_lie.solve.motion.step_control import ConstantStep, StepChoice
 from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 
 class Integrator(ABC):
@@ -92,12 +92,12 @@ class Integrator(ABC):
             result = self._compiled(scene, steps, step, saving, progress)
             if result is not None:
                 return result
-        system, store = self._system(scene), None
+        equations, store = self._equations(scene), None
         if file is not None:
             every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
             plan = Plan(steps, step, saving)
-            store = Checkpoints(file, every, plan, Fingerprint(system, self))
-        run = self._integration(system, step)
+            store = Checkpoints(file, every, plan, Fingerprint(equations, self))
+        run = self._integration(equations, step)
         return run.integrate(run.history(steps, saving, progress, store))
 
     def resume(
@@ -120,20 +120,20 @@ class Integrator(ABC):
         """
         require_scene(scene)
         require_files(Path(file))
-        system = self._system(scene)
-        store = Checkpoints.resume(file, Fingerprint(system, self))
+        equations = self._equations(scene)
+        store = Checkpoints.resume(file, Fingerprint(equations, self))
         steps, step, saving = store.plan
-        run = self._integration(system, step)
+        run = self._integration(equations, step)
         history = run.history(steps, saving, progress, store)
         run.restore(store.memory)
         return run.integrate(history)
 
     @abstractmethod
-    def _system(self, scene: Scene) -> System:
+    def _equations(self, scene: Scene) -> Equations:
         """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
 
     @abstractmethod
-    def _integration(self, system: System, step: float) -> Integration[Any]:
+    def _integration(self, equations: Equations, step: float) -> Integration[Any]:
         """The state of a run with constant steps."""
 
     @abstractmethod

@@ -10,14 +10,14 @@ from fem_lie.results import Result
 from fem_lie.results.steps import StepHistory
 from fem_lie.solve.motion.step_control import Control
 from fem_lie.solve.motion.step_error import StepError
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 
 @dataclass
 class StepLog:
     """Collects :class:`~fem_lie.results.steps.StepHistory`."""
 
-    system: System
+    equations: Equations
     times: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
     errors: list[StepError] = field(default_factory=list)
@@ -37,7 +37,7 @@ class StepLog:
         """All of them."""
         errors = np.array(self.errors, dtype=np.float64).reshape(-1, 4)
         measured = np.array(self.measured, dtype=np.float64).reshape(-1, 2)
-        leaders = self.system.numbering.attachment.leaders
+        leaders = self.equations.unknowns.leaders
         return StepHistory(
             times=np.array(self.times),
             sizes=np.array(self.sizes),
@@ -51,9 +51,9 @@ class StepLog:
 
     def body(self, node: int) -> str:
         """Label of the body of a moving node."""
-        numbering = self.system.numbering
-        for body, nodes in numbering.nodes.items():
-            if node in numbering.attachment.leader[nodes]:
+        leader = self.equations.tables.leader
+        for body, nodes in self.equations.unknowns.bodies.items():
+            if node in leader[nodes]:
                 return body.label
         raise AssertionError("a node without a body")
 

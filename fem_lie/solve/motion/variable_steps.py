@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.motion.growing import Growing
@@ -19,8 +20,7 @@ from fem_lie.solve.motion.step_control import Control
 from fem_lie.solve.motion.step_error import StepError, largest_gaps
 from fem_lie.solve.motion.step_log import StepLog
 from fem_lie.solve.stopwatch import Stopwatch
-from fem_lie.system import System
-from fem_lie.system.nodes.element_turns import FoldedElementError
+from fem_lie.system.equations import Equations
 
 SIDE = 1e-9
 """How far from an event its two sides are, in steps."""
@@ -32,12 +32,12 @@ class Stepper(Protocol[Kept]):
     """State of one integration with steps that change; results go into a ``Kept``.
 
     Attributes:
-        system: The equations.
+        equations: Of the scene.
         h: Size of the present step.
         reason: Why the last step failed, where more is known than that it did not converge.
     """
 
-    system: System
+    equations: Equations
     h: float
     reason: str
 
@@ -125,7 +125,7 @@ class VariableSteps:
         """
         self._stepper, self._control, self._recorder = stepper, control, recorder
         self._finer, self._parts, self._rejections = finer, parts, 0
-        self._log = StepLog(stepper.system)
+        self._log = StepLog(stepper.equations)
         self._watch = Stopwatch()
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
 
@@ -149,7 +149,7 @@ class VariableSteps:
                 if not iterations:
                     continue
                 index, time = index + 1, ended
-                stepper.system.connections.accept(stepper.frames)
+                stepper.equations.accept(stepper.frames)
                 lands = time == control.next_event
                 self._keep(time, index, iterations, event=lands)
                 if lands:
@@ -166,7 +166,7 @@ class VariableSteps:
             self._stepper.record(self._recorder, index, iterations)
             self._recorder.stamp(time)
             try:
-                self._stepper.system.turns.judge(self._recorder.turn, time)
+                self._stepper.equations.judge_turn(self._recorder.turn, time)
             except FoldedElementError as error:
                 result = self._completed(self._watch.seconds)
                 raise ConvergenceError(f"an element folds: {error}", result) from None

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from fem_lie.bodies.told import Told, attributes, told_of_body
 from fem_lie.scene import Scene
-from fem_lie.system import System
+from fem_lie.system.equations import Equations
 
 _DIGEST = "digest "
 _SHORT = 60
@@ -31,24 +31,26 @@ class Fingerprint:
         parts: Text or digest of each part of scene and scheme, by its place there.
     """
 
-    def __init__(self, system: System, scheme: Any) -> None:
+    def __init__(self, equations: Equations, scheme: Any) -> None:
         """Take it of the equations as they are at the start.
 
         Args:
-            system: The equations, from which nothing was computed yet.
+            equations: Those from which nothing was computed yet.
             scheme: Its options are attributes.
         """
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
-        self._told = Told(system.scene.bodies)
+        scene = equations.scene
+        self._told = Told(scene.bodies)
         self._add("scheme", type(scheme))
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
-        self._add_scene(system.scene)
+        self._add_scene(scene)
         self._sums = len(self.parts)
-        self._add_sums(system)
+        for name, value, shown in equations.contents():
+            self._add(name, value, shown)
         self._functions: dict[str, Callable[[float], Any]] = {}
-        for name, shown, function in _functions(system.scene):
+        for name, shown, function in _functions(scene):
             self._functions[name], self._shown[name] = function, shown
         self._values = {name: hashlib.sha256() for name in self._functions}
         self._made = -1
@@ -77,19 +79,6 @@ class Fingerprint:
                 for name, value in attributes(item):
                     what = f"{name} of {kind[:-1]} {k}"
                     self._add(what, value, f"{what} ({type(item).__name__})")
-
-    def _add_sums(self, system: System) -> None:
-        """What the parts above make of the equations."""
-        numbering = system.numbering
-        pairs = zip(numbering.members, numbering.assemblies, strict=True)
-        for k, (members, (_, assembly)) in enumerate(pairs, start=1):
-            others = f" and {len(members) - 1} others" if len(members) > 1 else ""
-            shown = f"energy of the elements of {members[0].label}{others}"
-            self._add(f"energy of assembly {k}", assembly.contents, shown)
-        self._add("inertia", tuple(system.inertia))
-        self._add("damping of mass", system.mass_damping)
-        self._add("loads", system.load_contents)
-        self._add("groups and supports", (system.kinds, system.held, numbering.supports))
 
     def values(self, step: float, index: int) -> dict[str, str]:
         """Digests of the values of all functions of time on the steps up to ``index``."""

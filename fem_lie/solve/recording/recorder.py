@@ -17,7 +17,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.recording.window import Window
-from fem_lie.system import System
+from fem_lie.system.equations import Equations, Instant
 
 
 class History(Window):
@@ -123,12 +123,22 @@ class History(Window):
         kept = memory | self._memory()
         self._store.write(index, self._gone, self.seconds, kept)
 
-    def result(self, factorisations: int, seconds: float, refreshes: int = 0) -> Result:
-        """What was kept so far, with the numbers of whole matrices and of borders alone."""
+    def result(
+        self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
+    ) -> Result:
+        """What was kept so far.
+
+        Args:
+            factorisations: Whole matrices.
+            seconds: Wall time.
+            refreshes: Borders alone.
+            divided: Steps that were made in parts.
+        """
         arrays: dict[str, Any] = dict(self.collected())
         if self._store is not None:
             numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
+            numbers["divided"] = divided
             self._store.finish(numbers)
         invariants = arrays.pop("invariants")
         return Result(
@@ -137,6 +147,7 @@ class History(Window):
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,
+            divided=divided,
             seconds=seconds,
             info=self._info,
         )
@@ -147,16 +158,17 @@ class Recorder(History):
 
     def __init__(
         self,
-        system: System,
+        equations: Equations,
         steps: int,
         step: float,
         saving: Saving,
         progress: bool | None,
         store: Checkpoints | None = None,
     ) -> None:
-        """As :class:`History`, for the equations ``system``."""
-        super().__init__(system.info(), steps, step, saving, progress, store)
-        self._system, self._filled = system, ResultRow(system)
+        """As :class:`History`, for equations."""
+        super().__init__(equations.info, steps, step, saving, progress, store)
+        self._equations, self._filled = equations, ResultRow(equations)
+        self._held = len(equations.unknowns.supported) > 0
         self._count = 0 if store is None or not store.memory else int(store.memory["count"])
 
     def record(
@@ -186,11 +198,11 @@ class Recorder(History):
         self, time: float, H: Array, v: Array, a: Array, multipliers: Array, booked: Array
     ) -> None:
         """Fill in the next row, for which there is room."""
-        system, row = self._system, self.row
+        equations, row = self._equations, self.row
         self._filled.by_twists(self, H, v, multipliers, booked)
-        if len(system.supported):
-            self.reactions[row] = system.reactions(H, v, a, multipliers)
-        self.elastic[row] += system.elastic.energy(H)
+        if self._held:
+            self.reactions[row] = equations.reactions(Instant(H, v, a, multipliers))
+        self.elastic[row] += equations.energy(H)
         self.times[row], self.iterations[row] = time, self._count
         self.row += 1
 

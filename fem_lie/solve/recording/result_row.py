@@ -21,9 +21,9 @@ from fem_lie.forms.fixed_arrays import (
     numbers3,
     numbers4,
 )
-from fem_lie.forms.frames import push
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.lie.kinds import push_all, shown_all
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand, expand_twists
 from fem_lie.system.nodes.element_turns import nearest
@@ -32,19 +32,19 @@ from fem_lie.system.nodes.sums import report_rates
 
 if TYPE_CHECKING:
     from fem_lie.solve.recording.window import Window
-    from fem_lie.system import System
+    from fem_lie.system.equations import Equations
 
 
 class ResultRow:
     """Fills all of a row but its time, reactions, and what elements and supports have in it."""
 
-    def __init__(self, system: System) -> None:
-        """Of the equations ``system``."""
-        attachment, connections = system.numbering.attachment, system.connections
-        nodes = attachment.leader, attachment.offset, *system.inertia, system.conservative
-        joints = *connections.packed, *connections.packed_probes, *connections.reported
-        self._system = system
-        self._scene = FixedArrays([*nodes, *joints, *system.turns.elements])
+    def __init__(self, equations: Equations) -> None:
+        """Of equations."""
+        known = equations.tables
+        nodes = known.kinds, known.leader, known.offset, *known.inertia, known.conservative
+        joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
+        self._equations, self._complete = equations, known.complete
+        self._scene = FixedArrays([*nodes, *joints, known.limits, known.ends, known.whole])
 
     def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
         """Fill the next row of ``rows``, elastic energy with that of springs alone.
@@ -56,21 +56,19 @@ class ResultRow:
             weights: Multipliers, shape (m,).
             booked: Balance and impulses, shape (15,).
         """
-        weights = self._system.felt(H, weights)
         row = rows.row
         found = fill_by_twists(H, v, weights, booked, self._scene.table, rows.arrays.table, row)
-        self._complete(rows, H, v, weights, found)
+        self._fill_rest(rows, H, v, weights, found)
 
     def by_rates(self, rows: Window, H: Array, V: Array, weights: Array, booked: Array) -> None:
         """Fill the next row by :meth:`by_twists` from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
-        weights = self._system.felt(H, weights)
         v = np.empty((len(V), 6))
         found = fill_by_rates(
             H, V, v, weights, booked, self._scene.table, rows.arrays.table, rows.row
         )
-        self._complete(rows, H, v, weights, found)
+        self._fill_rest(rows, H, v, weights, found)
 
-    def _complete(
+    def _fill_rest(
         self,
         rows: Window,
         H: Array,
@@ -78,11 +76,11 @@ class ResultRow:
         weights: Array,
         found: tuple[float, float, int, float],
     ) -> None:
-        row, connections = rows.row, self._system.connections
+        row = rows.row
         rows.potential[row], rows.elastic[row], element, share = found
         rows.turn = element, share
-        if not connections.of_joints_only:
-            forces, coordinates, violations = connections.report(H, v, weights)
+        if not self._complete:
+            forces, coordinates, violations = self._equations.report_joints(H, v, weights)
             rows.joint_forces[row], rows.joint_coordinates[row] = forces, coordinates
             rows.joint_violations[row] = violations
 
@@ -91,6 +89,7 @@ class Given(NamedTuple):
     """What of a scene is in its rows.
 
     Attributes:
+        kinds: What the nodes that lead are, (n,).
         leader: Of each node, (N,).
         offset: Its frame in that of its leader, (N, 4, 3).
         inertia: Mass matrix.
@@ -105,6 +104,7 @@ class Given(NamedTuple):
         whole: Whether whole frames turn, (w,).
     """
 
+    kinds: Indices
     leader: Indices
     offset: Array
     inertia: PlainInertia
@@ -148,17 +148,18 @@ def _given(table: Indices) -> Given:
     """In the order in which :class:`ResultRow` puts them."""
     return Given(
         integers1(table, 0),
-        numbers3(table, 1),
-        (integers1(table, 2), integers1(table, 3), numbers3(table, 4)),
-        numbers3(table, 5),
-        (numbers1(table, 6), integers1(table, 7)),
-        (numbers1(table, 8), integers1(table, 9)),
-        integers1(table, 10),
+        integers1(table, 1),
+        numbers3(table, 2),
+        (integers1(table, 3), integers1(table, 4), numbers3(table, 5)),
+        numbers3(table, 6),
+        (numbers1(table, 7), integers1(table, 8)),
+        (numbers1(table, 9), integers1(table, 10)),
         integers1(table, 11),
         integers1(table, 12),
-        numbers1(table, 13),
-        integers2(table, 14),
-        integers1(table, 15),
+        integers1(table, 13),
+        numbers1(table, 14),
+        integers2(table, 15),
+        integers1(table, 16),
     )
 
 
@@ -203,7 +204,7 @@ def fill_by_twists(
         limit its number and its turn.
     """
     q = np.empty((v.shape[0], 4, 3))
-    push(H, v, q)
+    push_all(_given(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, booked, scene, rows, row)
 
 
@@ -237,10 +238,13 @@ def _fill(
     given, kept = _given(scene), _kept(rows)
     frames, velocities = kept.frames[row], kept.velocities[row]
     if given.leader.shape[0] == V.shape[0]:
-        frames[:], velocities[:] = H[: V.shape[0]], v
+        frames[:] = H[: V.shape[0]]
+        shown_all(given.kinds, H, v, velocities)
     else:
+        own = np.empty_like(v)
+        shown_all(given.kinds, H, v, own)
         expand(H, given.leader, given.offset, frames)
-        expand_twists(v, given.leader, given.offset, velocities)
+        expand_twists(own, given.leader, given.offset, velocities)
     work = np.empty((1, V.shape[0], 4, 3))
     potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
@@ -261,8 +265,12 @@ def _fill_joints(
     forces = kept.joint_forces[row, : given.pairs.shape[0]]
     largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
     largest[:] = 0.0
-    found = forces, kept.joint_coordinates[row], values, largest
-    reported = given.pairs, given.sides, given.owner
-    terms.report(H, v, given.joints, given.probes, weights, *reported, *found)
     table = joint_table(given.joints)
+    terms.wrenches(H, v, table, weights, given.pairs, given.sides, forces)
+    terms.violations(H, joint_table(given.probes), kept.joint_coordinates[row])
+    terms.violations(H, table, values)
+    for c in range(len(table.targets)):
+        size = abs(values[c])
+        if size > largest[given.owner[c]] or size != size:  # nan stays
+            largest[given.owner[c]] = size
     return terms.spring_energy(H, table) if len(table.springs) > 0 else 0.0

@@ -68,14 +68,15 @@ def branch(
         )
     shape = critical.displacing_shape(mode)
     model = StableEquilibrium(scene, petsc_options_prefix)
-    station, leaders = critical.station, model.system.numbering.attachment.leaders
-    if len(critical.frames) != model.system.numbering.total:
+    station, unknowns = critical.station, model.equations.unknowns
+    leaders = unknowns.leaders
+    if len(critical.frames) != unknowns.total:
         raise ValueError(
             f"the bifurcation is one of a scene with {len(critical.frames)} nodes, this one has "
-            f"{model.system.numbering.total}"
+            f"{unknowns.total}"
         )
     model.restore(station.state)
-    h: Array = np.zeros(model.system.size)
+    h: Array = np.zeros(unknowns.size)
     h[: 6 * len(leaders)] = shape[leaders].ravel()
     size = _first_amplitude(model, shape)
     if critical.crossed:
@@ -121,7 +122,7 @@ def _on_path(station: Station, found: Station) -> bool:
 def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
     """Largest displacement of a mode to begin with."""
     node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
-    bodies = model.system.numbering.nodes.items()
+    bodies = model.equations.unknowns.bodies.items()
     size = next(body.size for body, nodes in bodies if node in nodes)
     turn = float(np.linalg.norm(shape[:, 3:], axis=1).max())
     return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)

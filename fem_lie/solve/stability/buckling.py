@@ -19,14 +19,16 @@ from slepc4py import SLEPc
 from fem_lie._arrays import Array, whole
 from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.spectrum import padded, to_petsc
+from fem_lie.linear.slepc import padded, to_petsc
 from fem_lie.results.buckling import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.solve.stopwatch import Stopwatch
+from fem_lie.system.equations import Equations
 
 _TOLERANCE = 1e-10
+_TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
 _TRIES = 4  # each asks for twice as many: load factors of the other sign come with them
 
 
@@ -42,14 +44,17 @@ def buckling(
 
     Raises:
         ValueError: Bad scene, no load, loads that are not in proportion to the load factor, a
-            structure that is not held, or more modes than degrees of freedom.
+            structure that is not held, elements that carry no stress, or more modes than degrees of
+            freedom.
         ConvergenceError: There are less positive load factors than were asked for; its ``result``
             holds those that were found, if any.
     """
     check_proportion(scene)
     whole(count, "count")
     model = StableEquilibrium(scene, petsc_options_prefix)
-    free = int((~model.system.held).sum()) - model.system.m
+    unknowns = model.equations.unknowns
+    _check_stress(model.equations)
+    free = int((~unknowns.held).sum()) - unknowns.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     watch = Stopwatch()
@@ -57,15 +62,15 @@ def buckling(
     K, B, G = _matrices(model)
     factors, vectors = _positive(K, B, G, count, petsc_options_prefix)
     shapes = np.array([model.increments(vector) for vector in vectors])
-    system = model.system
-    shapes, turns_only = model.all_nodes(shapes.reshape(-1, system.count, 6))
+    equations = model.equations
+    shapes, turns_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
     modes = BucklingModes(
         factors=factors,
         shapes=shapes,
         turns_only=turns_only,
-        frames=system.numbering.attachment.frames(system.frames).copy(),
+        frames=equations.all_frames(equations.start.frames).copy(),
         size=model.diameter,
-        info=system.info(),
+        info=equations.info,
         seconds=watch.seconds,
     )
     if len(factors) < count:
@@ -74,6 +79,19 @@ def buckling(
             modes if len(factors) else None,
         )
     return modes
+
+
+def _check_stress(equations: Equations) -> None:
+    """Raise ``ValueError`` if elements carry none: their stiffness would not know of it."""
+    for where, assembly in equations.tables.assemblies:
+        if not assembly.carried.size:
+            bodies = equations.unknowns.bodies.items()
+            labels = [b.label for b, nodes in bodies if where.start <= nodes[0] < where.stop]
+            raise ValueError(
+                f"the elements of {', '.join(labels)} carry no stress, of which linear buckling is "
+                "made: write their energy as a StrainEnergy, not as a plain form, or follow the "
+                "path by fl.follow_path"
+            )
 
 
 def _matrices(model: StableEquilibrium) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
@@ -130,16 +148,20 @@ def _largest(
             solver.solve()
     except PETSc.Error as error:
         raise ConvergenceError(f"SLEPc failed (PETSc error {error.ierr})") from error
-    return _pairs(solver, n, bordered.shape[0])
+    values, vectors = _pairs(solver, n, bordered.shape[0])
+    # constraints bring zeros that are defective, of which round-off makes numbers of either sign
+    energy = np.einsum("kn,kn->k", vectors, vectors @ K)
+    by_loads = -np.einsum("kn,kn->k", vectors, vectors @ G)
+    true = np.abs(by_loads - values * energy) <= _TRUE * values * energy
+    return values[true], vectors[true]
 
 
 def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
-    """Converged pairs with a positive eigenvalue that is not round-off."""
+    """Converged pairs with a positive eigenvalue."""
     real, imaginary = (PETSc.Vec().createSeq(size) for _ in range(2))
     values, vectors = [], []
     for k in range(solver.getConverged()):
-        value = solver.getEigenpair(k, real, imaginary).real
-        values.append(value)
+        values.append(solver.getEigenpair(k, real, imaginary).real)
         vectors.append(real.array[:n].copy())
     given = np.array(values)
     kept = given > 1e-10 * np.abs(given).max(initial=0.0)

@@ -14,8 +14,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, number, positive
-from fem_lie.bodies.body import Point, direction, require_point
+from fem_lie._arrays import Array, direction, number, positive
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_point
 
 
 class Control(Protocol):

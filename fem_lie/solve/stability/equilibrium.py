@@ -23,7 +23,6 @@ from fem_lie.linear.spectrum import Pencil
 from fem_lie.scene import Scene
 from fem_lie.solve.methods import methods_on_paths
 from fem_lie.solve.stability.mode_scaling import node_lengths, scaled
-from fem_lie.solve.stability.rigid_motions import rigid_motions
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 _SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
@@ -47,13 +46,14 @@ class StableEquilibrium(SceneEquilibrium):
         """
         super().__init__(scene, prefix, methods_on_paths)
         self._carried_stress = carried_stress
-        self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self.system.count)
+        self.weight = np.tile([self.diameter] * 3 + [1.0] * 3, self._moving)
+        self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
 
     def factorise(self, factor: float) -> None:
         """Make the tangent ready, and count its negative eigenvalues."""
         if not self._carried_stress:
             self._forces_known = False
-            self.system.elastic.reset_stress(self._H)
+            self.equations.reset_stress(self._H)
         super().factorise(factor)
 
     def solve_raw(self, b: Array) -> Array:
@@ -67,8 +67,8 @@ class StableEquilibrium(SceneEquilibrium):
         self._fill(factor)
         A = self._csr()
         scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
-        if self.system.m:
-            scale = sp.diags(self.system.kkt.units)
+        if self.equations.unknowns.m:
+            scale = sp.diags(self.equations.matrix.units)
         try:
             zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
         except SingularMatrixError:
@@ -84,7 +84,7 @@ class StableEquilibrium(SceneEquilibrium):
     def _loose_motions(self) -> int:
         """Motions without strain that joints allow and nothing resists."""
         K, B = self.pencil()
-        parts = RigidParts(K, K, K, rigid_motions(self.system, self._H, self.weight))
+        parts = RigidParts(K, K, K, self.equations.rigid_motions(self._H, self.weight))
         Z = parts.mechanisms(B)
         if not len(Z):
             return 0
@@ -93,8 +93,7 @@ class StableEquilibrium(SceneEquilibrium):
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent of the free unknowns in their units, and constraints with rows of length one."""
-        A, n = self._csr(), 6 * self.system.count
-        free = np.flatnonzero(~self.system.held.ravel())
+        A, n, free = self._csr(), 6 * self._moving, self._free
         weights = sp.diags(self.weight[free])
         K = (weights @ A[free][:, free] @ weights).tocsr()
         B = (A[n:][:, free] @ weights).tocsr()
@@ -107,7 +106,7 @@ class StableEquilibrium(SceneEquilibrium):
 
         Under loads without potential it is one, of least absolute value, and its right vector.
         """
-        if not self.system.has_potential:
+        if not self.equations.has_potential:
             value, x = self.smallest(factor)
             return np.array([value]), self.increments(x)[np.newaxis]
         self._fill(factor)
@@ -126,7 +125,7 @@ class StableEquilibrium(SceneEquilibrium):
         """
         self.factorise(factor)
         value, x = self.inverse_iteration(None, _REPEATS)
-        return value, x[(~self.system.held).ravel()]
+        return value, x[self._free]
 
     def inverse_iteration(self, start: Array | None, repeats: int) -> tuple[float, Array]:
         """Eigenvalue of least absolute value of the tangent that was factorised last.
@@ -140,8 +139,9 @@ class StableEquilibrium(SceneEquilibrium):
         """
         n = len(self.weight)
         if start is None:
-            start = np.random.default_rng(_SEED).standard_normal(n) * (~self.system.held).ravel()
-        value, right, x = np.nan, np.zeros(self.system.size), start
+            free = ~self.equations.unknowns.held.ravel()
+            start = np.random.default_rng(_SEED).standard_normal(n) * free
+        value, right, x = np.nan, np.zeros(self.equations.unknowns.size), start
         for _ in range(repeats):
             x = x / np.linalg.norm(x)
             right[:n] = x / self.weight
@@ -151,29 +151,26 @@ class StableEquilibrium(SceneEquilibrium):
 
     def increments(self, vector: Array) -> Array:
         """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
-        system = self.system
-        h = np.zeros(6 * system.count)
-        free = ~system.held.ravel()
-        h[free] = self.weight[free] * vector
-        system.supports.turn_back(self._H, h.reshape(-1, 6))
+        h = np.zeros(6 * self._moving)
+        h[self._free] = self.weight[self._free] * vector
+        self.equations.to_frames(self._H, h)
         return h.reshape(-1, 6)
 
     def stress(self, dx: Array) -> None:
         """Carry the stress on along an increment, and multipliers, but leave the nodes."""
-        system = self.system
         self._forces_known = False
-        system.elastic.carry(self._H, dx[: 6 * system.count])
-        self._multipliers += self._scale * dx[6 * system.count :]
+        self.equations.carry(self._H, dx[: 6 * self._moving])
+        self._multipliers += self._scale * dx[6 * self._moving :]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
         """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
-        numbering = self.system.numbering
-        lengths, twists = node_lengths(numbering.nodes), numbering.attachment.twists
-        found = [scaled(twists(shape), lengths) for shape in shapes]
-        moved = np.array([shape for shape, _ in found]).reshape(-1, numbering.total, 6)
+        unknowns = self.equations.unknowns
+        lengths = node_lengths(unknowns.bodies)
+        found = [scaled(self.equations.all_twists(self._H, shape), lengths) for shape in shapes]
+        moved = np.array([shape for shape, _ in found]).reshape(-1, unknowns.total, 6)
         return moved, np.array([turns for _, turns in found], dtype=np.bool_)
 
     def _csr(self) -> sp.csr_matrix:
-        pointers, columns, data = self.system.kkt.matrix.getValuesCSR()
-        size = self.system.size
+        data, columns, pointers = self.equations.matrix.csr
+        size = self.equations.unknowns.size
         return sp.csr_matrix((data.copy(), columns, pointers), shape=(size, size))

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, instance, number, numbers, positive, whole
-from fem_lie.bodies.beam import Beam
+from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.results.buckling import BucklingModes
 from fem_lie.results.states import nodes_in
@@ -184,6 +184,8 @@ def imperfect(scene: Scene, *imperfections: Imperfection) -> Scene:
     for body in other.bodies:
         parts = [imperfection.of(body) for imperfection in imperfections]
         u, theta = np.sum(parts, axis=0)
+        if u.any() or theta.any():
+            body.require_frames("an imperfection")
         _deform(body, u, theta)
     return other
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from math import inf
+from dataclasses import replace
 
 import numpy as np
 
-from fem_lie._arrays import instance, number, whole
+from fem_lie._arrays import instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, Station
 from fem_lie.scene import Scene
@@ -20,9 +20,9 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.locate import Bracket
-from fem_lie.solve.stability.path_run import Ends, Observer, Pursuit
+from fem_lie.solve.stability.path_options import Observer, PathEnds, PathOptions
+from fem_lie.solve.stability.path_run import Pursuit
 from fem_lie.solve.stability.path_step import Walker
-from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.solve.stopwatch import Stopwatch
 
@@ -33,21 +33,14 @@ _log = logging.getLogger(__name__)
 
 def follow_path(
     scene: Scene,
-    until: float | None = None,
+    until: float | PathEnds | None = None,
     *,
     resolution: float = 0.05,
-    steps: int = 300,
-    load_range: tuple[float, float] = (-inf, inf),
-    stop: Observer | None = None,
-    critical_points: int | None = None,
     observe: Mapping[str, Observer] | None = None,
     control: DisplacementControl | LoadControl | None = None,
     start: Station | None = None,
     backwards: bool = False,
-    locate: float | None = 1e-6,
-    carried_stress: bool = True,
-    options: ArcLength | None = None,
-    petsc_options_prefix: str = "fem_lie_path_",
+    options: PathOptions | None = None,
 ) -> EquilibriumPath:
     """Follow the path of equilibrium of a scene, and tell where it is stable.
 
@@ -56,39 +49,34 @@ def follow_path(
 
     Args:
         scene: What there is.
-        until: Load factor at which the path ends, when it gets there; default: 1, or none if there
-            is a ``stop`` or a displacement to go to. A limit load above it is not met: for the snap
-            of a structure under a unit load give ``until`` a load that it does not carry.
+        until: Load factor at which the path ends, when it gets there, or all that ends it. Default:
+            1, or none if there is a displacement to go to, or a ``stop`` among the ends. A limit
+            load above it is not met: for the snap of a structure under a unit load give ``until`` a
+            load that it does not carry.
         resolution: Largest step over the range of loads and displacements.
-        steps: At most so many.
-        load_range: The path ends where it leaves these load factors.
-        stop: Function of the state; the path ends where it becomes positive.
-        critical_points: The path ends when so many limit points and bifurcations are found.
         observe: Functions of the state that are recorded, with their names.
         control: Steps of displacement or load; default: of arc length.
         start: State to begin with, of a path of this scene; default: unloaded.
         backwards: Go the other way.
-        locate: Relative tolerance of the load at limit points and bifurcations, or ``None`` to
-            leave them between the states.
-        carried_stress: Carry the stress as an iterate; otherwise plain Newton.
-        options: Tolerance and largest number of iterations.
-        petsc_options_prefix: Prefix for the choice of the linear solver.
+        options: How it is computed.
 
     Raises:
         ValueError: Bad scene or options, no load, loads that are not in proportion to the load
             factor, a start outside of the range or with a singular tangent.
     """
     check_proportion(scene)
-    chosen = until is None and stop is None and not isinstance(control, DisplacementControl)
+    ends = until if isinstance(until, PathEnds) else PathEnds(until)
+    options = PathOptions() if options is None else options
+    chosen = ends.factor is None and ends.stop is None
+    chosen = chosen and not isinstance(control, DisplacementControl)
     if chosen:
-        until = 1.0
-    ends = Ends(until, *load_range, stop, steps, critical_points)
-    _check_options(ends, resolution, locate, start, control)
-    model = StableEquilibrium(scene, petsc_options_prefix, carried_stress=carried_stress)
-    load = abs(until) if until else 1.0
-    walker = Walker(model, ArcLength() if options is None else options, load)
+        ends = replace(ends, factor=1.0)
+    _check_options(ends, resolution, options, start, control)
+    prefix, carried = options.petsc_options_prefix, options.carried_stress
+    model = StableEquilibrium(scene, prefix, carried_stress=carried)
+    walker = Walker(model, options.arc_length, abs(ends.factor) if ends.factor else 1.0)
     watch = Stopwatch()
-    run = Pursuit(walker, ends, resolution, locate, control)
+    run = Pursuit(walker, ends, resolution, options.locate, control)
     run.follow(start, backwards)
     if chosen and run.found.complete:
         run.found.reason += ", where paths end by default: until=... goes on beyond, to loads above"
@@ -97,43 +85,20 @@ def follow_path(
 
 
 def _check_options(
-    ends: Ends,
+    ends: PathEnds,
     resolution: float,
-    locate: float | None,
+    options: PathOptions,
     start: Station | None,
     control: DisplacementControl | LoadControl | None,
 ) -> None:
-    number(resolution, "resolution")
-    whole(ends.steps, "steps")
-    if ends.until is not None:
-        number(ends.until, "until")
-    if ends.critical is not None:
-        whole(ends.critical, "critical_points")
-    if locate is not None:
-        number(locate, "locate")
+    instance(options, PathOptions, "options", "PathOptions or None")
     instance(control, DisplacementControl | LoadControl | None, "control", "a control or None")
-    if not 0 < resolution <= 1 or ends.steps < 1:
-        raise ValueError(
-            f"wanted 0 < resolution ≤ 1 and steps ≥ 1, got {resolution!r} and {ends.steps!r}"
-        )
-    if ends.critical is not None and (ends.critical < 1 or locate is None):
-        raise ValueError(
-            f"critical_points must be 1 or more, and located, got {ends.critical!r} and "
-            f"locate={locate!r}"
-        )
-    if locate is not None and not 0 < locate < 1:
-        raise ValueError(f"locate must be a relative tolerance between 0 and 1, got {locate!r}")
-    factor = 0.0 if start is None else start.factor
-    if not ends.low < ends.high or not ends.low <= factor <= ends.high:
-        raise ValueError(
-            f"the path leaves the range of load factors where it begins: {factor:g} is not in "
-            f"{(ends.low, ends.high)}"
-        )
-    if ends.until is not None and (not np.isfinite(ends.until) or ends.until == factor):
-        raise ValueError(
-            f"the load factor at which the path ends must be finite and not where it begins, got "
-            f"{ends.until!r}"
-        )
+    number(resolution, "resolution")
+    if not 0 < resolution <= 1:
+        raise ValueError(f"wanted 0 < resolution ≤ 1, got {resolution!r}")
+    if ends.critical_points is not None and options.locate is None:
+        raise ValueError(f"critical_points={ends.critical_points} must be located, got locate=None")
+    ends.check_start(start)
     if isinstance(control, DisplacementControl):
         control.check()
 
@@ -142,9 +107,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
     """What was found."""
     found, model = run.found, run.model
     states = [run.observed(station) for station in found.stations]
-    forces = [
-        model.system.joint_forces(s.state.frames, s.state.multipliers) for s in found.stations
-    ]
+    forces = [model.joint_forces(s.state) for s in found.stations]
     observed = {
         name: np.array([function(state) for state in states], dtype=np.float64)
         for name, function in observe.items()
@@ -180,7 +143,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         values, shapes = model.critical_modes(first.factor, _MODES, "fem_lie_path_modes_")
     except ConvergenceError as error:
         _log.warning("the critical modes at load factor %g: %s", first.factor, error)
-        values, shapes = np.empty(0), np.empty((0, model.system.count, 6))
+        values, shapes = np.empty(0), np.empty((0, model.equations.unknowns.moving, 6))
     moved, turns_only = model.all_nodes(shapes)
     # where a path crosses another one symmetrically its load turns, too, but no pivot does
     limit = first.sign != last.sign and first.negative != last.negative
@@ -191,13 +154,13 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         factor=extremum(factors) if first.sign != last.sign else sum(factors) / 2,
         bracket=factors,
         negative_pivots=(first.negative, last.negative),
-        has_potential=model.system.has_potential,
+        has_potential=model.equations.has_potential,
         eigenvalues=values,
         shapes=moved,
         turns_only=turns_only,
         station=first,
         index=index,
-        frames=run.attachment.frames(first.state.frames).copy(),
+        frames=run.all_frames(first.state.frames).copy(),
         initial=run.initial,
         info=run.info,
     )

@@ -7,19 +7,17 @@ largest that the path has seen so far.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import acos, inf, sqrt
 
 import numpy as np
 
+from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
+from fem_lie.solve.stability.path_options import PathEnds
 from fem_lie.solve.stability.path_step import LostError, Walker
-from fem_lie.system.nodes.element_turns import FoldedElementError
-
-Observer = Callable[[PathState], float]
 
 _SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen
 _BEGIN = 0.25  # of the resolution: the first step
@@ -29,18 +27,6 @@ _CORNER = 1 / 64  # … unless steps are as short as this, over the resolution
 _FLAT = 0.8  # of the smaller rate of the load at the ends of a step: not less between
 _AHEAD = 0.2  # cosine between the tangent and the way of a step: never less
 _SMALLEST = 1e-4  # of the resolution: shorter steps are given up
-
-
-@dataclass(frozen=True)
-class Ends:
-    """Where a path ends, as far as it was asked for."""
-
-    until: float | None
-    low: float
-    high: float
-    stop: Observer | None
-    steps: int
-    critical: int | None
 
 
 @dataclass
@@ -61,7 +47,7 @@ class Pursuit:
 
     Attributes:
         model: What is loaded.
-        attachment: Which node follows which.
+        all_frames: Frames of all nodes from those of the equations.
         initial: Frames of all nodes, unloaded, shape (n, 4, 3).
         info: Bodies and joints.
         found: What has been found so far.
@@ -70,7 +56,7 @@ class Pursuit:
     def __init__(
         self,
         walker: Walker,
-        ends: Ends,
+        ends: PathEnds,
         resolution: float,
         locate: float | None,
         control: DisplacementControl | LoadControl | None,
@@ -78,22 +64,24 @@ class Pursuit:
         """Prepare it; the model is unloaded."""
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
-        system = self.model.system
-        self.attachment, self.info = system.numbering.attachment, system.info()
-        self.initial = self.attachment.frames(system.frames).copy()
-        self._places = system.frames[: system.count, 0].copy()
+        equations, unknowns = self.model.equations, self.model.equations.unknowns
+        self.all_frames, self.info = equations.all_frames, equations.info
+        self.initial = self.all_frames(equations.start.frames).copy()
+        self._places = equations.start.frames[: unknowns.moving, 0].copy()
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to = inf
         if isinstance(control, DisplacementControl):
-            node = system.numbering.node(control.point)
+            assert control.point.body is not None
+            of_all = unknowns.bodies[control.point.body][control.point.node]
+            node = int(equations.tables.leader[of_all])
             gap = np.abs(self._places[node] - control.point.position).max()
-            if gap > 1e-9 * system.length:
+            if gap > 1e-9 * unknowns.length:
                 raise ValueError(
                     f"displacement control at {control.point.label}, which follows another node "
                     f"rigidly {gap:g} away: control that one"
                 )
-            self._fixed, self._to = control.along(system.count, node), 1.0
+            self._fixed, self._to = control.along(unknowns.moving, node), 1.0
         elif isinstance(control, LoadControl):
             self._fixed = Load(walker.load)
         self.found = Record()
@@ -129,7 +117,8 @@ class Pursuit:
             length = min(self._resolution, used * self._growth(here, new, arc))
             whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
             here = self._accept(whole)
-            if self._ends.critical is not None and len(found.critical) >= self._ends.critical:
+            wanted = self._ends.critical_points
+            if wanted is not None and len(found.critical) >= wanted:
                 found.complete = True
                 found.reason = f"{len(found.critical)} critical points are found"
 
@@ -137,7 +126,7 @@ class Pursuit:
         model, ends = self.model, self._ends
         if start is None:
             model.check_start(0.0)
-            first = self._walker.start(0.0, -1.0 if (ends.until or 1.0) < 0 else 1.0)
+            first = self._walker.start(0.0, -1.0 if (ends.factor or 1.0) < 0 else 1.0)
         else:
             model.restore(start.state)
             model.check_start(start.factor)
@@ -239,7 +228,8 @@ class Pursuit:
     def _ended(self, whole: Bracket) -> Bracket:
         """The part of a step up to the end of the path, if that is in it."""
         ends, found, (here, new) = self._ends, self.found, whole.ends
-        levels = [(ends.until, True), (ends.low, False), (ends.high, False)]
+        low, high = ends.load_range
+        levels = [(ends.factor, True), (low, False), (high, False)]
         for level, wanted in levels:
             if level is None or not np.isfinite(level) or here.factor == level:
                 continue
@@ -286,7 +276,7 @@ class Pursuit:
 
     def observed(self, station: Station) -> PathState:
         """A state as it is shown to functions of the user."""
-        frames = self.attachment.frames(station.state.frames).copy()
+        frames = self.all_frames(station.state.frames).copy()
         return PathState(station.factor, frames, self.initial, station.negative, self.info)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.motions import advance
+from fem_lie.lie.kinds import turn_all
 from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
@@ -20,8 +20,7 @@ from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
 from fem_lie.solve.stopwatch import Stopwatch
-from fem_lie.system import System
-from fem_lie.system.nodes.sums import load_vector
+from fem_lie.system.equations import Equations, Instant, Plan
 
 
 def follow_loads(
@@ -105,7 +104,7 @@ class SceneEquilibrium:
     """:class:`~fem_lie.solve.statics.arc_length.Equilibrium` of a scene.
 
     Attributes:
-        system: The equations.
+        equations: Of the scene.
         diameter: Length of the model, by which turns are made lengths.
     """
 
@@ -113,7 +112,7 @@ class SceneEquilibrium:
         self,
         scene: Scene,
         prefix: str,
-        methods: Callable[[System], Sequence[Method]] = methods_for,
+        methods: Callable[[Equations], Sequence[Method]] = methods_for,
     ) -> None:
         """Number the unknowns; the stress is that of the unloaded frames.
 
@@ -122,39 +121,36 @@ class SceneEquilibrium:
             prefix: Of the linear solver's options.
             methods: To factorise with; default: what is fastest under growing loads.
         """
-        self.system = system = System(scene, dynamics=False)
-        self.diameter = system.length
-        self._H, self._multipliers = system.frames.copy(), np.zeros(system.m)
-        self._zero = np.zeros((system.count, 6))
-        self._scale = np.ones(system.m)
-        system.set_time(1.0, 1.0)
-        self._loads = system.loads
-        self._solver = DirectSolver(system.kkt, prefix, methods(system))
-        system.elastic.reset_stress(self._H)
-        self._internal, self._load = np.empty(system.size), np.zeros(system.size)
+        self.equations = equations = Equations(scene, dynamics=False)
+        unknowns = equations.unknowns
+        self.diameter, self._moving = unknowns.length, unknowns.moving
+        self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
+        self._zero = np.zeros((unknowns.moving, 6))
+        self._scale = np.ones(unknowns.m)
+        self._solver = DirectSolver(equations.matrix, prefix, methods(equations))
+        equations.reset_stress(self._H)
+        self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known = False
-        self._scratch = np.empty(system.size)
+        self._scratch, self._found = np.empty(unknowns.size), equations.room()
         self.forces()
         if not self._load.any():
             raise ValueError("the arc length needs a load that is not zero on what can move")
         self._fill(0.0)
-        self._scale[:] = system.tangent.constraint_scale(self._H)
+        self._scale[:] = equations.constraint_scale(self._H)
 
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the present state."""
-        system, load = self.system, self._load[: 6 * self.system.count].reshape(-1, 6)
-        system.set_time(0.0, 0.0)
-        system.residual(
-            self._H, self._zero, self._zero, self._multipliers, self._scale, self._internal
-        )
-        applied = self._loads
-        load_vector(self._H, applied.dead, applied.moment, applied.following, load)
-        system.set_time(1.0, 1.0)
-        load += system.elastic.pressure_forces(self._H)
-        system.supports.turn(self._H, load)
-        load[system.held] = 0.0
+        equations = self.equations
+        equations.set_time(0.0, 0.0)
+        equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
+        equations.set_time(1.0, 1.0)
+        self._load[: 6 * self._moving] = equations.outer_forces(self._H)
         self._forces_known = True
         return self._internal.copy(), self._load.copy()
+
+    @property
+    def _now(self) -> Instant:
+        return Instant(self._H, self._zero, self._zero, self._multipliers)
 
     @property
     def factorisations(self) -> int:
@@ -167,99 +163,96 @@ class SceneEquilibrium:
         self._solver.factorise()
 
     def _fill(self, factor: float) -> None:
-        system, zero = self.system, self._zero
-        state = self._H, zero, zero, self._multipliers, self._scale
-        system.set_time(factor, factor)
-        if self._forces_known and not system.pressures:
-            system.applied(*state, self._scratch)
-        else:  # pressure is among the forces of the elements, and grows with the factor
-            system.residual(*state, self._scratch)
-        system.fill_matrix(*state, zero, 0.0, 0.0)
+        equations, now, given = self.equations, self._now, (self._scratch, self._found)
+        equations.set_time(factor, factor)
+        equations.residual(now, self._scale, *given, carried=True, known=self._forces_known)
+        equations.fill(now, self._found, Plan(self._zero, self._scale))
 
     def solve(self, b: Array) -> Array:
         """Solve with the last tangent."""
         self._solver.right_hand_side[:] = b
         self._solver.solve()
-        x, count = self._solver.solution.copy(), self.system.count
-        self.system.supports.turn_back(self._H, x[: 6 * count].reshape(-1, 6))
+        x = self._solver.solution.copy()
+        self.equations.to_frames(self._H, x)
         return x
 
     def negative_pivots(self) -> int:
         """Those of the last tangent on what constraints leave free, from its pivots."""
-        return negative_pivots(self.system, self._solver)
+        return negative_pivots(self.equations, self._solver)
 
     def move(self, dx: Array) -> None:
         """Carry the stress on by ``dx``, then move nodes and multipliers."""
-        system = self.system
         self._forces_known = False
-        system.elastic.carry(self._H, dx[: 6 * system.count])
-        advance(self._H, -dx, system.held, system.uncoupled, system.length)
-        system.carried_drilling.turn(self._H)
-        self._multipliers += self._scale * dx[6 * system.count :]
+        self.equations.move(self._H, -dx, carried=True)
+        self._multipliers += self._scale * dx[6 * self._moving :]
 
     def reactions(self, state: _State, factor: float) -> Array:
-        """Of supports in a state that is restored, see :meth:`~.System.reactions`."""
+        """Of supports in a state that is restored, see :meth:`~.Equations.reactions`."""
         self.restore(state)
-        self.system.set_time(factor, factor)
-        return self.system.reactions(self._H, self._zero, self._zero, self._multipliers)
+        self.equations.set_time(factor, factor)
+        return self.equations.reactions(self._now)
+
+    def joint_forces(self, state: _State) -> Array:
+        """Force and moment of each joint on its point ``a``, in its axes, shape (j, 6)."""
+        return self.equations.report_joints(state.frames, self._zero, state.multipliers)[0]
 
     def positions(self) -> Array:
         """Of the nodes, shape (n, 3)."""
-        return self._H[: self.system.count, 0].copy()
+        return self._H[: self._moving, 0].copy()
 
     def translations(self, dx: Array) -> Array:
         """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
-        count = self.system.count
-        u = dx[: 6 * count].reshape(-1, 6)[:, :3]
-        return np.einsum("nij,ni->nj", self._H[:count, 1:], u)
+        moved = dx[: 6 * self._moving].copy()
+        turn_all(self.equations.unknowns.kinds, self._H, moved)
+        return moved.reshape(-1, 6)[:, :3]
 
     def twists(self, dx: Array) -> Array:
         """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
-        twists = dx[: 6 * self.system.count].reshape(-1, 6).copy()
+        twists = dx[: 6 * self._moving].reshape(-1, 6).copy()
         twists[:, 3:] *= self.diameter
         return twists
 
     def check_turns(self, factor: float) -> None:
         """Raise ``FoldedElementError`` if an element turns too far for one state to be meant."""
-        self.system.check_turns(self._H, f"at load factor {factor:g}")
+        self.equations.check_turns(self._H, f"at load factor {factor:g}")
 
     def turn_hint(self) -> str:
         """Which element turns far, if that may be why it does not go on."""
-        return self.system.turn_hint(self._H)
+        return self.equations.turn_hint(self._H)
 
     def state(self) -> _State:
         """A copy of the present state; angles of joints are counted on from here."""
-        self.system.connections.accept(self._H)
-        return _State(self._H.copy(), self._multipliers.copy(), self.system.elastic.carried())
+        self.equations.accept(self._H)
+        return _State(self._H.copy(), self._multipliers.copy(), self.equations.carried)
 
     def restore(self, state: _State) -> None:
         """Return to a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
-        self.system.connections.accept(self._H)
-        self.system.elastic.restore(state.carried)
+        self.equations.accept(self._H)
+        self.equations.carried = state.carried
 
 
 def _result(
     model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
 ) -> PathResult:
-    system, reached = model.system, list(levels[: len(path.states)])
-    attachment, counts = system.numbering.attachment, np.cumsum([0, *path.iterations])
+    equations, reached = model.equations, list(levels[: len(path.states)])
+    unknowns, counts = equations.unknowns, np.cumsum([0, *path.iterations])
     ends = [0] + [1 + path.factors.index(level) for level in reached]
     states: list[_State] = path.states
-    frames = [attachment.frames(state.frames).copy() for state in states]
-    forces = [system.joint_forces(state.frames, state.multipliers) for state in states]
+    frames = [equations.all_frames(state.frames).copy() for state in states]
+    forces = [model.joint_forces(state) for state in states]
     reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
     return PathResult(
         factors=np.array(reached),
-        frames=np.array(frames).reshape(len(states), system.numbering.total, 4, 3),
-        joint_forces=np.array(forces).reshape(len(states), len(system.connections.items), 6),
+        frames=np.array(frames).reshape(len(states), unknowns.total, 4, 3),
+        joint_forces=np.array(forces).reshape(len(states), unknowns.connections, 6),
         iterations=np.diff(counts[ends]),
         failed_iterations=path.failed_iterations,
-        info=system.info(),
-        initial=attachment.frames(system.frames).copy(),
+        info=equations.info,
+        initial=equations.all_frames(equations.start.frames).copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
-        reactions=np.array(reactions).reshape(len(states), len(system.supported), 6),
+        reactions=np.array(reactions).reshape(len(states), len(unknowns.supported), 6),
         load_steps=len(path.iterations),
         failed_steps=path.failed_steps,
         seconds=seconds,

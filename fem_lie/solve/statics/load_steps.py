@@ -8,18 +8,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.motions import advance
+from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.methods import methods_for
+from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.pivots import negative_pivots
-from fem_lie.solve.statics.steady import fill_steady
 from fem_lie.solve.stopwatch import Stopwatch
-from fem_lie.system import System
-from fem_lie.system.nodes.element_turns import FoldedElementError
+from fem_lie.system.equations import Equations, Instant, Plan
 
 _log = logging.getLogger(__name__)
 
@@ -35,28 +34,28 @@ class LoadSteps:
         self,
         scene: Scene,
         rotation: Rotation,
-        carried: bool,
-        tolerance: float,
-        max_iterations: int,
+        options: Newton,
         prefix: str,
     ) -> None:
         """Number the unknowns; for the arguments see :func:`~.statics.statics`."""
-        self.system = system = System(scene, dynamics=bool(rotation))
+        self.equations = equations = Equations(scene, dynamics=bool(rotation))
+        unknowns = equations.unknowns
         self._rotation = rotation
-        self._carried, self._tolerance, self._max = carried, tolerance, max_iterations
-        self.H: Array = system.frames.copy()
-        self.multipliers: Array = np.zeros(system.m)
-        self._zero = np.zeros((system.count, 6))
-        self._scale = np.ones(system.m)
-        self._solver = DirectSolver(system.kkt, prefix, methods_for(system))
+        self._options = options
+        self.H: Array = equations.start.frames.copy()
+        self.multipliers: Array = np.zeros(unknowns.m)
+        self._moving = unknowns.moving
+        self._zero = np.zeros((unknowns.moving, 6))
+        self._scale, self._found = np.ones(unknowns.m), equations.room()
+        self._solver = DirectSolver(equations.matrix, prefix, methods_for(equations))
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
         self._folded = ""
-        system.elastic.reset_stress(self.H)
+        equations.reset_stress(self.H)
         self._fill()
-        self._scale[:] = system.tangent.constraint_scale(self.H)
+        self._scale[:] = equations.constraint_scale(self.H)
 
         self._factors: list[float] = []
         self._frames: list[Array] = []
@@ -69,18 +68,18 @@ class LoadSteps:
 
     def result(self) -> StaticResult:
         """The accepted states."""
-        system, k = self.system, len(self._factors)
+        equations, unknowns, k = self.equations, self.equations.unknowns, len(self._factors)
         return StaticResult(
             np.array(self._factors),
-            np.array(self._frames).reshape(k, system.numbering.total, 4, 3),
-            np.array(self._forces).reshape(k, len(system.connections.items), 6),
+            np.array(self._frames).reshape(k, unknowns.total, 4, 3),
+            np.array(self._forces).reshape(k, unknowns.connections, 6),
             np.array(self._counts, dtype=np.int64),
             self._failed,
-            system.info(),
-            system.numbering.attachment.frames(system.frames).copy(),
+            equations.info,
+            equations.all_frames(equations.start.frames).copy(),
             self._rotation,
             self._watch.seconds,
-            np.array(self._reactions).reshape(k, len(system.supported), 6),
+            np.array(self._reactions).reshape(k, len(unknowns.supported), 6),
             negative_pivots=np.array(self._pivots, dtype=np.int64),
             factorisations=self._solver.factorisations,
         )
@@ -121,8 +120,8 @@ class LoadSteps:
         return (
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
-            f"{self.last:.2e} (tolerance {self._tolerance:g}). {self.advice()}"
-            f"{self._folded or self.system.turn_hint(self.H)}"
+            f"{self.last:.2e} (tolerance {self._options.tolerance:g}). {self.advice()}"
+            f"{self._folded or self.equations.turn_hint(self.H)}"
         )
 
     def advice(self) -> str:
@@ -132,8 +131,8 @@ class LoadSteps:
                 "The matrix is singular: is every body held by clamps or joints, with no motion "
                 "left free?"
             )
-        if not self._carried:
-            return "Try carried_stress=True, or more load_steps."
+        if not self._options.carried_stress:
+            return "Try Newton(carried_stress=True), or more load_steps."
         return (
             "Try more load_steps; if the load has a maximum here (snap-through), prescribe a "
             "displacement instead of a load."
@@ -141,13 +140,13 @@ class LoadSteps:
 
     def solve(self, factor: float) -> bool:
         """Go to the load factor and keep that state; if it fails, stay at the old one."""
-        system = self.system
+        equations = self.equations
         H, multipliers = self.H.copy(), self.multipliers.copy()
-        system.set_time(factor, factor)
-        self.H[system.count + 1 :] = system.prescribed_frames(factor)
+        equations.set_time(factor, factor)
+        self.H[self._moving + 1 :] = equations.prescribed_frames(factor)
         previous = np.inf
         self.iterations, self._folded = 0, ""
-        while self.iterations < self._max:
+        while self.iterations < self._options.max_iterations:
             self.iterations += 1
             try:
                 self._iterate(factor)
@@ -157,63 +156,61 @@ class LoadSteps:
                 break
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
             # quadratic convergence: the next increment is this one times the ratio squared
-            if self.last * ratio**2 <= self._tolerance:
+            if self.last * ratio**2 <= self._options.tolerance:
                 try:
-                    system.check_turns(self.H, f"at load factor {factor:g}")
+                    equations.check_turns(self.H, f"at load factor {factor:g}")
                 except FoldedElementError as error:
                     self._folded = f" It folds: {error}."
                     break
                 self._factors.append(factor)
-                self._frames.append(system.numbering.attachment.frames(self.H).copy())
-                self._forces.append(system.joint_forces(self.H, self.multipliers))
-                v = self._rotation.velocities(self.H[: system.count], np.sqrt(factor))
-                state = self.H, v, self._zero, self.multipliers
-                self._reactions.append(system.reactions(*state))
+                self._frames.append(equations.all_frames(self.H).copy())
+                told = equations.report_joints(self.H, self._zero, self.multipliers)
+                self._forces.append(told[0])
+                kinds = equations.unknowns.kinds
+                v = self._rotation.velocities(kinds, self.H, np.sqrt(factor))
+                state = Instant(self.H, v, self._zero, self.multipliers)
+                self._reactions.append(equations.reactions(state))
                 self._counts.append(self.iterations)
                 self._pivots.append(self._negative_pivots(factor))
-                system.connections.accept(self.H)
+                equations.accept(self.H)
                 return True
             previous = self.last
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
-        system.elastic.reset_stress(H)
+        equations.reset_stress(H)
         return False
 
     def _negative_pivots(self, factor: float) -> int:
         """Of the last iteration; if it has some, of the state that it has led to."""
-        found = negative_pivots(self.system, self._solver)
+        found = negative_pivots(self.equations, self._solver)
         if found > 0:
             self._factorise(factor)
-            found = negative_pivots(self.system, self._solver)
+            found = negative_pivots(self.equations, self._solver)
         return found
 
     def _factorise(self, factor: float) -> None:
         """Residual and matrix of the present state."""
-        system, H, zero = self.system, self.H, self._zero
-        if not self._carried:
-            system.elastic.reset_stress(H)
+        equations, H, zero = self.equations, self.H, self._zero
+        if not self._options.carried_stress:
+            equations.reset_stress(H)
         # centrifugal forces grow as the loads do
-        v = self._rotation.velocities(H[: system.count], np.sqrt(factor))
-        system.residual(H, v, zero, self.multipliers, self._scale, self._r)
+        v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
+        now = Instant(H, v, zero, self.multipliers)
+        equations.residual(now, self._scale, self._r, self._found, carried=True)
         self.residual = float(np.abs(self._r).max(initial=0.0))
         if self._rotation:
-            fill_steady(system, H, v, self.multipliers, self._scale)
+            equations.fill_steady(H, v, self.multipliers, self._scale)
         else:
             self._fill()
         self._solver.factorise()
 
     def _iterate(self, factor: float) -> None:
-        system, H = self.system, self.H
         self._factorise(factor)
         self._solver.solve()
-        if system.supports:
-            system.supports.turn_back(H, self._dx[: 6 * system.count].reshape(-1, 6))
-        if self._carried:
-            system.elastic.carry(H, -self._dx[: 6 * system.count])
-        self.last = advance(H, self._dx, system.held, system.uncoupled, system.length)
-        system.carried_drilling.turn(H)
-        self.multipliers -= self._scale * self._dx[6 * system.count :]
+        self.equations.to_frames(self.H, self._dx)
+        self.last = self.equations.move(self.H, self._dx, carried=self._options.carried_stress)
+        self.multipliers -= self._scale * self._dx[6 * self._moving :]
 
     def _fill(self) -> None:
-        zero = self._zero
-        self.system.fill_matrix(self.H, zero, zero, self.multipliers, self._scale, zero, 0.0, 0.0)
+        now = Instant(self.H, self._zero, self._zero, self.multipliers)
+        self.equations.fill(now, self._found, Plan(self._zero, self._scale))

@@ -9,10 +9,9 @@ import scipy.sparse as sp
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia, negative_determinant
-from fem_lie.scene.choices import Redundant
 
 if TYPE_CHECKING:
-    from fem_lie.system import System
+    from fem_lie.system.equations import Equations
 
 _SOFT = 1e-6  # give of constraints, over that of the stiffest spring
 
@@ -20,32 +19,34 @@ UNKNOWN = -1
 """Number of negative pivots of a matrix that cannot be factorised."""
 
 
-def negative_pivots(system: System, solver: DirectSolver) -> int:
+def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
     """Negative eigenvalues of the tangent that was factorised last, of what constraints leave free.
 
     For loads without potential: 1 if their number is odd, 0 if it is even. It is −1 if the matrix
     cannot be factorised.
     """
-    redundant = system.m > 0 and system.scene.redundant is not Redundant.REFUSE
+    m, n = equations.unknowns.m, 6 * equations.unknowns.moving
+    redundant = m > 0 and equations.unknowns.may_be_redundant
     try:
         found = None if redundant else solver.negative_pivots()
-        if found is None or not system.has_potential:
-            A = tangent(system)
+        if found is None or not equations.has_potential:
+            A = tangent(equations)
             if redundant:
-                A = _softened(A, 6 * system.count)
-            if not system.has_potential:
-                return int(negative_determinant(A) != bool(system.m % 2))
+                A = _softened(A, n)
+            if not equations.has_potential:
+                return int(negative_determinant(A) != bool(m % 2))
             found = inertia((0.5 * (A + A.T)).tocsr())[0]
     except SingularMatrixError:
         return UNKNOWN
-    return max(0, found - system.m)
+    return max(0, found - m)
 
 
-def tangent(system: System) -> sp.csr_matrix:
+def tangent(equations: Equations) -> sp.csr_matrix:
     """The matrix as it is now, in rows and columns of one dimension."""
-    values, columns, pointers = system.kkt.csr
-    A = sp.csr_matrix((values.copy(), columns, pointers), shape=(system.size, system.size))
-    units = sp.diags(system.kkt.units)
+    values, columns, pointers = equations.matrix.csr
+    size = equations.unknowns.size
+    A = sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
+    units = sp.diags(equations.matrix.units)
     return (units @ A @ units).tocsr()
 
 

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy.typing as npt
 
-from fem_lie._arrays import number, whole
+from fem_lie._arrays import instance, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
@@ -17,6 +17,7 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.arc_length import ArcLength, increasing
 from fem_lie.solve.statics.follow import followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, SingularStartError
+from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.unstable import warn_if_unstable
 
 _MANY = 10  # load steps where those to whole levels and the arc length fail
@@ -31,10 +32,7 @@ def statics(
     spin: npt.ArrayLike = (0.0, 0.0, 0.0),
     about: npt.ArrayLike = (0.0, 0.0, 0.0),
     load_steps: int | None = None,
-    carried_stress: bool = True,
-    tolerance: float = 1e-10,
-    max_iterations: int = 25,
-    smallest_step: float = 1e-3,
+    newton: Newton | None = None,
     petsc_options_prefix: str = "fem_lie_statics_",
 ) -> StaticResult:
     """Equilibrium under the loads, reached from the unloaded configuration.
@@ -65,12 +63,7 @@ def statics(
         spin: Angular velocity of that frame, global components, rad per time.
         about: A place on the axis of rotation.
         load_steps: Number of equal steps to begin with; default: as said above.
-        carried_stress: Carry the stress as an iterate (Magisano, Leonetti & Garcea 2017), which
-            converges in a few iterations at any slenderness; otherwise plain Newton.
-        tolerance: Of load steps: predicted error of a step's end, in rotations and in translations
-            over the size of the model.
-        max_iterations: Of a load step; more are its failure.
-        smallest_step: Smallest load step before giving up.
+        newton: Options of load steps; with plain Newton there is no other way.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Raises:
@@ -78,33 +71,29 @@ def statics(
             not parallel to the axis, with ``spin``.
         ConvergenceError: The smallest step failed; its ``result`` holds the states before.
     """
-    for what, value in (("tolerance", tolerance), ("smallest_step", smallest_step)):
-        number(value, what)
+    instance(newton, Newton | None, "newton", "options of fl.Newton or None")
+    options = Newton() if newton is None else newton
     steps = 1 if load_steps is None else whole(load_steps, "load_steps")
-    whole(max_iterations, "max_iterations")
-    if not tolerance > 0 or not 0 < smallest_step <= 1:
-        raise ValueError(
-            f"wanted tolerance > 0 and 0 < smallest_step ≤ 1, got {tolerance} and {smallest_step}"
-        )
     levels = increasing(levels)
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
 
     def stepped(count: int, smallest: float) -> StaticResult:
-        newton = LoadSteps(
-            scene, rotation, carried_stress, tolerance, max_iterations, petsc_options_prefix
-        )
-        return newton.run(levels, levels[-1] / count, smallest)
+        search = LoadSteps(scene, rotation, options, petsc_options_prefix)
+        return search.run(levels, levels[-1] / count, smallest)
 
     along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
-    asked = partial(stepped, steps, smallest_step)
+    asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
-    if not carried_stress or rotation or not in_proportion(scene):
+    if not options.carried_stress or rotation or not in_proportion(scene):
         roads = [asked]
     elif load_steps is not None:
         roads = [asked, along]
     else:
-        at_once, halved = partial(stepped, 1, levels[-1]), partial(stepped, _MANY, smallest_step)
+        at_once, halved = (
+            partial(stepped, 1, levels[-1]),
+            partial(stepped, _MANY, options.smallest_step),
+        )
         shells = any(body.uncoupled for body in scene.bodies)
         roads = [along, halved] if shells else [at_once, along, halved]
     result = _first_that_arrives(roads)

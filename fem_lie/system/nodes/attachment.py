@@ -31,7 +31,8 @@ def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
 
 
 @compiled
-def _collect(f: Array, leader: Indices, C: Array, out: Array) -> None:
+def collect(f: Array, leader: Indices, C: Array, out: Array) -> None:
+    """Add forces on all nodes, in their frames, to those on their leaders, ``out``."""
     moved = np.empty(6)
     for i in range(leader.shape[0]):
         lie.apply_adjoint_inverse_transposed(C[i], f[i], moved)
@@ -95,7 +96,7 @@ class Attachment:
 
     def collect(self, forces: Array, out: Array) -> None:
         """Add forces on all nodes (N, 6), in their frames, to those on the leaders, ``out``."""
-        _collect(forces, self.leader, self.offset, out)
+        collect(forces, self.leader, self.offset, out)
 
     def linear(self) -> Array:
         """``W`` with ``q = W q_leader`` for each node, shape (N, 4, 4)."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.bodies.shell import Shell
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.system.nodes.numbering import Numbering

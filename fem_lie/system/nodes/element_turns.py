@@ -21,6 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.bodies.turning import FoldedElementError
 
 if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering
@@ -30,10 +31,6 @@ _NEAR, _SUSPECT = 0.9, 0.7  # of the limit
 
 class CoarseElementsWarning(UserWarning):
     """Elements turn almost as far as they may: results are not to be trusted much farther."""
-
-
-class FoldedElementError(ArithmeticError):
-    """An element turns farther than it may."""
 
 
 class Turn(NamedTuple):

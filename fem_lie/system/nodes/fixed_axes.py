@@ -12,24 +12,30 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.lie.kinds import wrench
+from fem_lie.lie.tuples import store
 
 
 @compiled
-def wrenches(H: Array, local: Array, held: npt.NDArray[np.bool_], nodes: Indices) -> Array:
+def wrenches(
+    kinds: Indices, H: Array, local: Array, held: npt.NDArray[np.bool_], nodes: Indices
+) -> Array:
     """Forces and moments of what is held, in global components, shape (s, 6).
 
     Args:
+        kinds: What the nodes are, (n,).
         H: Frames.
         local: Forces and moments in their axes, (n, 6).
         held: Which of them are reactions, (n, 6).
         nodes: At these nodes, (s,).
     """
-    found = np.zeros((len(nodes), 6))
+    found, of_held = np.zeros((len(nodes), 6)), np.empty(6)
     for row, i in enumerate(nodes):
         for k in range(6):
-            if held[i, k]:
-                for j in range(3):
-                    found[row, 3 * (k // 3) + j] += H[i, 1 + k % 3, j] * local[i, k]
+            of_held[k] = local[i, k] if held[i, k] else 0.0
+        force, moment = wrench(kinds[i], H[i], of_held)
+        store(found[row], 0, force)
+        store(found[row], 3, moment)
     return found
 
 
@@ -40,28 +46,32 @@ class Supports:
         nodes: Supported nodes, shape (k,).
     """
 
-    def __init__(
-        self, axes: Array, indptr: Indices, indices: Indices, constrained: Indices
-    ) -> None:
-        """Find the blocks of the nodes.
+    def __init__(self, axes: Array, constrained: Indices) -> None:
+        """Find the nodes; their blocks come by :meth:`find`.
 
         Args:
             axes: Rows ``A`` for all nodes, nan where unknowns are local, shape (n, 3, 3).
-            indptr: Where each node's row of the pattern of node pairs begins, shape (n + 1,).
-            indices: The other node of each pair.
             constrained: Node of each leg of the constraints.
         """
         self.nodes: Indices = np.flatnonzero(np.isfinite(axes[:, 0, 0]))
         self._axes = axes[self.nodes]
-        number = np.full(len(axes), -1)
-        number[self.nodes] = np.arange(len(self.nodes))
-        rows = number[np.repeat(np.arange(len(axes)), np.diff(indptr))]
-        columns = number[indices]
-        self._rows, self._columns = np.flatnonzero(rows >= 0), np.flatnonzero(columns >= 0)
-        self._row_of, self._column_of = rows[self._rows], columns[self._columns]
-        of_nodes = number[constrained]
+        self._number = np.full(len(axes), -1)
+        self._number[self.nodes] = np.arange(len(self.nodes))
+        of_nodes = self._number[constrained]
         self._border: Indices = np.flatnonzero(of_nodes >= 0)
         self._border_of = of_nodes[self._border]
+
+    def find(self, indptr: Indices, indices: Indices) -> None:
+        """Find the blocks of the nodes in a pattern.
+
+        Args:
+            indptr: Where each node's row of the pattern of node pairs begins, shape (n + 1,).
+            indices: The other node of each pair.
+        """
+        rows = self._number[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
+        columns = self._number[indices]
+        self._rows, self._columns = np.flatnonzero(rows >= 0), np.flatnonzero(columns >= 0)
+        self._row_of, self._column_of = rows[self._rows], columns[self._columns]
 
     def __bool__(self) -> bool:
         """Whether any node is supported so."""

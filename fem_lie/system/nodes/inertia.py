@@ -16,7 +16,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.forms.frames import push
+from fem_lie.lie import directors
+from fem_lie.lie.kinds import SLOPE, acceleration, acceleration_derivatives, pull, push_all
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""
@@ -25,34 +26,16 @@ PlainInertia: TypeAlias = tuple[Indices, Indices, Array]
 """An :class:`Inertia` at the door from Python: compiled functions are quicker to call so."""
 
 
-@compiled
-def _local_acceleration(v: Array, a: Array, i: int, w: Array) -> None:
-    """Components of ``Rᵀ q̈``: rows ``u̇ + ω×u`` and ``(ω̇^ + ω^ω^) e_k`` of ``w`` (4, 3)."""
-    u0, u1, u2, w0, w1, w2 = v[i, 0], v[i, 1], v[i, 2], v[i, 3], v[i, 4], v[i, 5]
-    a0, a1, a2 = a[i, 3], a[i, 4], a[i, 5]
-    w[0, 0] = a[i, 0] + w1 * u2 - w2 * u1
-    w[0, 1] = a[i, 1] + w2 * u0 - w0 * u2
-    w[0, 2] = a[i, 2] + w0 * u1 - w1 * u0
-    w[1, 0] = -w1 * w1 - w2 * w2
-    w[1, 1] = w0 * w1 + a2
-    w[1, 2] = w0 * w2 - a1
-    w[2, 0] = w0 * w1 - a2
-    w[2, 1] = -w0 * w0 - w2 * w2
-    w[2, 2] = w1 * w2 + a0
-    w[3, 0] = w0 * w2 + a1
-    w[3, 1] = w1 * w2 - a0
-    w[3, 2] = -w0 * w0 - w1 * w1
+PlainMotion: TypeAlias = tuple[Array, Array, Array]
+"""Frames (≥ n, 4, 3) of all nodes, local velocities (n, 6) and their rates, as a plain tuple."""
 
 
 @compiled
-def accelerations(H: Array, v: Array, a: Array, out: Array) -> None:
-    """``q̈ = L a + L̇ v``; shapes (n, 4, 3), (n, 6), (n, 6), (n, 4, 3)."""
-    w = np.empty((4, 3))
+def accelerations(kinds: Indices, H: Array, v: Array, a: Array, out: Array) -> None:
+    """``q̈ = L a + L̇ v``; shapes (n,), (n, 4, 3), (n, 6), (n, 6), (n, 4, 3)."""
+    local = np.empty((4, 3))
     for i in range(v.shape[0]):
-        _local_acceleration(v, a, i, w)
-        for k in range(4):
-            for j in range(3):
-                out[i, k, j] = H[i, 1, j] * w[k, 0] + H[i, 2, j] * w[k, 1] + H[i, 3, j] * w[k, 2]
+        acceleration(kinds[i], H[i], v[i], a[i], local, out[i])
 
 
 @compiled
@@ -72,111 +55,74 @@ def multiply(indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) 
 
 
 @compiled
-def _hat_minus(w: Array, scale: float, out: Array) -> None:
-    """``out −= scale · ŵ``."""
-    out[0, 1] += scale * w[2]
-    out[0, 2] -= scale * w[1]
-    out[1, 0] -= scale * w[2]
-    out[1, 2] += scale * w[0]
-    out[2, 0] += scale * w[1]
-    out[2, 1] -= scale * w[0]
-
-
-@compiled
-def _right_factors(
-    v: Array,
-    a: Array,
-    i: int,
-    kind: int,
-    mass: float,
-    damping: float,
-    W: Array,
-    X: Array,
-    unit: Array,
-    vector: Array,
-) -> None:
-    """Local derivatives of q̈ of node i: ``W[k]`` (4, 3, 6) in (a, v), ``X[k]`` (4, 3, 6) in h.
-
-    ``W = mass ∂q̈/∂a + damping ∂q̈/∂v``; ``X`` is what turning the frame does to q̈, ``−ŵ_k``.
-    On R³×SO(3) (odd ``kind``) ẍ itself is in ``a``: it feels neither ω nor the turning frame.
-    """
-    W[:] = 0.0
-    X[:] = 0.0
-    u, omega = v[i, :3], v[i, 3:]
-    for j in range(3):
-        W[0, j, j] = mass
-    if kind & 1 == 0:
-        _hat_minus(omega, -damping, W[0, :, :3])
-        _hat_minus(u, damping, W[0, :, 3:])
-    for k in range(3):
-        unit[:] = 0.0
-        unit[k] = 1.0
-        _hat_minus(unit, mass, W[1 + k, :, 3:])
-        # ∂(ω×(ω×e_k))/∂ω = ω e_kᵀ + ω_k I − 2 e_k ωᵀ
-        for j in range(3):
-            W[1 + k, j, 3 + k] += damping * omega[j]
-            W[1 + k, j, 3 + j] += damping * omega[k]
-            W[1 + k, k, 3 + j] -= 2.0 * damping * omega[j]
-    _local_acceleration(v, a, i, vector)
-    for k in range(kind & 1, 4):
-        _hat_minus(vector[k], 1.0, X[k, :, 3:])
-
-
-@compiled
 def tangents(
-    H: Array,
-    v: Array,
-    a: Array,
+    motion: PlainMotion,
     kinds: Indices,
-    indptr: Indices,
-    indices: Indices,
-    G: Array,
+    G: PlainInertia,
     place: Indices,
-    mass: float,
-    damping: float,
-    A: Array,
-    K: Array,
+    factors: tuple[float, float],
+    parts: tuple[Array, Array],
 ) -> None:
     """Add ``mass·∂r/∂a + damping·∂r/∂v`` to ``A`` and ``Lᵀ G ∂q̈/∂h`` to ``K``.
 
     ``r = Lᵀ G q̈`` is the inertia force.
 
     Args:
-        H: Frames (n, 4, 3).
-        v: Local velocities (n, 6).
-        a: Local accelerations (n, 6).
-        kinds: What the derivatives in accelerations and velocities are by, see
-            :mod:`fem_lie.lie.motions`: their rates on SE(3), (ẍ, ω̇) on R³×SO(3).
-        indptr: Rows of the block-sparse matrix ``G``.
-        indices: Columns of its blocks.
-        G: Its blocks (nnz, 4, 4).
+        motion: Frames, local velocities and their rates.
+        kinds: What the derivatives in accelerations and velocities are by, those of the group, see
+            :mod:`fem_lie.lie.kinds`.
+        G: The block-sparse matrix.
         place: Position of each block of ``G`` in the pattern of ``A`` and ``K`` (blocks, 6, 6).
-        mass: Factor of the derivative in the accelerations.
-        damping: Factor of the derivative in the velocities.
-        A: Blocks of the derivative in (a, v), updated.
-        K: Blocks of the derivative in local increments, updated; the part of ``∂Lᵀ`` is not in it.
+        factors: Of the derivatives in the accelerations, ``mass``, and in the velocities,
+            ``damping``.
+        parts: ``A``, blocks of the derivative in (a, v), and ``K``, in local increments, both
+            updated; the part of ``∂Lᵀ`` is in neither.
     """
+    (H, v, a), (indptr, indices, blocks), (A, K) = motion, G, parts
     W, X = np.empty((4, 3, 6)), np.empty((4, 3, 6))
     unit, vector = np.empty(3), np.empty((4, 3))
     Q, left = np.empty((3, 3)), np.empty((4, 3))
     for i in range(indptr.shape[0] - 1):
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
-            _right_factors(v, a, j, kinds[j], mass, damping, W, X, unit, vector)
+            first, second = A[place[entry]], K[place[entry]]
+            if kinds[i] >= SLOPE or kinds[j] >= SLOPE:
+                acceleration_derivatives(kinds[j], H[j], v[j], a[j], factors, (W, X))
+                _add_pulled(kinds[i], H[i], blocks[entry], W, first)
+                _add_pulled(kinds[i], H[i], blocks[entry], X, second)
+                continue
+            directors.acceleration_derivatives(
+                kinds[j] & 1 == 1, v[j], a[j], factors, (W, X), (unit, vector)
+            )
             for k in range(3):
                 for m in range(3):
                     Q[k, m] = 0.0
                     for n in range(3):
                         Q[k, m] += H[i, 1 + k, n] * H[j, 1 + m, n]
-            for target, right in ((A, W), (K, X)):
-                block = target[place[entry]]
+            for block, right in ((first, W), (second, X)):
                 for column in range(6):
-                    _force_on_frame(G[entry], Q, right, column, left)
+                    _force_on_frame(blocks[entry], Q, right, column, left)
                     for k in range(3):
                         block[k, column] += left[0, k]
                     block[3, column] += left[2, 2] - left[3, 1]
                     block[4, column] += left[3, 0] - left[1, 2]
                     block[5, column] += left[1, 1] - left[2, 0]
+
+
+@compiled
+def _add_pulled(kind: int, H: Array, g: Array, right: Array, block: Array) -> None:
+    """``block += Lᵀ g right`` of a node of any kind, ``right`` (4, 3, 6) in global components."""
+    force, r = np.empty((4, 3)), np.empty(6)
+    for column in range(6):
+        for k in range(4):
+            for j in range(3):
+                force[k, j] = 0.0
+                for b in range(4):
+                    force[k, j] += g[k, b] * right[b, j, column]
+        r[:] = 0.0
+        pull(kind, H, force, 1.0, r)
+        for k in range(6):
+            block[k, column] += r[k]
 
 
 @compiled
@@ -197,10 +143,17 @@ def _force_on_frame(g: Array, Q: Array, right: Array, column: int, out: Array) -
 
 @compiled
 def invariants(
-    H: Array, v: Array, indptr: Indices, indices: Indices, G: Array, qdot: Array, p: Array
+    kinds: Indices,
+    H: Array,
+    v: Array,
+    indptr: Indices,
+    indices: Indices,
+    G: Array,
+    qdot: Array,
+    p: Array,
 ) -> Invariants:
-    """Those of twists ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
-    push(H, v, qdot)
+    """Those of velocities ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
+    push_all(kinds, H, v, qdot)
     return invariants_of_rates(H, qdot, indptr, indices, G, p)
 
 

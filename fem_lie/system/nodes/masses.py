@@ -15,7 +15,7 @@ from fem_lie.system.nodes.numbering import Numbering
 
 def inertia_of(
     bodies: Iterable[Body], numbering: Numbering, *, required: bool
-) -> tuple[Inertia, Inertia | None]:
+) -> tuple[Inertia, Inertia]:
     """Matrices of (x, d₁, d₂, d₃) of the leaders: of inertia, and of damping that goes with it.
 
     Args:
@@ -24,7 +24,7 @@ def inertia_of(
         required: Whether elements without inertia are an error; otherwise they weigh nothing.
 
     Returns:
-        The second is ``None`` if no body has such damping.
+        The second has no rows if no body has such damping.
 
     Raises:
         ValueError: Elements lack inertia.
@@ -54,7 +54,7 @@ def inertia_of(
             damping.append(np.zeros((1, 4, 4)))
     r, c, D = np.concatenate(rows), np.concatenate(columns), np.concatenate(damping)
     inertia = _on_leaders(numbering, r, c, np.concatenate(mass))
-    return inertia, _on_leaders(numbering, r, c, D) if D.any() else None
+    return inertia, _on_leaders(numbering, r, c, D) if D.any() else Inertia.none()
 
 
 def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> Inertia:

@@ -10,8 +10,10 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.catalogue import BodyInfo
+from fem_lie.bodies.points import require_node
 from fem_lie.forms.assembly import Assembly
 from fem_lie.joints import RigidLink
+from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.system.nodes.attachment import Attachment
 
 _INDEPENDENT = 1e-9  # relative, as axes that are meant to agree
@@ -30,6 +32,8 @@ class Numbering:
         frames: Initial frames of the leaders, shape (count, 4, 3).
         velocities: Initial local velocities of the leaders, shape (count, 6).
         groups: The group of each leader, shape (count,).
+        kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each leader, shape (count,).
+        clamped: What a clamp holds of each leader, shape (count, 6).
         held: Which unknowns of the leaders their bodies hold, shape (count, 6).
         supported: Leaders that something holds but that they do not drill, in increasing order.
         supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
@@ -77,13 +81,13 @@ class Numbering:
 
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
-        groups: Indices = np.empty(self.total, dtype=np.int64)
+        groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
-            groups[nodes] = body.group
+            groups[nodes], kinds[nodes] = body.group, body.node_kind
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes] = body.held.any(axis=1)
             held[nodes, 5] |= not self.drills[body]
@@ -97,13 +101,18 @@ class Numbering:
         # lengths beside rotations: of one node anything will do
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.attachment.leaders]
-        self.groups = groups[self.attachment.leaders]
+        self.groups: Indices = groups[self.attachment.leaders]
+        self.kinds: Indices = kinds[self.attachment.leaders]
+        traits = [TRAITS[NodeKind(kind)] for kind in self.kinds]
+        self.clamped: Flags = np.array([each.clamped for each in traits])
         self.held = held[self.attachment.leaders]
         self.supported: Indices = np.unique(self.attachment.leader[own])
         self.uncoupled = np.zeros(self.count, dtype=bool)
         np.logical_or.at(self.uncoupled, self.attachment.leader, uncoupled)
         self.supports = supports[self.attachment.leaders]
         self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
+        # unknowns that a kind does not have couple with nothing in the matrix
+        self.held |= np.arange(6) >= np.array([[each.unknowns] for each in traits])
         self._check_velocities(velocities)
 
     def _hold_leaders(self, held: Flags, fixed: Flags) -> None:
@@ -143,6 +152,7 @@ class Numbering:
 
     def _of_all(self, point: Point) -> int:
         assert point.body is not None
+        require_node(point, "what holds unknowns")
         return int(self.nodes[point.body][point.node])
 
     def node(self, point: Point) -> int:

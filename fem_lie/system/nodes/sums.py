@@ -8,12 +8,11 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
-from fem_lie.forms.frames import pull, pull_derivative, push
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.motions import tangent, turn
+from fem_lie.lie.kinds import pull_all, pull_derivative, push_all, tangent, turn
 from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia, PlainInertia
+from fem_lie.system.nodes.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.loads import PlainLoads
 
 
@@ -48,32 +47,32 @@ def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) 
 
 @compiled
 def rigid_residual(
-    H: Array,
-    v: Array,
-    a: Array,
+    kinds: Indices,
+    motion: PlainMotion,
     mass: PlainInertia,
     loads: PlainLoads,
     joints: PackedJoints,
-    weights: Array,
-    scale: Array,
+    multipliers: tuple[Array, Array],
     work: Array,
     r: Array,
 ) -> None:
     """``r = Lᵀ (G q̈ − dead) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
 
-    The records come as plain tuples and the joints packed: cheaper to call so from Python.
+    ``multipliers`` are weights and scale. The records come as plain tuples and the joints packed:
+    cheaper to call so from Python.
     """
+    (H, v, a), (weights, scale) = motion, multipliers
     indptr, indices, blocks = mass
     dead, moment, following = loads
     count = dead.shape[0]
     r[:] = 0.0
-    inertia.accelerations(H, v[:count], a[:count], work[0])
+    inertia.accelerations(kinds, H, v[:count], a[:count], work[0])
     inertia.multiply(indptr, indices, blocks, work[0], work[1])
     for i in range(count):
         for k in range(4):
             for j in range(3):
                 work[1, i, k, j] -= dead[i, k, j]
-    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
+    pull_all(kinds, H, work[1], 1.0, r)
     _add_moments(H, moment, following, r)
     terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
 
@@ -91,14 +90,16 @@ def residual(
         weights: See there.
         scale: See there.
         r: See there.
-        table: Of fixed arrays: inertia, loads, joints, work, and a
+        table: Of fixed arrays: kinds of the nodes, inertia, loads, joints, work, and a
             :class:`~fem_lie.forms.cell_forms.FormTable`.
     """
-    mass = integers1(table, 0), integers1(table, 1), numbers3(table, 2)
-    loads = numbers3(table, 3), numbers2(table, 4), numbers2(table, 5)
-    joints = numbers1(table, 6), integers1(table, 7)
-    rigid_residual(H, v, a, mass, loads, joints, weights, scale, numbers4(table, 8), r)
-    add_cells(H, (integers2(table, 9), integers1(table, 10)), 6, r)
+    kinds = integers1(table, 0)
+    mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
+    loads = numbers3(table, 4), numbers2(table, 5), numbers2(table, 6)
+    joints = numbers1(table, 7), integers1(table, 8)
+    work = numbers4(table, 9)
+    rigid_residual(kinds, (H, v, a), mass, loads, joints, (weights, scale), work, r)
+    add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
 
 
 @compiled
@@ -129,73 +130,71 @@ def report_rates(
 
 @compiled
 def report(
-    H: Array, v: Array, mass: PlainInertia, dead: Array, work: Array, invariants: Array
+    kinds: Indices,
+    H: Array,
+    v: Array,
+    mass: PlainInertia,
+    dead: Array,
+    work: Array,
+    invariants: Array,
 ) -> float:
-    """:func:`report_rates` of twists ``v``; ``work`` (2, n, 4, 3)."""
-    push(H, v[: dead.shape[0]], work[0])
+    """:func:`report_rates` of velocities ``v``; ``work`` (2, n, 4, 3)."""
+    push_all(kinds, H, v, work[0])
     return report_rates(H, work[0], mass, dead, work[1:], invariants)
 
 
 @compiled
-def add_mass_damping(H: Array, v: Array, D: PlainInertia, work: Array, f: Array, r: Array) -> None:
+def add_mass_damping(
+    kinds: Indices, H: Array, v: Array, D: PlainInertia, work: Array, f: Array, r: Array
+) -> None:
     """``f += D q̇``, ``r += Lᵀ D q̇`` with the block-sparse matrix ``D``; ``work`` (2, n, 4, 3)."""
     indptr, indices, blocks = D
-    count = f.shape[0]
-    push(H, v[:count], work[0])
+    push_all(kinds, H, v, work[0])
     inertia.multiply(indptr, indices, blocks, work[0], work[1])
     f += work[1]
-    pull(H, work[1], 1.0, r[: 6 * count].reshape(count, 6))
+    pull_all(kinds, H, work[1], 1.0, r)
 
 
 @compiled
 def rigid_tangent(
-    H: Array,
-    v: Array,
-    a: Array,
+    motion: PlainMotion,
     kinds: Indices,
-    mass: Inertia,
-    place: Indices,
-    f: Array,
-    moment: Array,
-    diagonal: Indices,
+    mass: tuple[PlainInertia, Indices],
+    loads: tuple[Array, Array, Indices],
     factors: tuple[float, float],
-    A: Array,
-    K: Array,
+    parts: tuple[Array, Array],
 ) -> None:
     """Derivatives of :func:`rigid_residual`.
 
-    ``f = G q̈ − dead`` is that of the last residual, ``factors`` are ∂a/∂d and ∂v/∂d.
+    Args:
+        motion: Frames, velocities and their rates.
+        kinds: Of the nodes.
+        mass: Inertia, and the positions of its blocks in the pattern.
+        loads: ``f = G q̈ − dead`` of the residual, global moments, and the positions of the
+            diagonal in the pattern.
+        factors: ∂a/∂d and ∂v/∂d.
+        parts: As for :func:`~fem_lie.system.nodes.inertia.tangents`.
     """
+    (H, v, a), (G, place), (f, moment, diagonal), (_, K) = motion, mass, loads, parts
     count = moment.shape[0]
     # at rest, as statics is, inertia has no part
     by_a, by_v = factors
     if by_a != 0.0 or by_v != 0.0 or v.any() or a.any():
-        inertia.tangents(
-            H,
-            v[:count],
-            a[:count],
-            kinds,
-            mass.indptr,
-            mass.indices,
-            mass.blocks,
-            place,
-            by_a,
-            by_v,
-            A,
-            K,
-        )
+        inertia.tangents((H, v[:count], a[:count]), kinds, G, place, factors, parts)
     for i in range(count):
-        pull_derivative(H[i], f[i], 1.0, K[diagonal[i]])
+        pull_derivative(kinds[i], H[i], f[i], 1.0, K[diagonal[i]])
     _add_moment_stiffness(H, moment, diagonal, K)
 
 
 @compiled
-def load_vector(H: Array, dead: Array, moment: Array, following: Array, r: Array) -> None:
+def load_vector(
+    kinds: Indices, H: Array, dead: Array, moment: Array, following: Array, r: Array
+) -> None:
     """``r = Lᵀ dead + loads`` on the moving nodes, shape (n, 6)."""
     r[:] = 0.0
     _add_moments(H, moment, following, r.reshape(-1))
     r *= -1.0
-    pull(H, dead, 1.0, r)
+    pull_all(kinds, H, dead, 1.0, r.reshape(-1))
 
 
 @compiled
@@ -236,19 +235,27 @@ def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
 
 @compiled
 def to_inertial(
-    A: Array, columns: Array, rows: Array, H: Array, nodes: Indices, indptr: Indices, bind: Indices
+    kinds: Indices,
+    A: Array,
+    columns: Array,
+    rows: Array,
+    H: Array,
+    nodes: Indices,
+    indptr: Indices,
+    bind: Indices,
 ) -> None:
     """Blocks ``R_i A_ij R_jᵀ`` and border ``b_j R_jᵀ``: global components at frames ``H``."""
     for i in range(indptr.shape[0] - 1):
         for b in range(indptr[i], indptr[i + 1]):
             j = bind[b]
             for n in range(6):
-                turn(H[i], A[b, :, n])
+                turn(kinds[i], H[i], A[b, :, n])
             for k in range(6):
-                turn(H[j], A[b, k])
+                turn(kinds[j], H[j], A[b, k])
     for leg in range(rows.shape[0]):
-        turn(H[nodes[leg]], columns[leg])
-        turn(H[nodes[leg]], rows[leg])
+        node = nodes[leg]
+        turn(kinds[node], H[node], columns[leg])
+        turn(kinds[node], H[node], rows[leg])
 
 
 @compiled

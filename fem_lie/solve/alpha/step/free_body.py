@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.motions import Group, to_local
 from fem_lie.lie.tuples import (
@@ -105,9 +105,7 @@ def inverse(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector, Vector]:
 @inlined
 def _columns(
     p: Scheme,
-    group: int,
-    m: float,
-    J: Array,
+    body: Body,
     f: Array,
     H1: Array,
     v1: Array,
@@ -119,6 +117,7 @@ def _columns(
     Of the rotation by ``d_θ``, of the translation by ``d_θ``, of the translation by ``d_u``.
     """
     mass, damping = p.mass, p.damping
+    group, m, J = body
     d1, d2, d3 = load_row(H1, 1), load_row(H1, 2), load_row(H1, 3)
     J1, J2, J3 = load_row(J, 0), load_row(J, 1), load_row(J, 2)
     ω, θ = load(v1, 3), load(d, 3)
@@ -138,9 +137,7 @@ def _columns(
 @compiled
 def factorise(
     p: Scheme,
-    group: int,
-    m: float,
-    J: Array,
+    body: Body,
     f: Array,
     H1: Array,
     v1: Array,
@@ -148,9 +145,9 @@ def factorise(
     kept: Array,
 ) -> None:
     """Renew the kept matrix."""
-    a = _columns(p, group, m, J, f, H1, v1, d, (1.0, 0.0, 0.0))
-    b = _columns(p, group, m, J, f, H1, v1, d, (0.0, 1.0, 0.0))
-    c = _columns(p, group, m, J, f, H1, v1, d, (0.0, 0.0, 1.0))
+    a = _columns(p, body, f, H1, v1, d, (1.0, 0.0, 0.0))
+    b = _columns(p, body, f, H1, v1, d, (0.0, 1.0, 0.0))
+    c = _columns(p, body, f, H1, v1, d, (0.0, 0.0, 1.0))
     for block in range(3):
         rows = (a[block], b[block], c[block])
         if block != 1:
@@ -193,7 +190,7 @@ def make_step(
         translation, turning = residual(group, m, J, f, H1, v1, vdot1)
         due = memory[BEYOND] >= cost if iteration == 1 else (iteration - 1) % patience == 0
         if due:
-            factorise(p, group, m, J, f, H1, v1, d, kept)
+            factorise(p, body, f, H1, v1, d, kept)
             memory[FEWEST], memory[BEYOND] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
@@ -205,7 +202,7 @@ def make_step(
             if memory[FEWEST] == 0.0 or counted < memory[FEWEST]:
                 memory[FEWEST] = counted
             memory[BEYOND] += counted - memory[FEWEST]
-            node.accept(p, v, vdot, a, H1, v1, vdot1)
+            node.accept(p, group, v, vdot, a, H1, v1, vdot1)
             H[:] = H1
             return iteration, renewed
         if not increment < DIVERGED:
@@ -274,8 +271,6 @@ def advance(
     state: State,
     plan: Plan,
     rows: Kept,
-    iterations: Indices,
-    failed: Array,
 ) -> tuple[int, int]:
     """Steps ``first … last`` of all bodies.
 
@@ -288,8 +283,6 @@ def advance(
         state: Of all bodies; updated.
         plan: Which steps.
         rows: What is kept, overwritten.
-        iterations: Of each step, of the body that takes most, shape (last − first + 1,).
-        failed: Of the earliest failure: body, last increment and residual; shape (3,).
 
     Returns:
         The last step that all bodies made, and the number of factorisations.
@@ -297,7 +290,7 @@ def advance(
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
     mass, J, size, group = bodies
     H, v, vdot, a, memory, kept, rates, booked = state
-    frames, velocities, done = rows
+    frames, velocities, done, iterations, failed = rows
     first, last, kept_row, total, every = plan
     end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
     f, rate, note = np.empty(12), np.empty(6), np.zeros(3)
@@ -353,9 +346,10 @@ def observe(
     """Energies and momenta of all rows; inertia ``blocks`` (n, 4, 4), loads without history."""
     n = blocks.shape[0]
     indptr, work = np.arange(n + 1), np.empty((2, n, 4, 3))
+    kinds = np.zeros(n, dtype=np.int64)
     for row in range(frames.shape[0]):
         values = inertia.invariants(
-            frames[row], velocities[row], indptr, indptr, blocks, work[0], work[1]
+            kinds, frames[row], velocities[row], indptr, indptr, blocks, work[0], work[1]
         )
         for k in range(7):
             invariants[row, k] = values[k]

@@ -113,11 +113,15 @@ class Kept(NamedTuple):
         velocities: Twists, shape (rows, n, 6).
         done: What loads have done, work before impulses, at the rows of these steps, to which that
             of each body is added, shape (kept, 7).
+        iterations: Of each step, of the body that takes most, shape (last − first + 1,).
+        failed: Of the earliest failure: body, last increment and residual; shape (3,).
     """
 
     frames: Array
     velocities: Array
     done: Array
+    iterations: Indices
+    failed: Array
 
 
 class Body(NamedTuple):

@@ -1,8 +1,8 @@
 """Generalised-α at one node: parameters, prediction, correction and acceptance of a step.
 
 Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`. Velocities, accelerations and increments
-are those of the node's group, see :mod:`fem_lie.lie.motions`: translations are in the node's frame
-on SE(3) and in global components on R³×SO(3).
+are those of the node's group, see :mod:`fem_lie.lie.kinds`: of a frame translations are along its
+axes on SE(3) and in global components on R³×SO(3).
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.lie.motions import move
+from fem_lie.lie.kinds import move, settle
 from fem_lie.solve.motion.convergence import ROTATION
 
 AHEAD = 0.1
@@ -128,13 +127,20 @@ def correct(
 
 @inlined
 def accept(
-    scheme: Scheme, v: Array, vdot: Array, a: Array, H1: Array, v1: Array, vdot1: Array
+    scheme: Scheme,
+    kind: int,
+    v: Array,
+    vdot: Array,
+    a: Array,
+    H1: Array,
+    v1: Array,
+    vdot1: Array,
 ) -> None:
-    """Make the end of the step the start of the next, but for the frame, which is set right."""
+    """Make the end of the step the start of the next, but for the rows, which are set right."""
     am, af = scheme.am, scheme.af
     for k in range(6):
         rate = (1.0 - af) * vdot1[k] + af * vdot[k]
         a[k] = (rate - am * a[k]) / (1.0 - am)
         v[k] = v1[k]
         vdot[k] = vdot1[k]
-    lie.reorthonormalise(H1)
+    settle(kind, H1)

@@ -1,6 +1,6 @@
 """One step of generalised-α on all nodes: prediction, correction, acceptance, compiled.
 
-Each node moves on its own group, see :mod:`fem_lie.lie.motions`. Velocities and accelerations are
+Each node moves on its own group, see :mod:`fem_lie.lie.kinds`. Velocities and accelerations are
 those of the group; their twists in the nodes' frames, which the equations of motion want, follow
 them.
 """
@@ -13,8 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.motions import from_local, global_components, move, to_local
-from fem_lie.lie.tuples import load, store
+from fem_lie.lie.kinds import all_from_local, move, to_group, to_local
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
@@ -55,7 +54,7 @@ class State(NamedTuple):
         H1: Those of the end.
         motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
             longer to call the more there are.
-        kinds: Group and parametrisation of each node, shape (n,).
+        kinds: What each node is, see :mod:`fem_lie.lie.kinds`, shape (n,).
     """
 
     H: Array
@@ -115,7 +114,7 @@ class State(NamedTuple):
 
     def set_start(self, twist: Array, rate: Array) -> None:
         """Set ``v`` and ``v̇ = a`` from twists and their rates in the frames ``H``, (n, 6)."""
-        from_local(self.kinds, self.H, twist, rate, self.v, self.vdot)
+        all_from_local(self.kinds, self.H, twist, rate, self.v, self.vdot)
         self.twist1[:], self.rate1[:], self.a[:] = twist, rate, self.vdot
 
 
@@ -182,8 +181,7 @@ def correct(
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
-        if kinds[i] & 1:
-            store(x, 0, global_components(H1[i], load(x, 0)))
+        to_group(kinds[i], H1[i], x)
         size = node.correct(p, kinds[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
@@ -207,8 +205,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
     _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
-        if kinds[i] & 1:
-            store(x, 0, global_components(H1[i], load(x, 0)))
+        to_group(kinds[i], H1[i], x)
         for k in range(6):
             v1[i, k] -= x[k]
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
@@ -217,9 +214,9 @@ def change_velocities(state: PlainState, dx: Array) -> None:
 @compiled
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
-    H, H1, motion, _ = state
+    H, H1, motion, kinds = state
     v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
     p = Scheme(*scheme)
     for i in range(v.shape[0]):
-        node.accept(p, v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
+        node.accept(p, kinds[i], v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
     H[:] = H1  # with the prescribed frames

@@ -1,0 +1,1 @@
+"""Beams: frames along lines, and the assembly of their elements."""

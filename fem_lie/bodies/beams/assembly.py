@@ -1,0 +1,136 @@
+"""All beams of one formulation, assembled together by DOLFINx; damping of beams."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from mpi4py import MPI
+
+import numpy as np
+
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices, number, numbers
+from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.forms.assembly import Assembly, NodalInertia
+from fem_lie.forms.frames import NodalFrames
+
+if TYPE_CHECKING:
+    import dolfinx
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Linear damping of a beam; Rayleigh's is both parts.
+
+    Attributes:
+        mass: Force per momentum, 1/time: it opposes the motion in space, of low modes above all.
+        stiffness: Kelvin and Voigt: stress per strain rate over stress per strain, a time; one for
+            all strains, or six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
+
+    Raises:
+        ValueError: A number is negative or not finite.
+    """
+
+    mass: float = 0.0
+    stiffness: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        factors = self.factors()
+        number(self.mass, "mass damping")
+        if factors.shape != (6,) or not (np.isfinite(factors) & (factors >= 0)).all():
+            raise ValueError(
+                f"stiffness damping must be one or six times ≥ 0, got {self.stiffness!r}"
+            )
+        if not 0.0 <= self.mass < np.inf:
+            raise ValueError(f"mass damping must be a rate ≥ 0, got {self.mass!r}")
+
+    def factors(self) -> Array:
+        """Stiffness damping of each strain, shape (6,)."""
+        given = numbers(self.stiffness, "stiffness damping")
+        return np.full(6, given) if given.ndim == 0 else given
+
+    def viscosity(self, stiffness: Array) -> Array:
+        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6)."""
+        root = np.sqrt(self.factors())
+        return np.asarray(stiffness * np.outer(root, root))
+
+
+class BeamData(Protocol):
+    """What the assembly asks of a beam, see :class:`~fem_lie.Beam`."""
+
+    frames: Array
+    elements: Indices
+    lengths: Array
+    stiffness: Array
+    density: Array
+    formulation: Formulation
+    damping: Damping
+    has_mass: bool
+    source: dolfinx.mesh.Mesh | None
+
+
+class BeamAssembly(Assembly):
+    """All beams of one formulation, on one line mesh.
+
+    A single one whose points and cells are those of a DOLFINx mesh that was given is on that mesh.
+    """
+
+    def __init__(self, bodies: Sequence[BeamData]) -> None:
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart."""
+        formulation = bodies[0].formulation
+        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+        frames = np.concatenate([body.frames for body in bodies])
+        elements = np.concatenate(
+            [body.elements + start for body, start in zip(bodies, starts[:-1], strict=True)]
+        )
+        own = bodies[0].source if len(bodies) == 1 else None
+        nodal, order, permutation = _place(frames, elements, formulation.degree, own)
+        mesh = nodal.function.function_space.mesh
+
+        def gathered(name: str) -> Array:
+            return np.concatenate([getattr(body, name) for body in bodies])[permutation]
+
+        lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
+        viscosity = None
+        if any(body.damping.factors().any() for body in bodies):
+            viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
+            viscosity = viscosity[permutation]
+        data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
+        forms = formulation.forms(nodal, data)
+        super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
+        if all(body.has_mass for body in bodies):
+            elements = formulation.inertia(nodal, data)
+            rates = np.concatenate([np.full(len(b.lengths), b.damping.mass) for b in bodies])
+            rates = rates[permutation].reshape(-1, 1, 1, 1, 1)
+            damping = self.summed(rates * elements) if rates.any() else None
+            self.inertia = NodalInertia(self.summed(elements), damping)
+
+
+def _place(
+    frames: Array, elements: Indices, degree: int, own: dolfinx.mesh.Mesh | None
+) -> tuple[NodalFrames, Indices, Indices]:
+    """Nodal frames on a mesh of the elements, the place of each node there, and of each cell.
+
+    It is the given one where that has these elements and nothing else.
+    """
+    corners = np.unique(elements[:, :2])
+    number = np.full(len(frames), -1)
+    number[corners] = np.arange(len(corners))
+    points, cells = frames[corners, 0].copy(), number[elements[:, :2]]
+    if own is not None and _compat.is_made_of(own, points, cells):
+        mesh, given = own, corners[cells]
+        permutation: Indices = np.arange(len(cells))
+    else:
+        mesh = _compat.create_line_mesh(MPI.COMM_SELF, points, cells)
+        permutation = mesh.topology.original_cell_index.astype(np.int64)
+        given = corners[mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]]
+    nodal = NodalFrames(mesh, degree)
+    dofs = nodal.function.function_space.dofmap.list
+    order = np.empty(len(frames), dtype=np.int64)
+    order[given] = dofs[:, :2]
+    for k in range(2, degree + 1):
+        order[elements[permutation, k]] = dofs[:, k]
+    nodal.frames[order] = frames
+    return nodal, order, permutation

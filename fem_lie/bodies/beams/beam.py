@@ -1,0 +1,326 @@
+"""Beams: nodal frames along lines that may be curved, twisted, kinked and branching."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices, flag, instance, log_coincident, number, text
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.given_sections import (
+    Sections,
+    outline_of,
+    section_per_cell,
+    without_rotary_inertia,
+)
+from fem_lie.bodies.beams.orientation import (
+    Chains,
+    Twisted,
+    Up,
+    cell_frames,
+    middle_frames,
+    shared_nodes,
+)
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.turning import Turning
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.forms.assembly import Assembly
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.mesh.curves import curve, polyline, straight
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.reading import from_dolfinx
+from fem_lie.sections.section import Section
+
+_AT_NODE = 1e-9  # of an element
+
+
+class Beam(Body):
+    """A beam of any 6×6 section along lines: straight or curved, twisted, kinked, branching.
+
+    Nodes ``0 … n−1`` are the points of the mesh; at kinks and branches further nodes, one for each
+    direction, follow them rigidly; nodes inside of elements come last.
+
+    Attributes:
+        elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
+        lengths: Arc length of each element, unloaded, shape (m,).
+        stiffness: Section stiffness of each element, shape (m, 6, 6).
+        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
+        has_mass: Whether all sections have inertia.
+        formulation: The element.
+        damping: Of all elements.
+        sections: Of each element.
+        chains: Smooth pieces of the lines, and arc length along them.
+    """
+
+    def __init__(
+        self,
+        mesh: LineMesh | dolfinx.mesh.Mesh,
+        section: Sections,
+        *,
+        up: Up | Twisted | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        rotary_inertia: bool = True,
+        name: str = "",
+    ) -> None:
+        """Place nodal frames: e₁ along the line, e₃ as near as can be to ``up``.
+
+        Args:
+            mesh: The lines, or DOLFINx's own mesh of them, see
+                :func:`~fem_lie.mesh.reading.from_dolfinx`. All that meet at a point are rigidly
+                connected there.
+            section: One for all cells, one for each named group of cells, or a function of arc
+                length (taper), evaluated in the middle of each cell.
+            up: Direction nearest to which e₃ is to be, for all cells or for named groups. Default:
+                no twist (Bishop's frame), from e₃ nearest to global z where the line begins, or
+                nearest to x if it begins along z. :class:`~.orientation.Twisted` turns the section
+                on from there.
+            formulation: The element; default: :class:`~fem_lie.elements.beams.geodesic.Geodesic`.
+            damping: Default: none.
+            rotary_inertia: Whether the section resists turning about e₂ and e₃; without, only about
+                e₁. Nothing is saved by it but a fast mode that is hardly ever wanted.
+            name: For messages and results.
+
+        Raises:
+            ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
+                of several pieces.
+        """
+        if isinstance(mesh, dolfinx.mesh.Mesh):
+            mesh = from_dolfinx(mesh)
+        self.source = mesh.source if isinstance(mesh, LineMesh) else None
+        instance(mesh, LineMesh, "Beam: mesh", "a LineMesh; see Beam.straight, polyline and curve")
+        known = "a Section, a dict of them by groups of cells or a function of arc length"
+        instance(section, Section | Mapping | Callable, "Beam: section", known)
+        instance(formulation, Formulation | None, "Beam: formulation", "an element or None")
+        instance(damping, Damping | None, "Beam: damping", "a Damping or None")
+        flag(rotary_inertia, "Beam: rotary_inertia")
+        self.chains = chains = Chains(mesh)
+        twisted = up if isinstance(up, Twisted) else Twisted(None, up)
+        ends = cell_frames(mesh, chains, twisted.up, twisted.angle)
+        frames, self.elements, leaders = shared_nodes(mesh, ends)
+        # the geodesic of an arc with tangent frames is the arc itself
+        a, b = frames[self.elements].transpose(1, 0, 2, 3)
+        self.lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
+        self.formulation = Geodesic() if formulation is None else formulation
+        if self.formulation.node_kind != NodeKind.FRAME:
+            raise ValueError(
+                f"a Beam has nodes with frames, those of {self.formulation} have none: that is an "
+                "element of cables"
+            )
+        self.damping = Damping() if damping is None else damping
+        self._groups = dict(mesh.groups)
+        self.sections = sections = section_per_cell(mesh, chains, section)
+        self.stiffness = np.array([s.stiffness for s in sections])
+        self.has_mass = all(s.inertia is not None for s in sections)
+        self.density = np.array(
+            [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
+        )
+        if not rotary_inertia:
+            self.density = without_rotary_inertia(self.density)
+        frames, leaders, cells = self._refine(frames, leaders)
+        named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
+        super().__init__(
+            frames,
+            cells=cells,
+            outline=outline_of(sections, len(cells) // len(sections)),
+            size=float(self.lengths.sum()),
+            points=named,
+            leaders=leaders,
+            name=name,
+        )
+        log_coincident(self.label, mesh.points)
+
+    def _refine(self, frames: Array, leaders: Indices) -> tuple[Array, Indices, Indices]:
+        """Add nodes inside of the elements; returns frames, leaders and pairs for drawing."""
+        degree, count = self.formulation.degree, len(frames)
+        if degree == 1:
+            return frames, leaders, self.elements
+        if degree != 2:
+            raise ValueError(f"elements of degree 1 and 2 are known, got {self.formulation}")
+        a, b = self.elements.T
+        middle = count + np.arange(len(a))
+        self.elements = np.column_stack([a, b, middle])
+        frames = np.concatenate([frames, middle_frames(frames[a], frames[b])])
+        halves = np.stack([np.column_stack([a, middle]), np.column_stack([middle, b])], axis=1)
+        return frames, np.concatenate([leaders, middle]), halves.reshape(-1, 2)
+
+    @classmethod
+    def straight(
+        cls,
+        start: npt.ArrayLike,
+        end: npt.ArrayLike,
+        section: Section | Callable[[float], Section],
+        *,
+        cells: int,
+        up: npt.ArrayLike | Twisted | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> Beam:
+        """Straight beam with ``cells`` equal elements; points "start" and "end"."""
+        return cls(
+            straight(start, end, cells),
+            section,
+            up=up,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
+
+    @classmethod
+    def polyline(
+        cls,
+        points: Sequence[npt.ArrayLike] | npt.ArrayLike,
+        section: Section | Mapping[str, Section],
+        *,
+        cells: int | Sequence[int],
+        up: Up | Twisted | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> Beam:
+        """Straight pieces through points, shape (n, 3), rigidly joined at corners of any angle.
+
+        Points are "start", "end", "corner 1", "corner 2" and so on, groups of cells "piece 1" and
+        so on. If the last point is the first the line is closed. ``cells`` is the number of equal
+        elements of each piece, one for all or one each.
+        """
+        return cls(
+            polyline(points, cells),
+            section,
+            up=up,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
+
+    @classmethod
+    def curve(
+        cls,
+        function: Callable[[float], npt.ArrayLike],
+        section: Section | Callable[[float], Section],
+        *,
+        cells: int,
+        up: npt.ArrayLike | Twisted | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> Beam:
+        """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
+        return cls(
+            curve(function, cells),
+            section,
+            up=up,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
+
+    @property
+    def kind(self) -> Hashable:
+        """Beams of one formulation are assembled together."""
+        return type(self), self.formulation
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Beam], holds: Holds = NO_HOLDS) -> Assembly:
+        """All beams of one :attr:`kind` together."""
+        return BeamAssembly(bodies)
+
+    @property
+    def start(self) -> Point:
+        """The point named "start"."""
+        return self["start"]
+
+    @property
+    def end(self) -> Point:
+        """The point named "end"."""
+        return self["end"]
+
+    def at(self, arclength: float) -> Point:
+        """The place at an arc length from the start, unloaded: a node, or within an element.
+
+        Joints, springs, drives, prescribed motions and loads take it as they take a node. With a
+        :class:`~fem_lie.Director` of three nodes it is the place at that part of its element.
+
+        Raises:
+            ValueError: It is not on the beam, or that has kinks or branches; see :meth:`within`.
+        """
+        s = number(arclength, f"the arc length on {self.label}")
+        self.chains.require_one("a place")
+        arc = self.chains.arc
+        if not arc.min() <= s <= arc.max():
+            raise ValueError(
+                f"arc lengths on {self.label} are {arc.min():g} to {arc.max():g}, got {s:g}"
+            )
+        order = self.chains.order
+        cell = int(order[min(int(np.searchsorted(arc[order, 1], s)), len(order) - 1)])
+        start, end = arc[cell]
+        return self.within(cell, min((s - start) / (end - start), 1.0))
+
+    def within(self, element: int, part: float) -> Point:
+        """The place within an element: a node, or between nodes as the element has it.
+
+        Args:
+            element: Its number.
+            part: Arc length from its first end over its length, unloaded, 0 to 1.
+
+        Raises:
+            ValueError: There is no such element, or the part is not one of it.
+        """
+        instance(element, int | np.integer, f"the number of an element of {self.label}", "whole")
+        last = len(self.elements) - 1
+        if not 0 <= element <= last:
+            raise ValueError(f"{self.label} has elements 0 … {last}, got {element}")
+        if not 0.0 <= number(part, f"the part of an element of {self.label}") <= 1.0:
+            raise ValueError(f"a part of an element is 0 to 1, got {part}")
+        nodes = self.elements[element]
+        for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
+            if abs(part - at) < _AT_NODE:
+                return self.node(int(node))
+        grip = self.formulation.place(nodes, float(part))
+        return Point(self, int(nodes[0]), f"element {element} at {part:g}", grip)
+
+    @property
+    def element_stiffness(self) -> Array:
+        """What the formulation makes of the section stiffness of each element, (m, 6, 6)."""
+        a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
+        return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
+
+    def turning(self) -> Turning:
+        """Elements may turn as far as their formulation says, and are named as a whole."""
+        along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
+        return Turning(along, np.arange(len(along)), self.formulation.largest_turn, whole=True)
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Elements of a named group (default: all).
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        if group is None:
+            return np.arange(len(self.elements))
+        text(group, f"the name of a group of cells of {self.label}")
+        if group not in self._groups:
+            known = ", ".join(sorted(self._groups)) or "none"
+            raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
+        return self._groups[group]
+
+    def consistent_shares(self) -> tuple[Indices, Array]:
+        """Nodes of each element, and the length that each carries: integrals of their shapes."""
+        shares = {1: [1 / 2, 1 / 2], 2: [1 / 6, 1 / 6, 2 / 3]}[self.formulation.degree]
+        return self.elements, np.outer(self.lengths, shares)
+
+    def consistent_levers(self) -> Array:
+        """On directors, shape (m, k, 3): ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a bowed axis."""
+        levers = np.zeros((*self.elements.shape, 3))
+        if self.formulation.bows:
+            a, b = self.frames[self.elements].transpose(1, 0, 2, 3)
+            moved = lie.se3_relative(a, b)[:, :3]  # ℓ times the slope
+            along = self.lengths[:, np.newaxis] * moved / 12
+            levers[:, 0], levers[:, 1] = along, -along
+        return levers

@@ -1,0 +1,40 @@
+"""What is given for named groups of cells, cell by cell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+from fem_lie._arrays import Indices, instance
+
+Given = TypeVar("Given")
+
+
+def of_groups(
+    given: Mapping[str, Given],
+    kind: type[Given],
+    wanted: str,
+    count: int,
+    group: Callable[[str], Indices],
+) -> list[Given]:
+    """The section of each cell; where groups overlap the last one counts.
+
+    Args:
+        given: Sections of named groups.
+        kind: Their class.
+        wanted: That in words, as "a Section".
+        count: Number of cells.
+        group: Cells of a group.
+
+    Raises:
+        ValueError: A cell has none, or there is no such group.
+        TypeError: Something given is of another class.
+    """
+    chosen: dict[int, Given] = {}
+    for name, value in given.items():
+        instance(value, kind, f"the section of {name!r}", wanted)
+        chosen |= {int(cell): value for cell in group(name)}
+    missing = [cell for cell in range(count) if cell not in chosen]
+    if missing:
+        raise ValueError(f"{len(missing)} cells have no section, the first is cell {missing[0]}")
+    return [chosen[cell] for cell in range(count)]

@@ -1,0 +1,1 @@
+"""Bodies along lines whose nodes are no frames."""

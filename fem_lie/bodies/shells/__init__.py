@@ -1,0 +1,1 @@
+"""Shells: frames on surfaces, their supports, and the assembly of their elements."""

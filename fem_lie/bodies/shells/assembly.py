@@ -1,0 +1,155 @@
+"""All shells of one kind, assembled together by DOLFINx."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices
+from fem_lie.elements.shells.cells import ShellCells
+from fem_lie.elements.shells.drilling import DrillingAssembly
+from fem_lie.elements.shells.element import ShellFormulation
+from fem_lie.forms.assembly import Assembly, NodalInertia
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.lie.motions import add_turnings
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+if TYPE_CHECKING:
+    import dolfinx
+
+_FIVE = 5
+_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
+
+
+class ShellData(Protocol):
+    """What the assembly asks of a shell, see :class:`~fem_lie.Shell`."""
+
+    frames: Array
+    mesh: SurfaceMesh
+    source: dolfinx.mesh.Mesh | None
+    connectivity: Indices
+    stiffness: Array
+    axes: Array
+    formulation: ShellFormulation
+    has_mass: bool
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
+
+
+class ShellAssembly(Assembly):
+    """All shells of one formulation and kind of cell, on one surface mesh.
+
+    A single one whose nodes and cells are those of a DOLFINx mesh that was given is on that mesh.
+
+    Attributes:
+        mesh: All of them, as DOLFINx orders nodes and cells.
+        stress: What is carried as ``(N, M, Q)`` at the points of integration, in UFL, shape (8,).
+    """
+
+    def __init__(self, bodies: Sequence[ShellData], drilling: Array | None = None) -> None:
+        """Merge the bodies' meshes and build the forms; coincident nodes stay apart.
+
+        Args:
+            bodies: Shells of one formulation and kind of cell.
+            drilling: Drilling stiffness γ of all their cells, shape (m,); default: five parameters.
+        """
+        first = bodies[0]
+        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+        frames = np.concatenate([body.frames for body in bodies])
+        cells = np.concatenate(
+            [body.connectivity + start for body, start in zip(bodies, starts[:-1], strict=True)]
+        )
+        cell, degree = first.mesh.cell, first.mesh.degree
+        own = first.source if len(bodies) == 1 else None
+        if own is not None and _compat.is_made_of(own, frames[:, 0], cells):
+            mesh, permutation, given = own, np.arange(len(cells)), cells
+        else:
+            mesh = _compat.create_surface_mesh(frames[:, 0].copy(), cells, cell, degree)
+            permutation = mesh.topology.original_cell_index
+            given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
+        nodal = NodalFrames(mesh, degree)
+        order = np.empty(len(frames), dtype=np.int64)
+        order[given] = nodal.function.function_space.dofmap.list
+        nodal.frames[order] = frames
+        stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
+        axes = np.concatenate([body.axes for body in bodies])[permutation]
+        measures = first.formulation.measures_for(cell, degree)
+        shell_cells = ShellCells(nodal, measures, directions=axes)
+        forms = first.formulation.forms(shell_cells, stiffness)
+        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
+        cell_order = np.argsort(permutation)
+        super().__init__(nodal, forms, order, cell_order, None)
+        plain = first.formulation.quadratic and measures.intermediate is None
+        self.settles = forms.local is not None and not plain
+        if drilling is not None:
+            moment = DrillingAssembly(
+                nodal.frames.copy(),
+                nodal.function.function_space.dofmap.list,
+                measures.cell,
+                degree,
+                measures.quadrature_degree,
+                axes,
+                drilling[permutation],
+                (self.indptr, self.indices),
+            )
+            self.beside.append(moment)
+        rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
+        self._diagonal = np.flatnonzero(self.indices == rows)
+        self._all = np.ones(self.count, dtype=bool)
+        if all(body.has_mass for body in bodies):
+            elements = np.concatenate([body.element_inertia() for body in bodies])
+            # as the cells of the bodies, and their nodes, are ordered there
+            self.inertia = NodalInertia(self.summed(elements[permutation]))
+
+    @property
+    def tables(self) -> None:
+        """None: forces have five numbers for each node, and coefficients are packed anew."""
+
+    def room(self) -> Array:
+        """For all forces, shape (count, 6)."""
+        return np.zeros((self.count, 6))
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Add elastic forces; what the cells carry is a coefficient and is packed anew."""
+        self._frames.frames[:] = H
+        forces = fem.assemble_vector(self._forms.residual).array.reshape(-1, _FIVE)
+        out.reshape(-1, 6)[:, :_FIVE] += forces
+        if kept is not None:
+            kept[:, :_FIVE] = forces
+
+    def energy(self, H: Array) -> float:
+        """Stored energy; mixed fields become those of these frames before."""
+        if self._forms.local is not None:
+            self.reset_stress(H)
+        self._frames.frames[:] = H
+        return float(fem.assemble_scalar(self._forms.energy))
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Derivatives in twists, as of any other body, with the carried stress."""
+        blocks = np.zeros((len(self.indices), 6, 6))
+        blocks[:, :_FIVE, :_FIVE] = self._blocks(H, self._tangent)
+        add_turnings(kept, -1.0, self._diagonal, self._all, blocks)
+        return blocks
+
+    def settle(self, H: Array) -> None:
+        """Make mixed fields those of frames ``H`` where forces depend on them."""
+        if self.settles:
+            self.reset_stress(H)
+
+    def reset_stress(self, H: Array) -> None:
+        """Make stress true at ``H``: Newton's method in each cell if one solution is not enough."""
+        for _ in range(_LOCAL_ITERATIONS if self.settles else 1):
+            before = self.carried.copy()
+            super().reset_stress(H)
+            change = np.abs(self.carried - before).max(initial=0.0)
+            if change <= _SETTLED * np.abs(before).max(initial=0.0):
+                return
+
+    def carry(self, H: Array, h: Array) -> None:
+        """Carry stress, or mixed fields, on by an increment."""
+        super().carry(H, h.reshape(-1, 6)[:, :_FIVE])

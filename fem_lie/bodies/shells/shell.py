@@ -1,0 +1,284 @@
+"""Shells: positions and directors on surface meshes, five or six unknowns at each node."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from math import cos, degrees, pi, radians
+
+import basix
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import (
+    Array,
+    Indices,
+    choice,
+    instance,
+    log_coincident,
+    number,
+)
+from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.shells.assembly import ShellAssembly
+from fem_lie.bodies.shells.placing import (
+    Director,
+    ShellSections,
+    axes_along,
+    frames_with,
+    given_directors,
+    own_mesh,
+    section_per_cell,
+)
+from fem_lie.bodies.shells.supports import SupportedSurface
+from fem_lie.bodies.turning import Turning
+from fem_lie.elements.shells.drilling import Parameters, drilling_stiffness
+from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
+from fem_lie.lie.motions import Group
+from fem_lie.mesh.reading import surface_from_dolfinx
+from fem_lie.mesh.shapes import rule, tabulated
+from fem_lie.mesh.surfaces import KINK_ANGLE, SurfaceMesh
+from fem_lie.sections.shell_section import ShellSection
+
+_log = logging.getLogger(__name__)
+
+_FACETS = radians(10.0)  # a circle of 18 cells
+_FIVE = (Parameters.FIVE, Parameters.FIVE_CARRIED)
+
+
+class Shell(SupportedSurface):
+    """A shell of any 8×8 section on a surface, which may have kinks and branches.
+
+    A node has a position and a director, which may tilt against the surface. Its frame has the
+    director third. Turning about the director is an unknown of six-parameter shells only, see
+    :class:`~fem_lie.elements.shells.drilling.Parameters`. At a kink or branch each smooth side has
+    nodes of its own, with directors of its own; they follow the first of them rigidly.
+
+    Attributes:
+        connectivity: Nodes of each cell, shape (m, k).
+        own_mesh: The surface on these nodes: cut open along kinks and branches.
+        stiffness: Section stiffness of each cell, shape (m, 8, 8).
+        density: Gram matrix of inertia per area of each cell, shape (m, 2, 2).
+        axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
+        formulation: The element.
+        parameters: As the user chose.
+    """
+
+    uncoupled = True
+    group = Group.R3xSO3
+
+    def __init__(
+        self,
+        mesh: SurfaceMesh | dolfinx.mesh.Mesh,
+        section: ShellSections,
+        *,
+        director: Director | None = None,
+        along: npt.ArrayLike | Director | None = None,
+        formulation: ShellFormulation | None = None,
+        kink_angle: float = KINK_ANGLE,
+        parameters: Parameters = Parameters.AUTOMATIC,
+        name: str = "",
+    ) -> None:
+        """Place nodal frames.
+
+        Args:
+            mesh: The surface, or DOLFINx's own mesh of it, see
+                :func:`~fem_lie.mesh.reading.surface_from_dolfinx`.
+            section: One for all cells, one for each named group of cells, or a function of the
+                centre of a cell, shape (3,) (varying thickness).
+            director: Unit normal as a function of the place, shape (3,), to the side of the cells'
+                normals and no more than ``kink_angle`` off them, of a surface without kinks and
+                branches; default: the mean of the mesh's normals on each smooth side.
+            along: e₁ of the sections' axes before projection onto the surface: one vector, or a
+                function of the centre of a cell; default: from the first to the second corner.
+            formulation: The element; default: :class:`HellingerReissner`.
+            kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
+            parameters: Five or six at each node.
+            name: For messages and results.
+
+        Raises:
+            ValueError: A cell without section, an element that is not for these cells, a kink or
+                branch with five parameters, or a director that is not finite, lies in the surface
+                or points to the other side.
+        """
+        if isinstance(mesh, dolfinx.mesh.Mesh):
+            mesh = surface_from_dolfinx(mesh)
+        instance(mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh; see surface()")
+        known = "a ShellSection, a dict of them by groups of cells or a function of the place"
+        instance(section, ShellSection | Mapping | Callable, "Shell: section", known)
+        instance(formulation, ShellFormulation | None, "Shell: formulation", "an element or None")
+        number(kink_angle, "Shell: kink_angle")
+        if director is not None:
+            instance(director, Callable, "Shell: director", "a function of the place or None")
+        self.mesh, self.source = mesh, mesh.source
+        self.formulation = HellingerReissner() if formulation is None else formulation
+        self.formulation.measures_for(mesh.cell, mesh.degree)
+        centres = mesh.points[mesh.corners].mean(axis=1)
+        sections = section_per_cell(mesh, centres, section)
+        self.stiffness = np.array([s.stiffness for s in sections])
+        self.density = np.array([s.inertia for s in sections])
+        self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
+        self.axes = axes_along(mesh, centres, along)
+        self.parameters = choice(parameters, Parameters, "Shell: parameters")
+        patches = mesh.patches(kink_angle if director is None else pi)
+        self.connectivity = patches.cells
+        directors = (
+            patches.directors
+            if director is None
+            else given_directors(mesh, director, patches, kink_angle)
+        )
+        super().__init__(
+            frames_with(mesh.points[patches.places], directors),
+            cells=np.empty((0, 2), dtype=np.int64),
+            outline=None,
+            size=float(np.linalg.norm(np.ptp(mesh.points, axis=0))),
+            points={key: int(p[0]) for key, p in mesh.named_points.items() if len(p) == 1},
+            leaders=patches.places,
+            name=name,
+        )
+        self.own_mesh = own_mesh(mesh, patches)
+        log_coincident(self.label, mesh.points)
+        self._log_turns(kink_angle)
+        self.faces = mesh.corners_of(patches.cells)
+        self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
+        self._has_kinks = bool(len(patches.split))
+        if self._has_kinks:
+            self._refuse_with_five(f"the kink or branch at {mesh.points[patches.split[0]]}")
+
+    @property
+    def kind(self) -> Hashable:
+        """Shells of one formulation and kind of cell go together."""
+        return type(self), self.formulation, self.mesh.cell, self.mesh.degree
+
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether it has six parameters; errors as in the base class."""
+        for hold in holds:
+            if not (self._tilts(hold) and self.parameters in _FIVE):
+                self._refuse_with_five(hold.what)
+        if self.parameters in _FIVE:
+            return False
+        return self.parameters is Parameters.SIX or self._has_kinks or bool(holds)
+
+    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+        """Whether it has kinks or is held about a director, and how stiff the cells are then."""
+        drills = self.drills(holds)
+        return drills, self.drilling_stiffness(holds) if drills else None
+
+    def drilling_stiffness(self, holds: Sequence[HeldRotation]) -> Array:
+        """γ of each cell, see :mod:`fem_lie.elements.shells.drilling`, shape (m,).
+
+        Several nodes that one rigid thing holds take its moments by forces.
+        """
+        bound: dict[int, set[Hashable]] = {}
+        for hold in holds:
+            if not self._tilts(hold):
+                bound.setdefault(int(self.leaders[hold.node]), set()).add(hold.other)
+        held_by = [other for others in bound.values() for other in others]
+        alone = [
+            node
+            for node, others in bound.items()
+            if any(held_by.count(other) == 1 for other in others)
+        ]
+        areas = self._measure()[1].sum(axis=1)
+        return drilling_stiffness(self.stiffness, areas, self.mesh.cells, alone)
+
+    def _log_turns(self, kink_angle: float) -> None:
+        """Say in the log that normals of cells are far from their common director."""
+        directors, normals = self.frames[self.connectivity, 3], self.mesh.normals
+        cosine = np.einsum("mkj,mkj->mk", directors, normals)
+        if cosine.min() < cos(_FACETS):
+            place = self.frames[self.connectivity.ravel()[cosine.argmin()], 0]
+            _log.info(
+                "%s: normals of cells are up to %.0f° off their common director, at %s; where "
+                "neighbours turn by no more than kink_angle = %.0f° the surface is smooth",
+                *(self.label, degrees(np.arccos(cosine.min())), place, degrees(kink_angle)),
+            )
+
+    def _tilts(self, hold: HeldRotation) -> bool:
+        """Whether it is a moment across the director."""
+        axis = hold.axis
+        if axis is None:
+            return False
+        return bool(abs(axis @ self.frames[hold.node, 3]) < 1e-9 * np.linalg.norm(axis))
+
+    def _refuse_with_five(self, what: str) -> None:
+        if self.parameters in _FIVE:
+            raise ValueError(
+                f"{what} needs nodes that turn about all axes, but {self.label} was given "
+                f"parameters={self.parameters}: leave that out, or say Parameters.SIX (Spherical "
+                "and InPlane joints at a node itself need no more than five)"
+            )
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Shell], holds: Holds = NO_HOLDS) -> ShellAssembly:
+        """All of one :attr:`kind` together, with drilling if the first of them drills."""
+        if not bodies[0].drills(holds.get(bodies[0], ())):
+            return ShellAssembly(bodies)
+        each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
+        return ShellAssembly(bodies, np.concatenate(each))
+
+    def edges(self, name: str) -> tuple[Indices, Array]:
+        """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).
+
+        Raises:
+            ValueError: There is no such curve; the message lists those that exist.
+        """
+        edges = self.mesh.curve(name)
+        x = self.frames[edges, 0]
+        if edges.shape[1] == 2:
+            length = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
+            return edges, np.outer(length, [0.5, 0.5])
+        # the parabola through three points, by three points of Gauss
+        s, w = np.polynomial.legendre.leggauss(3)
+        N = np.array([0.5 * s * (s - 1), 0.5 * s * (s + 1), 1 - s * s])
+        dN = np.array([s - 0.5, s + 0.5, -2 * s])
+        speed = np.linalg.norm(np.einsum("kg,ekj->egj", dN, x), axis=2)
+        return edges, np.einsum("g,kg,eg->ek", w, N, speed)
+
+    def turning(self) -> Turning:
+        """Along all edges of the cells."""
+        ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
+        along, limit = self.connectivity[:, ends], self._largest_turn()
+        if self.mesh.degree == 2:
+            corners = len(self.mesh.corners[0])
+            inside = self.connectivity[:, corners : corners + len(ends), np.newaxis]
+            along = np.concatenate([along[:, :, :1], inside, along[:, :, 1:]], axis=2)
+        elements = np.repeat(np.arange(len(along)), len(ends))
+        return Turning(along.reshape(len(elements), -1), elements, limit, whole=False)
+
+    def _largest_turn(self) -> float:
+        """Along an edge of a cell, rad."""
+        return self.formulation.measures_for(self.mesh.cell, self.mesh.degree).largest_turn
+
+    def areas(self) -> Array:
+        """Area that each node of each cell carries, shape (m, k)."""
+        shapes, weights = self._measure()
+        return np.einsum("gk,mg->mk", shapes, weights)
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
+        shapes, weights = self._measure()
+        blocks = np.zeros((*self.mesh.cells.shape, 4, self.mesh.cells.shape[1], 4))
+        mass = np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, self.density)
+        for a, row in enumerate((0, 3)):
+            for b, column in enumerate((0, 3)):
+                blocks[:, :, row, :, column] = mass[:, :, a, :, b]
+        return blocks
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Cells of a named group (default: all).
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return np.arange(len(self.mesh.cells)) if group is None else self.mesh.group(group)
+
+    def _measure(self) -> tuple[Array, Array]:
+        """Shape functions (g, k) and weights times area (m, g) at points of integration."""
+        cell, degree = self.mesh.cell, self.mesh.degree
+        points, w = rule(cell, 2 * degree + 2)
+        table = tabulated(cell, degree, points)
+        x = self.frames[self.mesh.cells, 0]
+        g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
+        return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)

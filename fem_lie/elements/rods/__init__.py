@@ -1,0 +1,1 @@
+"""Elements along lines whose nodes are no frames."""

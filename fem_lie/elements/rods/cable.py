@@ -1,0 +1,134 @@
+"""Cable in positions and slopes: two nodes, cubic Hermite interpolation, stretch and bending.
+
+With ``s`` the unstretched arc length, ``ε = |x′| − 1`` and ``κ = |x′ × x″|/|x′|²``, the rate at
+which the tangent turns per unstretched length; naturally straight, without shear or torsion::
+
+    W = ∫ ½ EA ε² ds + ∫ ½ EI κ² ds
+
+The first is integrated at the three Lobatto points, the second at three Gauss points. In a slender
+cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
+points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
+free end that carries no tension is kept from turning by its bending stiffness alone. (Gerstmayr &
+Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr & Shabana, *Nonlinear Dyn.* 45
+(2006) 109: reduced integration of the stretch.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix.ufl
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from ufl.core.expr import Expr
+
+from fem_lie._arrays import Array
+from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frames import SLOPES, NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.lie.kinds import NodeKind
+
+_STRETCH, _BENDING = 0, 4
+"""Where they are in a section's stiffness on (Γ, κ)."""
+
+
+@dataclass(frozen=True)
+class HermiteCable(Formulation):
+    """Cable element of two nodes with position and slope."""
+
+    node_kind = NodeKind.SLOPE
+    degree: int = 1
+
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """Energy, forces and tangent; of the stiffness only stretch and bending count."""
+        mesh = nodal.function.function_space.mesh
+        first, second = _hermite(nodal, cells)
+        EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))
+        squared = ufl.dot(first, first)
+        strain = [ufl.sqrt(squared) - 1, *(ufl.cross(first, second) / squared)]
+        points, lobatto, gauss = _both_rules()
+        shares = [_at_points(mesh, points, weights) for weights in (lobatto, gauss)]
+        metadata = {
+            "quadrature_rule": "custom",
+            "quadrature_points": tuple((float(point),) for point in points.ravel()),
+            "quadrature_weights": (1.0,) * len(points),
+            "quadrature_degree": 5,
+        }
+        energy = _CableEnergy(
+            strain=ufl.as_vector(strain),
+            law=lambda ε: 0.5 * shares[0] * EA * ε[0] ** 2
+            + 0.5 * shares[1] * EI * (ε[1] ** 2 + ε[2] ** 2 + ε[3] ** 2),
+            dx=ufl.Measure("dx", mesh, metadata=metadata),
+            weight=cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh),
+        )
+        return LocalFrameForms(energy, nodal.function, nodal.increment, SLOPES)
+
+    def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
+        """Mass of the interpolated line, ``∫ ρA Nᵢ Nⱼ ds``; the section does not resist turning."""
+        slopes = _signs(nodal) * cells.lengths
+        found = np.zeros((len(slopes), 2, 4, 2, 4))
+        scale = np.stack([np.ones_like(slopes), slopes, np.ones_like(slopes), slopes], axis=1)
+        weights = (cells.lengths * cells.density[:, 0, 0])[:, np.newaxis, np.newaxis]
+        blocks = weights * scale[:, :, np.newaxis] * scale[:, np.newaxis] * _SQUARES
+        found[:, :, :2, :, :2] = blocks.reshape(-1, 2, 2, 2, 2)
+        return found
+
+
+class _CableEnergy(StrainEnergy):
+    """With points of its own."""
+
+    def quadrature_element(self) -> basix.ufl._ElementBase:
+        """Element of the stress: its values at the points of both rules."""
+        points = np.array(self.dx.metadata()["quadrature_points"])
+        return _element_of(points, self.strain.ufl_shape)
+
+
+def _both_rules() -> tuple[Array, Array, Array]:
+    """Points of Lobatto's and Gauss' rules on (0, 1), shape (5, 1), and weights of each there."""
+    outer = 0.5 * np.sqrt(0.6)
+    points = np.array([[0.0], [0.5 - outer], [0.5], [0.5 + outer], [1.0]])
+    return points, np.array([1.0, 0, 4, 0, 1]) / 6, np.array([0.0, 5, 8, 5, 0]) / 18
+
+
+def _element_of(points: Array, shape: tuple[int, ...]) -> basix.ufl._ElementBase:
+    weights = np.ones(len(points))
+    return basix.ufl.quadrature_element("interval", shape, points=points, weights=weights)
+
+
+def _at_points(mesh: dolfinx.mesh.Mesh, points: Array, values: Array) -> fem.Function:
+    """The same values at the points of each cell."""
+    f = fem.Function(fem.functionspace(mesh, _element_of(points, ())))
+    f.x.array[f.function_space.dofmap.list] = values
+    return f
+
+
+_SQUARES = (
+    np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
+)
+"""Integrals of products of the cubics of place and slope of one end, then of the other."""
+
+
+def _signs(nodal: NodalFrames) -> Array:
+    """Of each cell: 1 if the slopes point from its first node to its second one, else −1."""
+    a, b = nodal.frames[nodal.function.function_space.dofmap.list].swapaxes(0, 1)
+    return np.sign(np.einsum("mj,mj->m", b[:, 0] - a[:, 0], a[:, 1] + b[:, 1]))
+
+
+def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr]:
+    """``x′`` and ``x″`` of the cubic through places and slopes of both ends."""
+    mesh = nodal.function.function_space.mesh
+    space = fem.functionspace(mesh, ("DG", 1))
+    along = fem.Function(space)
+    along.x.array[space.dofmap.list] = [0.0, 1.0]
+    ξ, length = along, cellwise(mesh, _signs(nodal) * cells.lengths)
+    chord, turn = (
+        ufl.dot(ufl.grad(f), ufl.Jacobian(mesh)[:, 0]) for f in (nodal.position, nodal.directors[0])
+    )
+    a = nodal.directors[0] - ξ * turn
+    b = a + turn
+    first = 6 * ξ * (1 - ξ) * chord / length + (1 - 4 * ξ + 3 * ξ**2) * a + (3 * ξ**2 - 2 * ξ) * b
+    second = 6 * (1 - 2 * ξ) * chord / length + (6 * ξ - 4) * a + (6 * ξ - 2) * b
+    return first, second / length

@@ -1,0 +1,132 @@
+"""Cells as nodes, a kernel and packed data: what an assembly sums, and in which pattern.
+
+A cell is any few nodes, in any order, and cells may share as many of them as they like. What is
+done with them is a compiled kernel of UFCx's signature, ``kernel(A, w, c, x, …)``: it gets the four
+rows of each node at the head of the cell's data ``w``, constants ``c`` and coordinates ``x`` of the
+cell, and adds a number, forces or a matrix to ``A``. Forms of DOLFINx are one source of such sums,
+:class:`CellForm`; kernels of one's own are another, :class:`CellSum`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fem_lie import _compat
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells
+
+
+class Pattern(NamedTuple):
+    """Which nodes share a cell.
+
+    Attributes:
+        indptr: Where each node's row begins, shape (count + 1,).
+        indices: The other node of each pair, increasing in each row, shape (nnz,).
+        place: Of each pair of nodes of each cell, shape (m k k,).
+    """
+
+    indptr: Indices
+    indices: Indices
+    place: Indices
+
+    @classmethod
+    def of(cls, cells: npt.NDArray[np.integer[Any]], count: int) -> Pattern:
+        """That of cells (m, k) on so many nodes; each node is paired with itself."""
+        first, second = cells.astype(np.int64)[:, :, np.newaxis], cells[:, np.newaxis]
+        own = np.arange(count, dtype=np.int64) * (count + 1)
+        found = (count * first + second).ravel()
+        keys, place = np.unique(np.concatenate([own, found]), return_inverse=True)
+        indptr = np.searchsorted(keys // count, np.arange(count + 1))
+        return cls(indptr, keys % count, place.ravel()[count:].astype(np.int64))
+
+
+class CellSum:
+    """A kernel summed over cells.
+
+    Attributes:
+        cells: Nodes of each cell, shape (m, k).
+        values: Data of each cell, which stay where they are, shape (m, ≥ 12 k).
+        table: For :func:`~fem_lie.forms.cell_forms.add_cells`.
+    """
+
+    def __init__(
+        self,
+        cells: npt.NDArray[np.integer[Any]],
+        kernel: int,
+        values: Array,
+        constants: Array,
+        coordinates: Array,
+    ) -> None:
+        """Keep what the kernel reads.
+
+        Args:
+            cells: Nodes of each cell, shape (m, k).
+            kernel: Its address.
+            values: Data of each cell, whose first 12 k numbers are overwritten by its nodes' rows.
+            constants: The same for all cells.
+            coordinates: Of each cell, shape (m, any).
+        """
+        self.cells = cells
+        self.values, self._x = (np.ascontiguousarray(a, np.float64) for a in (values, coordinates))
+        self._constants = constants
+        if self.values.shape != (len(cells), max(self.values.shape[1], 12 * cells.shape[1])):
+            raise ValueError(
+                f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ "
+                f"{12 * cells.shape[1]}), got {self.values.shape}"
+            )
+        row = [kernel, *cells.shape, 0, *_place(self.values), constants.ctypes.data]
+        row += _place(self._x)
+        self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
+        self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
+
+    def add_vector(self, H: Array, out: Array) -> None:
+        """Add six numbers for each node at rows ``H``, shape (6 count,)."""
+        add_cells(H, self._plain, 6, out)
+
+    def add_matrix(self, H: Array, pattern: Pattern, out: Array) -> None:
+        """Add matrices to blocks (nnz, u, u) of the pattern, at rows ``H``."""
+        add_blocks(H, self._plain, pattern.place, out.shape[1], out)
+
+    def scalar(self, H: Array) -> float:
+        """The sum of a kernel that adds a number."""
+        value = np.zeros(1)
+        add_cells(H, self._plain, 0, value)
+        return float(value[0])
+
+
+class CellForm(CellSum):
+    """A form of DOLFINx with its constants and coefficients packed; the state is first in them."""
+
+    cells: npt.NDArray[np.int32]
+
+    def __init__(self, form: fem.Form, kernel: Any, cells: npt.NDArray[np.int32]) -> None:
+        """Pack everything.
+
+        Args:
+            form: With one integral.
+            kernel: See :mod:`fem_lie.forms.kernels`.
+            cells: Nodes of each cell.
+        """
+        self._form = form._cpp_object
+        mesh = form.mesh
+        x = mesh.geometry.x[_compat.geometry_dofmap(mesh)].reshape(len(cells), -1)
+        constants = dolfinx.cpp.fem.pack_constants(self._form)
+        super().__init__(cells, int(kernel.address), self._packed(), constants, x)
+
+    def _packed(self) -> Array:
+        (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()
+        return np.asarray(values)
+
+    def pack(self) -> None:
+        """Read all coefficients anew."""
+        self.values[:] = self._packed()
+
+
+def _place(array: Array) -> tuple[int, int]:
+    """Address, and length of a row."""
+    return array.ctypes.data, array.shape[1]

@@ -1,0 +1,168 @@
+"""Terms: what adds forces, energy and a matrix to the equations of nodes, inertia and joints apart.
+
+Elements, pressure, springs and damping are terms. Nobody who sums them up asks which they are: they
+say themselves what they have, and how they may be summed.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.cell_forms import FormTable
+
+Pairs: TypeAlias = tuple[Indices, Indices]
+"""First and second node of each pair that a matrix couples."""
+
+
+class PushedPieces(NamedTuple):
+    """Straight pieces on which ``(x_j − x_i) × ½ (R_i + R_j) w`` acts, half of it on each end.
+
+    Attributes:
+        nodes: i and j of each piece, shape (s, 2).
+        across: ``w`` at present, shape (s, 3).
+    """
+
+    nodes: Indices
+    across: Array
+
+
+class Term(ABC):
+    """Forces on nodes, with the sign of a residual: those of an energy are its gradient.
+
+    Forces and twists have components along the nodes' axes; nodes are rows of frames ``H``, of
+    which the first may move.
+
+    Attributes:
+        label: What messages call it.
+        version: Of :attr:`pairs`; another number means other pairs. They may change when forces
+            are asked for, and the tangent that is asked for afterwards has them; with
+            :attr:`tables` they stay.
+        load: Whether it acts from outside: it does work and stores no energy.
+        viscous: Whether there are forces that depend on twists.
+        in_space: Whether these oppose rigid motions, too.
+        of_bodies: Whether it acts within bodies or on them, and not between them.
+        carries: Whether it carries stress, or unknowns of its own, from iterate to iterate.
+        settles: Whether forces depend on unknowns of its own that have to be settled before.
+        within_joints: Whether the sums over all joints have its forces, their power, and what
+            :meth:`geometric` is, but not its tangents.
+        conserved: Whether conserving schemes have its forces over a step.
+        turning: Whether a load turns with nodes or is a moment, and so has no potential.
+        amplitude: Factor of a load, which may be changed.
+    """
+
+    label: str = "forces"
+    version: int = 0
+    amplitude: float = 1.0
+    load = viscous = in_space = of_bodies = turning = False
+    carries = settles = within_joints = False
+    conserved = False
+
+    # --- forces ---
+
+    @property
+    @abstractmethod
+    def pairs(self) -> Pairs:
+        """Nodes of the blocks of :meth:`tangent`, which move."""
+
+    def room(self) -> Array:
+        """For those of the forces that :meth:`tangent` takes; default: none."""
+        return np.empty((0, 6))
+
+    @abstractmethod
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Add the forces at frames ``H``.
+
+        Args:
+            H: Frames.
+            out: Shape (≥ nodes that move, 6).
+            kept: See :meth:`room`, overwritten.
+        """
+
+    @abstractmethod
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Derivative of the forces in the twists of the nodes, (pairs, 6, 6).
+
+        What is carried is in it as it is carried.
+
+        Args:
+            H: Frames.
+            kept: What :meth:`add_forces` kept at these frames.
+        """
+
+    def geometric(self, H: Array) -> Array | None:
+        """What the derivative has beside :meth:`tangent`, of forces that are not carried."""
+        return None
+
+    def energy(self, H: Array) -> float:
+        """Stored energy, of which the forces are the gradient; of loads zero."""
+        return 0.0
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable] | None:
+        """Forces and energy as sums over cells, to be joined to others, if they are just that."""
+        return None
+
+    # --- forces that depend on twists: asked of terms that say they are viscous ---
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """Add the forces at twists ``v`` (≥ nodes that move, 6)."""
+        raise NotImplementedError
+
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
+        """Their derivatives in the twists, and in those of frames if that is not left out.
+
+        The second is at constant velocities of the nodes' groups, as
+        :func:`~fem_lie.lie.kinds.at_rest` has them.
+        """
+        raise NotImplementedError
+
+    @property
+    def rates(self) -> tuple[Indices, Indices, Array] | None:
+        """Rows, columns and blocks (nnz, 4, 4) of ``D``, if they are ``Lᵀ D q̇`` with constant D.
+
+        ``q`` are (x, d₁, d₂, d₃) of the nodes.
+        """
+        return None
+
+    # --- what is carried from iterate to iterate: asked of terms that carry, or settle ---
+
+    @property
+    def carried(self) -> Array:
+        """Stress, or unknowns of the term's own; flat."""
+        return np.empty(0)
+
+    @property
+    def contents(self) -> object:
+        """All that the forces are made of, but for the amplitude."""
+        return None
+
+    def carry(self, H: Array, h: Array) -> None:
+        """Carry the stress on to the end of the increment ``h`` (n, 6), from frames ``H``."""
+        raise NotImplementedError
+
+    def restore(self, carried: Array) -> None:
+        """Carry again what was carried when it was copied."""
+        raise NotImplementedError
+
+    def settle(self, H: Array) -> None:
+        """Make what the forces need of the term's own unknowns that of frames ``H``."""
+        raise NotImplementedError
+
+    def clear_stress(self) -> None:
+        """Carry none: a tangent without geometric stiffness."""
+        raise NotImplementedError
+
+    def reset_stress(self, H: Array) -> None:
+        """Carry that of frames ``H``."""
+        raise NotImplementedError
+
+    # --- over a step ---
+
+    @property
+    def pieces(self) -> PushedPieces | None:
+        """The forces as conserving schemes have those of pressure, on nodes of bodies."""
+        return None

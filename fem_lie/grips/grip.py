@@ -1,0 +1,138 @@
+"""A grip: a frame that moves with nodes of a body, and its derivative in what the nodes do.
+
+Joints, springs, drives, prescribed motions and loads hold on to grips and see nothing but their
+frames and twists. A node with a frame is its own grip and is none here. A kind of grip is a file of
+two compiled functions of one grip, see :class:`GripKind`; :func:`locate` and :func:`bend` go over
+many.
+
+The motion ``hₖ`` of a node is in its own axes, as its velocity and forces are: a frame's twist;
+of other kinds of node what they say.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled
+
+_SAME = 1e-12  # of numbers of order one
+
+
+class GripKind(NamedTuple):
+    """How frames of a kind follow from those of their nodes: compiled functions of one grip.
+
+    Attributes:
+        locate: ``locate(X, data, H, J)`` sets the frame ``H`` (4, 3), and ``J`` (k, 6, 6) with its
+            twist ``Σ Jₖ hₖ``, from the rows ``X`` (k, 4, 3) of its nodes.
+        bend: ``bend(X, data, f, K)`` sets ``K`` (k, 6, k, 6), the derivative of the forces ``Jᵀf``
+            on the nodes in their motions, for a force ``f`` (6,) that is constant in the frame.
+        rigid: Whether the frame is fixed to that of its only node: what holds on to it may hold on
+            to the node.
+    """
+
+    locate: Callable[..., None]
+    bend: Callable[..., None]
+    rigid: bool = False
+
+
+class Grip(NamedTuple):
+    """A frame that moves with some nodes of one body.
+
+    Attributes:
+        kind: How.
+        nodes: Of the body, k of them, as many for all grips of a kind.
+        data: Numbers that the kind wants, as many for all grips of a kind and number of nodes.
+    """
+
+    kind: GripKind
+    nodes: tuple[int, ...]
+    data: tuple[float, ...]
+
+    def frame(self, frames: Array) -> Array:
+        """Where it is, shape (…, 4, 3), if these are the rows of the body's nodes, (…, n, 4, 3)."""
+        found, _ = self._located(frames)
+        return found.reshape(*frames.shape[:-3], 4, 3)
+
+    def twist(self, frames: Array, v: Array) -> Array:
+        """Its twist, shape (…, 6), if the nodes have these twists, shape (…, n, 6)."""
+        _, J = self._located(frames)
+        own = v[..., list(self.nodes), :].reshape(len(J), -1, 6)
+        return np.einsum("gkij,gkj->gi", J, own).reshape(*frames.shape[:-3], 6)
+
+    def _located(self, frames: Array) -> tuple[Array, Array]:
+        chosen = frames[..., list(self.nodes), :, :]
+        X = np.ascontiguousarray(chosen.reshape(-1, len(self.nodes), 4, 3))
+        return locate(self.kind, X, np.tile(np.array(self.data, dtype=np.float64), (len(X), 1)))
+
+    def same(self, other: Grip | None) -> bool:
+        """Whether it is the same place."""
+        if other is None or self.kind is not other.kind or self.nodes != other.nodes:
+            return False
+        return bool(np.allclose(self.data, other.data, rtol=0.0, atol=_SAME))
+
+
+def locate(kind: GripKind, X: Array, data: Array) -> tuple[Array, Array]:
+    """Frames (g, 4, 3) and Jacobians (g, k, 6, 6) of grips of one kind.
+
+    Args:
+        kind: Of all of them.
+        X: Rows of their nodes, shape (g, k, 4, 3).
+        data: Of each, shape (g, d).
+    """
+    frames, J = np.empty((len(X), 4, 3)), np.zeros((len(X), X.shape[1], 6, 6))
+    _loop(_locate_each, kind.locate)(X, data, frames, J)
+    return frames, J
+
+
+def bend(kind: GripKind, X: Array, data: Array, forces: Array) -> Array:
+    """Derivatives of ``Jᵀf`` in the motions of the nodes, (g, k, 6, k, 6), forces (g, 6)."""
+    k = X.shape[1]
+    K = np.zeros((len(X), k, 6, k, 6))
+    _loop(_bend_each, kind.bend)(X, data, forces, K)
+    return K
+
+
+def changes(kind: GripKind, X: Array, data: Array, h: Array) -> Array:
+    """How twists change along constant motions ``h`` (g, k, 6) of the nodes: ``J̇ h``, (g, 6).
+
+    A force ``f`` has the power ``f·J h``, so that ``f·J̇ h = h·(∂(Jᵀf)/∂h) h``.
+    """
+    found = np.empty((len(X), 6))
+    for i, unit in enumerate(np.eye(6)):
+        K = bend(kind, X, data, np.tile(unit, (len(X), 1)))
+        found[:, i] = np.einsum("gai,gaibj,gbj->g", h, K, h)
+    return found
+
+
+@cache
+def _loop(template: FunctionType, kernel: Callable[..., None]) -> Any:
+    """Compiled loop of ``kernel``, a global name of it: the disk cache knows no closures.
+
+    It stands in the kernel's file, whose content decides whether its machine code is still right.
+    """
+    file = inspect.getfile(inspect.unwrap(kernel))
+    namespace = {"_kernel": kernel, "__name__": kernel.__module__}
+    loop = FunctionType(template.__code__.replace(co_filename=file), namespace, template.__name__)
+    loop.__qualname__ = f"{kernel.__name__}_loop"
+    return compiled(loop)
+
+
+def _locate_each(X: Array, data: Array, frames: Array, J: Array) -> None:
+    for g in range(X.shape[0]):
+        _kernel(X[g], data[g], frames[g], J[g])
+
+
+def _bend_each(X: Array, data: Array, forces: Array, K: Array) -> None:
+    for g in range(X.shape[0]):
+        _kernel(X[g], data[g], forces[g], K[g])
+
+
+def _kernel(*views: Array) -> None:
+    """Stands in the loops for the function that :func:`_loop` puts there."""

@@ -1,0 +1,236 @@
+"""State of a run of a conserving scheme: its start, its loads in time, its matrices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.bodies.balances import WORK
+from fem_lie.forms.cells import Cells, evaluate
+from fem_lie.forms.frames import push
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.conserving.end_rates import EndRates, spatial
+from fem_lie.solve.conserving.memory import model_of, pieces_of, room_for_step, start_state
+from fem_lie.solve.conserving.step import stopping
+from fem_lie.solve.conserving.step.balance import packed_residual
+from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
+from fem_lie.solve.conserving.step.records import Packed, Scheme, Span
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.result_row import ResultRow
+from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.nodes import inertia
+
+PREFIX = "fem_lie_dynamics_"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a conserving scheme is told.
+
+    Attributes:
+        tolerance: See :class:`~fem_lie.solve.conserving.energy_momentum.EnergyMomentum`, likewise
+            ``policy`` and ``max_iterations``.
+        policy: When to factorise.
+        max_iterations: More in one step are a failure.
+        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
+        learning: μ.
+    """
+
+    tolerance: float
+    policy: Policy
+    max_iterations: int
+    loss: float = 0.0
+    learning: float = 1.0
+
+
+class RunState(Integration[History]):
+    """What steps start from, and what they are made with.
+
+    Attributes:
+        s: Between steps.
+        this: The present step.
+        told: How steps were made that did not converge, see :mod:`.run`.
+    """
+
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            equations: Of the scene.
+            step: Step size.
+        """
+        super().__init__(options.policy, equations, step)
+        self.options, self.rule = options, options.policy.rule()
+        self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
+        self._held = len(equations.unknowns.supported) > 0
+        self.cells = Cells(list(equations.tables.assemblies))
+        self._strained = equations.unknowns.strains_change
+        self.s = start_state(equations, self.cells)
+        self.this = room_for_step(equations, self.cells)
+        scheme = Scheme(self.h, options.loss, options.learning)
+        self.model = model_of(equations, self.cells, scheme)
+        self._packed = Packed(self.model, self.s, self.this)
+        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
+        self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
+        self._factors: Factors | None = None
+        self._filled, self._found = ResultRow(equations), equations.room()
+        self.rates, self._end = EndRates.at(np.zeros((self.moving, 6))), 0.0
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return int(self.counters[stopping.STEPS])
+
+    # --- start ---
+
+    def start(self) -> None:
+        """Velocities, multipliers, energies and constraints at the start; scaling."""
+        equations, s, n = self.equations, self.s, self.moving
+        frames, v = equations.start
+        equations.check_velocities(self.h)
+        push(frames[:n], v[:n], s.V)
+        solver = DirectSolver(equations.matrix, PREFIX)
+        vdot, s.weights[:] = equations.accelerations(solver, s.H, v, 0.0, self.h)
+        self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
+        self._set_loads(0.0)
+        s.account[:] = self._evaluate_start()
+        r = np.empty(equations.unknowns.size)
+        equations.residual(Instant(s.H, v, vdot, s.weights), np.ones(len(s.weights)), r)
+        s.gap[:] = r[6 * n :]
+        self._fill(s.H, v[:n], vdot)
+        self.model.scale[:] = equations.constraint_scale(s.H)
+        self.numbers[stopping.EXCESS] = np.inf
+
+    def _evaluate_start(self) -> Array:
+        """Forces and energies of the cells at the start of a step; returns the energies."""
+        frames = self.equations.all_frames(self.s.H)
+        evaluate(self.cells.table, frames, np.zeros_like(frames), self.s.F, self.s.W)
+        return self.s.W
+
+    # --- the size of the step ---
+
+    def _resize(self, h: float) -> None:
+        """Make the state that of the start of a step of another size, see :mod:`.variable`."""
+        s, r = self.s, h / self.h
+        s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
+        s.lag[LENGTH] *= r * r
+        self.numbers[stopping.MOTION] *= r
+        # round-off of a larger step is none of a smaller one
+        self.numbers[stopping.FLOOR] = 0.0
+        self._set_size(h)
+
+    def _set_size(self, h: float) -> None:
+        self.h = h
+        self.model = self.model._replace(scheme=self.model.scheme._replace(h=h))
+        self._packed.set_scheme(self.model)
+
+    # --- loads ---
+
+    def _set_time(self, start: float, end: float) -> None:
+        """Loads in the middle of the next step, prescribed motions at its end."""
+        equations, rows, n = self.equations, Span(*self.this.rows), self.moving
+        self._set_loads(0.5 * (start + end))
+        if equations.unknowns.driven:
+            self.model.driven[:] = equations.targets(end) - equations.targets(start)
+        if len(rows.end) > n + 1:
+            before, after = self.s.H[n + 1 :], equations.prescribed_frames(end)
+            rows.end[n + 1 :], rows.middle[n + 1 :] = after, after
+            rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
+
+    def _take_loads(self) -> None:
+        for array, value in zip(self.model.loads, self.equations.tables.loads, strict=True):
+            array[:] = value
+
+    def _set_loads(self, time: float) -> None:
+        """Forces of the loads at ``time``; strains without stress do work when they change."""
+        self.equations.set_time(time)
+        self._take_loads()
+        self.model.pressure.across[:] = pieces_of(self.equations.tables.terms).across
+        if self._strained:
+            before = self.s.W.copy()
+            self.cells.pack()
+            gain = self._evaluate_start() - before
+            self.s.account[:] += gain
+            self.s.books[WORK] += gain.sum()
+
+    # --- matrix ---
+
+    def _factorise(self) -> None:
+        """New matrix for the present step."""
+        self._fill_here()
+        self._factors = factorise(self.equations.matrix)
+        self.counts[:] = self.counts[0] + 1, self.index
+        within = self.counters[stopping.ITERATION] > 1
+        self.counters[stopping.BEST] = stopping.NEW if within else stopping.UNKNOWN
+        self.numbers[stopping.EXCESS] = 0.0
+
+    def _fill_here(self) -> None:
+        """The matrix, not yet factorised: in the middle of the step as it is, or at its start.
+
+        An end that is only predicted has stresses that are not there.
+        """
+        s, this, n = self.s, self.this, self.moving
+        if self.counters[stopping.ITERATION] > 1:
+            packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
+            packed_residual(packed.model, packed.state, packed.step)
+            H = half_way(s.H, end, n)
+            v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
+        else:
+            H, end, v, ahead = s.H, s.H, local(s.H[:n], s.V), 1.0
+            a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
+        a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
+        # the constraints in the middle of the matrix's likely life: as old as the last one became
+        age = (self.index - self.counts[1]) // 2
+        joints_at = self._moved(end, v, ahead + age)
+        self._fill(H, v, a, joints_at, self._moved(H, v, 0.5 * ahead + age))
+
+    def _moved(self, H: Array, v: Array, steps: float) -> Array:
+        """Frames so many steps later."""
+        n, ahead = self.moving, H.copy()
+        ahead[:n] = lie.se3_retract(H[:n], steps * self.h * v)
+        return ahead
+
+    def _fill(
+        self,
+        H: Array,
+        v: Array,
+        a: Array,
+        joints_at: Array | None = None,
+        forces_at: Array | None = None,
+    ) -> None:
+        """The matrix at frames ``H``.
+
+        Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
+        """
+        equations, n = self.equations, self.moving
+        twists = np.zeros_like(equations.start.velocities)
+        twists[:n] = v
+        scale, now = self.model.scale, Instant(H, twists, a, self.s.weights)
+        equations.residual(now, scale, np.empty(equations.unknowns.size), self._found)
+        # the first step conserves, see filtered
+        h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
+        plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
+        equations.fill(now, self._found, plan, stressed=H)
+
+
+def half_way(H: Array, end: Array, count: int) -> Array:
+    """Frames half-way to the end along screws: the means of what turns as a whole are strained."""
+    middle = end.copy()
+    step = lie.se3_relative(H[:count], end[:count])
+    middle[:count] = lie.se3_retract(H[:count], 0.5 * step)
+    return middle
+
+
+def local(H: Array, V: Any) -> Array:
+    """Twists in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃): ``(RᵀẊ, ½ Σ e_k × Rᵀḋ_k)``."""
+    out = np.empty((len(V), 6))
+    inertia.local_twists(H, V, out)
+    return out

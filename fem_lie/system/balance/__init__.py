@@ -1,0 +1,1 @@
+"""What acts on a scene, and the books of what it has done."""

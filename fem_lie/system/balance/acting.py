@@ -1,0 +1,111 @@
+"""What acts on a scene at one time: loads, damping, reactions of ground, drives and supports."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags
+from fem_lie.system import outer_forces
+from fem_lie.system.instant import Instant
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.outer_forces import LOADS, LOSS, POWER, REACTIONS, PlainScene, add_local
+from fem_lie.system.system import System
+
+
+def supported(system: System) -> Flags:
+    """Which unknowns are held from outside, shape (n, 6).
+
+    What a shell of five parameters needs to have its drilling held is none: it is no support.
+    """
+    held = system.held.copy()
+    inner = system.uncoupled.copy()
+    inner[[system.numbering.node(clamp.point) for clamp in system.scene.clamps]] = False
+    held[inner, 5] = False
+    return held
+
+
+class Acting:
+    """What acts on the bodies of a scene, looked at as a whole; true if there is anything.
+
+    Attributes:
+        strained: Whether strains without stress change.
+        plain: Whether all is seen by :func:`~fem_lie.system.outer_forces.look`.
+        looks: Whether that looks at loads, and whether at joints.
+        scene: What it looks at.
+    """
+
+    def __init__(self, system: System) -> None:
+        """See what there is."""
+        self._system, self._supported = system, supported(system)
+        self.strained = system.strains_change
+        connections = system.connections
+        self._loaded, rates = system.load_cases.any_nodal, system.terms.rates
+        joined = connections.outward
+        self._others = joined and not connections.of_joints_only
+        self._held, self._pushed = bool(self._supported.any()), len(system.terms.loads) > 0
+        # of damping by a constant matrix and of dampers compiled looks know
+        self._viscous = system.terms.chosen(lambda term: term.rates is None)
+        apart = self._pushed or self._viscous.viscous
+        special = self._others or self._held or apart or self.strained
+        self._any = special or self._loaded or joined or rates is not None or connections.driven
+        self.plain = self._any and not special
+        damping = Inertia.none().plain if rates is None else rates
+        self.looks = self._loaded, joined and not self._others
+        constant = system.conservative, damping, connections.packed
+        loads = system.lasting_loads.plain
+        self.scene: PlainScene = (system.kinds, loads, *constant, *self.looks)
+
+    def __bool__(self) -> bool:
+        """Whether anything acts."""
+        return self._any
+
+    @property
+    def arrays(self) -> list[Any]:
+        """Those of :attr:`scene`, one after the other."""
+        kinds, loads, conservative, damping, joints, *_ = self.scene
+        return [kinds, *loads, conservative, *damping, *joints]
+
+    def look(
+        self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array
+    ) -> None:
+        """See what acts at the present time of the equations.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            weights: Multipliers, shape (m,).
+            row: Power, loss and forces, see :mod:`fem_lie.system.outer_forces`, shape (14,),
+                overwritten.
+            wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
+                overwritten.
+        """
+        system, n = self._system, self._system.count
+        outer_forces.look(H, v, weights, self.scene, row, wrenches)
+        if self._pushed:
+            forces = system.terms.of_loads(H)
+            add_local(system.kinds, H, forces, LOADS, 1.0, row)
+            row[POWER] += np.sum(forces * v)
+        if self._viscous.viscous:
+            forces = np.zeros(6 * n)
+            self._viscous.add_viscous_forces(H, v, forces)
+            row[LOSS] += forces @ v.ravel()
+        if self._others:
+            wrenches[:], loss = system.connections.reactions(H, v, weights)
+            row[LOSS] += loss
+            fixed = np.zeros(len(wrenches), dtype=np.int64)  # frames, all of them
+            add_local(fixed, H[n:], wrenches, REACTIONS, 1.0, row)
+        if self._held:
+            add_local(system.kinds, H, self._reactions(H, v, a, weights), REACTIONS, 1.0, row)
+
+    def _reactions(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
+        """Forces and moments of clamps and guides, in the nodes' frames, shape (n, 6)."""
+        system, r = self._system, np.empty(self._system.size)
+        system.terms.settle(H)
+        system.with_reactions(Instant(H, v, a, weights), np.ones(system.m), r)
+        found = np.where(self._supported, r[: 6 * system.count].reshape(-1, 6), 0.0)
+        if system.supports:
+            system.supports.turn_back(H, found)
+        return found

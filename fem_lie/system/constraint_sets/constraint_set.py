@@ -1,0 +1,203 @@
+"""What a set of constraints does: all that equations know of joints.
+
+A set takes from the items of a scene (joints, springs, drives and so on) what is its own, numbers
+its constraints, and works on arrays of the whole system: rows of frames and twists, multipliers,
+legs of the border. A new sort of constraint is one file with such a class, and a line in
+:mod:`.kinds`.
+
+All constraints are equalities so far, ``Φ = 0`` or ``W V = 0``. Contact will need to say more: a
+*bound* of each constraint, beside ``angular`` and ``owner`` below, that is "equal", "not negative"
+or "in the cone of those after it"; iterations and the bordered matrix read it, the sets' other
+functions stay as they are.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.joints import Connection
+from fem_lie.linear.bordered import Border
+from fem_lie.system.constraint_sets.rows import Rows
+
+
+class Numbered(NamedTuple):
+    """An item of the scene.
+
+    Attributes:
+        item: Joint, spring and so on.
+        number: Among all.
+        coordinate: Number of its first coordinate among those that results report.
+    """
+
+    item: Connection
+    number: int
+    coordinate: int
+
+
+class Start(NamedTuple):
+    """Where a set begins.
+
+    Attributes:
+        row: Number of its first constraint.
+        leg: Number of its first leg in the border.
+    """
+
+    row: int = 0
+    leg: int = 0
+
+
+class ConstraintSet(ABC):
+    """Constraints of one sort. Arrays are those of the system, of which a set has some rows.
+
+    Attributes:
+        what: For messages of schemes that do not know the set.
+        of_velocities: Whether velocities are bound and not positions.
+        start: Where its constraints and legs begin among all.
+        border: Legs of its own constraints alone.
+        owner: Number of the item of each, shape (m,).
+        angular: Which are angles and not lengths, shape (m,).
+        pairs: Rows and columns of the node pairs that its geometric stiffness couples, of any
+            shape.
+        targets: What they are to be, shape (m,), to be written into.
+    """
+
+    what: str
+    of_velocities: bool = False
+    start: Start
+    border: Border
+    owner: Indices
+    angular: Flags
+    pairs: tuple[Indices, Indices]
+    targets: Array
+
+    @abstractmethod
+    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+        """Take from the items what is of this set."""
+
+    @property
+    def m(self) -> int:
+        """Number of its constraints."""
+        return len(self.owner)
+
+    @property
+    def own(self) -> slice:
+        """Its constraints among all."""
+        return slice(self.start.row, self.start.row + self.m)
+
+    @property
+    @abstractmethod
+    def empty(self) -> bool:
+        """Whether there is nothing in it, not even a spring."""
+
+    @property
+    def held(self) -> Indices:
+        """Rows that it holds on to, each at least once."""
+        return np.concatenate([self.pairs[0].ravel(), self.border.nodes])
+
+    # --- equations ---
+
+    @abstractmethod
+    def evaluate(
+        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+    ) -> None:
+        """Add forces ``Bᵀ weights`` and those of springs to ``r``; set rows ``scale · Φ`` there.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists, shape (≥ n, 6); rows beyond are at rest.
+            weights: Multipliers, shape (m of all,).
+            scale: Factor of each constraint, likewise.
+            count: Rows with forces; constraints begin at ``6 count`` in ``r``.
+            r: Shape (6 count + m of all,), updated.
+        """
+
+    @abstractmethod
+    def values(self, H: Array, v: Array, out: Array) -> None:
+        """What the constraints violate, ``Φ`` or ``W V``, into its rows of ``out``."""
+
+    @abstractmethod
+    def jacobian(self, H: Array, legs: Array) -> None:
+        """Add the derivative of the constraints in twists to their legs, (all legs, 6)."""
+
+    @abstractmethod
+    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+        """Add ``∂(Bᵀ weights)/∂h`` to blocks ``K``, ``place`` of each of ``pairs``, −1: nowhere."""
+
+    @abstractmethod
+    def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
+        """First and second rate at constant twists, into its rows; of velocities: value and rate.
+
+        Targets do not count.
+        """
+
+    def initial(self, H: Array) -> Array:
+        """Targets of what stays as it is at the start, shape (m,); zero is all others'."""
+        return np.zeros(self.m)
+
+    # --- springs and dampers along coordinates ---
+
+    @property
+    def springs(self) -> Array:
+        """Stiffness, damping and rest value of each, shape (k, 3)."""
+        return np.empty((0, 3))
+
+    @property
+    def sprung(self) -> Flags:
+        """Which of :attr:`pairs` they couple; of that shape."""
+        return np.ones(self.pairs[0].shape, dtype=bool)
+
+    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+        """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
+        return  # most sets have none
+
+    def spring_energy(self, H: Array) -> float:
+        """Of all springs."""
+        return 0.0
+
+    def damper_loss(self, H: Array, v: Array) -> float:
+        """Power that dampers take."""
+        return 0.0
+
+    # --- memory ---
+
+    def accept(self, H: Array) -> None:
+        """Remember what frames do not tell of an accepted state.
+
+        Raises:
+            ValueError: It is none.
+        """
+        return  # most sets remember nothing
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What :meth:`accept` remembers, to be written into."""
+        return ()
+
+    # --- results ---
+
+    @abstractmethod
+    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+        """Add force and moment on the side A of items, in its axes there, to rows of items."""
+
+    def coordinates(self, H: Array, out: Array) -> None:
+        """Set those of the coordinates of all items that are in this set, shape (c,)."""
+        return  # most items have none
+
+    @abstractmethod
+    def drawn(self) -> dict[int, tuple[int, Array]]:
+        """Row at which each item is drawn, by its number, and where in that row's frame."""
+
+    @property
+    @abstractmethod
+    def outward(self) -> bool:
+        """Whether there are dampers, or what does not move by itself."""
+
+
+def stacked(parts: Sequence[Array], *shape: int) -> Array:
+    """Along the first axis; of the given shape if there are none."""
+    return np.concatenate([np.empty(shape), *parts])

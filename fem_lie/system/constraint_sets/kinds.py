@@ -1,0 +1,47 @@
+"""Which sorts of constraints there are; a system has a set of each that is not empty.
+
+Multipliers are numbered in this order, those of velocities come last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start
+from fem_lie.system.constraint_sets.on_grips import OnGrips, on_grips
+from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
+from fem_lie.system.constraint_sets.rolls import Rolls
+from fem_lie.system.constraint_sets.rows import SystemRows
+from fem_lie.system.constraint_sets.slides import Slides
+
+KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)
+
+
+def sets_of(
+    items: Sequence[Numbered], rows: SystemRows
+) -> tuple[RelativeMotions, list[ConstraintSet]]:
+    """Sets, kind by kind: of what holds on to nodes alone, and of what holds on to grips.
+
+    Returns:
+        The set that compiled sums over all nodes know, be it empty, and all others that are not.
+    """
+    gripped = [item for item in items if on_grips(item)]
+    plain = [item for item in items if not on_grips(item)] if gripped else items
+    first = RelativeMotions(plain, rows, Start())
+    found: list[ConstraintSet] = [first]
+    for kind in KINDS:
+        if kind is not RelativeMotions:
+            _add(kind(plain, rows, _after(found)), found)
+        if gripped:
+            _add(OnGrips(kind, gripped, rows, _after(found)), found)
+    return first, found[1:]
+
+
+def _add(one: ConstraintSet, found: list[ConstraintSet]) -> None:
+    if not one.empty:
+        found.append(one)
+
+
+def _after(found: Sequence[ConstraintSet]) -> Start:
+    """Where the next set begins."""
+    return Start(sum(each.m for each in found), sum(len(each.border.nodes) for each in found))

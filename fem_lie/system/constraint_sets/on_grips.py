@@ -1,0 +1,292 @@
+"""Constraints of any sort on points that are no nodes: a set on rows of its own.
+
+These rows are the nodes that its items hold on to by themselves, then a row for each grip, and then
+what does not move by itself. Frames and twists of grips are those of :mod:`fem_lie.grips`; what the
+set does in a grip's six components is pulled back to the nodes of the grip by its Jacobian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Point
+from fem_lie.linear.bordered import Border
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start
+from fem_lie.system.constraint_sets.rows import Rows, SystemRows
+from fem_lie.system.nodes.held_grips import HeldGrips
+from fem_lie.system.nodes.sums import add_blocks
+
+
+def on_grips(item: Numbered) -> bool:
+    """Whether any point of an item is a grip."""
+    return any(point.joint_grip is not None for point in item.item.points)
+
+
+class GripRows:
+    """See :class:`~.rows.Rows`.
+
+    Attributes:
+        grips: The grips.
+        moving: Rows of the system that move and are held directly, shape (k,).
+        fixed: Those that do not move by themselves, shape (f,).
+    """
+
+    def __init__(self, items: Sequence[Numbered], rows: SystemRows) -> None:
+        """Collect what the items hold on to."""
+        points = [point for item in items for point in item.item.points]
+        self.grips = HeldGrips([p for p in points if p.joint_grip is not None], rows.numbering)
+        self._rows = rows
+        touched = {rows.of(point) for point in points if point.joint_grip is None}
+        for item in items:
+            if tie := item.item.sliding_tie():
+                touched.update(int(row) for row in rows.ends(tie.beam)[0].ravel())
+        order = np.array(sorted(touched), dtype=np.int64)
+        self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
+        self.count = len(self.moving) + self.grips.count
+        self.frames = self.seen(rows.frames, self.grips.locate(rows.frames)[0])
+        free = np.zeros(self.grips.count, dtype=bool)
+        self.still = np.concatenate([rows.still[self.moving], free, rows.still[self.fixed]])
+
+    def seen(self, H: Array, grips: Array) -> Array:
+        """Frames of all of these rows."""
+        return np.concatenate([H[self.moving], grips, H[self.fixed]])
+
+    def of(self, point: Point) -> int:
+        """See :class:`~.rows.Rows`."""
+        if point.joint_grip is not None:
+            return len(self.moving) + self.grips.number(point)
+        return int(self._here(np.array(self._rows.of(point))))
+
+    def ends(self, beam: Beam) -> tuple[Indices, Array]:
+        """See :class:`~.rows.Rows`."""
+        ends, offsets = self._rows.ends(beam)
+        return self._here(ends), offsets
+
+    def _here(self, rows: Indices) -> Indices:
+        found = np.searchsorted(self.moving, rows)
+        beyond = self.count + np.searchsorted(self.fixed, rows)
+        return np.where(rows < self._rows.count, found, beyond)
+
+
+class OnGrips(ConstraintSet):
+    """A set of another sort, on grips.
+
+    Attributes:
+        inner: That set, on :class:`GripRows`.
+    """
+
+    def __init__(
+        self, kind: type[ConstraintSet], items: Sequence[Numbered], rows: SystemRows, start: Start
+    ) -> None:
+        """Make the other set on rows of its own.
+
+        Args:
+            kind: Of the other set.
+            items: Those that hold on to grips.
+            rows: Of the system.
+            start: See the base class.
+        """
+        self.start, self._rows = start, GripRows(items, rows)
+        self._system_count, self._grips = rows.count, self._rows.grips
+        local: Rows = self._rows
+        self.inner = kind(items, local, Start())
+        self.owner, self.angular = self.inner.owner, self.inner.angular
+        self.targets = self.inner.targets
+        self.what = f"{kind.what} on points that are no nodes"
+        self.of_velocities = kind.of_velocities
+        k, g = len(self._rows.moving), self._grips.count
+        self._by_itself = np.tile(np.eye(6), (k, 1, 1))
+        # each row of the set is moved by entries: itself, or the nodes of its grip
+        self._of = np.concatenate([np.arange(k), k + self._grips.of])
+        self._nodes = np.concatenate([self._rows.moving, self._grips.nodes])
+        self._entries = [np.flatnonzero(self._of == row) for row in range(k + g)]
+        self._connect()
+        self._pair()
+
+    def _connect(self) -> None:
+        """The border of the system, and which legs of the set go to which of its legs."""
+        inner, nodes = self.inner.border, self._nodes
+        of_legs = [self._entries[row] for row in inner.nodes]
+        touched: list[set[int]] = [set() for _ in range(self.m)]
+        for row, entries in zip(inner.rows, of_legs, strict=True):
+            touched[row].update(int(node) for node in nodes[entries])
+        self.border = Border.of(touched, self._system_count)
+        self._leg = np.repeat(np.arange(len(inner.nodes)), [len(e) for e in of_legs])
+        self._leg_entry: Indices = np.concatenate([np.empty(0, dtype=np.int64), *of_legs])
+        rows, at = inner.rows[self._leg], nodes[self._leg_entry]
+        self._to_leg = self.start.leg + self.border.legs(rows, at[:, np.newaxis])[:, 0]
+
+    def _pair(self) -> None:
+        """Pairs of nodes: of entries for each pair of rows, and those within grips."""
+        rows, columns = self.inner.pairs
+        moves = (rows < self._rows.count) & (columns < self._rows.count)
+        self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
+        triples = [
+            (p, i, j)
+            for p, (a, b) in enumerate(zip(rows[moves], columns[moves], strict=True))
+            for i in self._entries[a]
+            for j in self._entries[b]
+        ]
+        self._block, self._left, self._right = np.array(triples, dtype=np.int64).reshape(-1, 3).T
+        self._blocks = int(moves.sum())
+        self.pairs = (
+            np.concatenate([self._nodes[self._left], self._grips.rows]),
+            np.concatenate([self._nodes[self._right], self._grips.columns]),
+        )
+
+    @property
+    def empty(self) -> bool:
+        """See the base class."""
+        return self.inner.empty
+
+    # --- between both sorts of rows ---
+
+    def _seen(self, H: Array) -> tuple[Array, Array]:
+        """Frames of its own rows, and how each entry moves its row, (e, 6, 6)."""
+        frames, J = self._grips.locate(H)
+        return self._rows.seen(H, frames), np.concatenate([self._by_itself, J])
+
+    def _twists(self, J: Array, v: Array) -> Array:
+        """Of its own rows."""
+        rows = self._rows
+        found = np.zeros((rows.count + len(rows.fixed), 6))
+        np.add.at(found, self._of, np.einsum("eij,ej->ei", J, v[self._nodes]))
+        given = rows.fixed < len(v)
+        found[rows.count :][given] = v[rows.fixed[given]]
+        return found
+
+    def _give(self, J: Array, forces: Array, count: int, r: Array) -> None:
+        """Forces on its own rows to those of the system, of which ``count`` have any."""
+        rows, target = self._rows, r[: 6 * count].reshape(-1, 6)
+        np.add.at(target, self._nodes, np.einsum("eij,ei->ej", J, forces[self._of]))
+        given = rows.fixed < count
+        target[rows.fixed[given]] += forces[rows.count :][given]
+
+    def _forces(self, H: Array, v: Array, weights: Array, scale: Array) -> tuple[Array, Array]:
+        """Of the inner set: forces on its rows, and its constraints."""
+        r = np.zeros(6 * len(H) + self.m)
+        self.inner.evaluate(H, v, weights, scale, len(H), r)
+        return r[: 6 * len(H)].reshape(-1, 6), r[6 * len(H) :]
+
+    def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
+        """Blocks of pairs of its rows, pulled back to pairs of nodes."""
+        pulled = J[self._left].transpose(0, 2, 1) @ blocks[self._block] @ J[self._right]
+        add_blocks(K, place[: len(pulled)], pulled)
+
+    # --- equations ---
+
+    def evaluate(
+        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+    ) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        given = weights[self.own], scale[self.own]
+        forces, values = self._forces(frames, self._twists(J, v), *given)
+        self._give(J, forces, count, r)
+        r[6 * count :][self.own] = values
+
+    def values(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        found = np.zeros(self.m)
+        self.inner.values(frames, self._twists(J, v), found)
+        out[self.own] = found
+
+    def jacobian(self, H: Array, legs: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        own = np.zeros((len(self.inner.border.nodes), 6))
+        self.inner.jacobian(frames, own)
+        moved = np.einsum("lij,li->lj", J[self._leg_entry], own[self._leg])
+        np.add.at(legs, self._to_leg, moved)
+
+    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+        """That of the set, and that of the grips under its forces."""
+        frames, J = self._seen(H)
+        blocks, own = np.zeros((self._blocks, 6, 6)), weights[self.own]
+        self.inner.geometric(frames, own, self._inner_place, blocks)
+        self._add_pulled(J, blocks, place, K)
+        forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
+        bent = self._grips.bend(H, forces[len(self._rows.moving) : self._rows.count])
+        add_blocks(K, place[len(self._left) :], bent)
+
+    def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
+        """Twists of grips change while those of nodes are constant."""
+        frames, J = self._seen(H)
+        found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
+        self.inner.rates(frames, self._twists(J, v), *found)
+        change = np.zeros((len(frames), 6))
+        change[len(self._rows.moving) : self._rows.count] = self._grips.changes(H, v)
+        self.inner.rates(frames, change, by_change, unused)
+        first[self.own], second[self.own] = found[0], found[1] + by_change
+
+    def initial(self, H: Array) -> Array:
+        """See the base class."""
+        return self.inner.initial(self._seen(H)[0])
+
+    # --- springs and dampers ---
+
+    @property
+    def springs(self) -> Array:
+        """See the base class."""
+        return self.inner.springs
+
+    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        blocks = np.zeros((self._blocks, 6, 6))
+        self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
+        self._add_pulled(J, blocks, place, K)
+
+    def spring_energy(self, H: Array) -> float:
+        """See the base class."""
+        return self.inner.spring_energy(self._seen(H)[0])
+
+    def damper_loss(self, H: Array, v: Array) -> float:
+        """See the base class."""
+        frames, J = self._seen(H)
+        return self.inner.damper_loss(frames, self._twists(J, v))
+
+    # --- memory ---
+
+    def accept(self, H: Array) -> None:
+        """See the base class."""
+        self.inner.accept(self._seen(H)[0])
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """See the base class."""
+        return self.inner.memory
+
+    # --- results ---
+
+    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        self.inner.wrenches(frames, self._twists(J, v), weights[self.own], out)
+
+    def coordinates(self, H: Array, out: Array) -> None:
+        """See the base class."""
+        self.inner.coordinates(self._seen(H)[0], out)
+
+    def drawn(self) -> dict[int, tuple[int, Array]]:
+        """On a grip: at its nearest node, where it was from it at the start."""
+        rows, found = self._rows, {}
+        for item, (row, place) in self.inner.drawn().items():
+            if row >= rows.count:
+                found[item] = (int(rows.fixed[row - rows.count]), place)
+            elif row < len(rows.moving):
+                found[item] = (int(rows.moving[row]), place)
+            else:
+                spot = rows.frames[row, 0] + place @ rows.frames[row, 1:]
+                found[item] = self._grips.nearest(row - len(rows.moving), spot)
+        return found
+
+    @property
+    def outward(self) -> bool:
+        """See the base class."""
+        return self.inner.outward

@@ -1,0 +1,244 @@
+"""Constraints, springs and dampers in the relative motion of two frames: most joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.joints import Joint, Tie
+from fem_lie.joints.equations import terms
+from fem_lie.joints.equations.functions import DISTANCE
+from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
+from fem_lie.linear.bordered import Border
+from fem_lie.system.constraint_sets.constraint_set import (
+    ConstraintSet,
+    Numbered,
+    Start,
+    stacked,
+)
+from fem_lie.system.constraint_sets.rows import Rows, in_rows
+
+
+class Pair(NamedTuple):
+    """A tie between two rows, perhaps with its sides exchanged, and the rows of its terms.
+
+    Attributes:
+        tie: What is tied.
+        nodes: Of its sides A and B.
+        rows: Constraint of each term, −1 for that of a spring.
+        exchanged: Whether the user's side A is B here.
+    """
+
+    tie: Tie
+    nodes: tuple[int, int]
+    rows: Sequence[int]
+    exchanged: bool
+
+
+class RelativeMotions(ConstraintSet):
+    """See :mod:`fem_lie.joints.equations.terms`; the first set of a system.
+
+    Attributes:
+        table: Of constraints and springs; ``packed``: the same for calls from Python.
+        probes: A table whose constraints are the coordinates that results report;
+            ``packed_probes``: the same.
+        tied: Items with pairs of frames, in increasing order.
+        reported: The pair of each of them whose force results report, and its side.
+    """
+
+    what = "joints"
+
+    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+        """Table the ties of all items."""
+        assert start.row == 0, "compiled sums over all nodes count its constraints from zero"
+        self.start, self._count = start, rows.count
+        sizes = np.array([item.size for item, _, _ in items], dtype=np.int64)
+        numbers = np.array([number for _, number, _ in items], dtype=np.int64)
+        first = np.cumsum(sizes) - sizes
+        groups = [
+            [_pair(rows, tie, int(row)) for tie in item.ties()]
+            for (item, _, _), row in zip(items, first, strict=True)
+        ]
+        pairs = [pair for group in groups for pair in group]
+        touched: list[set[int]] = [set() for _ in range(int(sizes.sum()))]
+        for pair in pairs:
+            for row in pair.rows:
+                if row >= 0:
+                    touched[row].update(pair.nodes)
+        self.owner = np.repeat(numbers, sizes)
+        self.border = Border.of(touched, rows.count)
+        springs = [item.spring for item, _, _ in items if item.spring is not None]
+        self.packed = _packed(rows, pairs, self.m, springs, self.border, start.leg)
+        self.table = views(self.packed)
+        self.targets = self.table.targets
+        self.angular = self._angles()
+        a, b = self.table.nodes.T
+        sides = np.stack([a, b], axis=1)
+        self.pairs = (
+            np.repeat(sides[:, :, np.newaxis], 2, axis=2),
+            np.repeat(sides[:, np.newaxis], 2, axis=1),
+        )
+        self._keeps = np.array([not isinstance(item, Joint) for item, _, _ in items], dtype=bool)
+        self._keeps = np.repeat(self._keeps, sizes)
+        counts = np.array([len(group) for group in groups], dtype=np.int64)
+        has = np.flatnonzero(counts)
+        self.tied = numbers[has]
+        exchanged = [groups[k][0].exchanged for k in has]
+        self.reported = (np.cumsum(counts) - counts)[has], np.array(exchanged, dtype=np.int64)
+        self._probe(items, rows)
+
+    def _probe(self, items: Sequence[Numbered], rows: Rows) -> None:
+        ties = [(c.tie, at + k) for item, _, at in items for k, c in enumerate(item.coordinates())]
+        probes = [_pair(rows, tie, row) for row, (tie, _) in enumerate(ties)]
+        self.packed_probes: PackedJoints = _packed(rows, probes, len(probes), [], None, 0)
+        self.probes = views(self.packed_probes)
+        self._place: Indices = np.array([at for _, at in ties], dtype=np.int64)
+        self._turns = bool(self.table.functions.any() or self.probes.functions.any())
+
+    def _angles(self) -> Flags:
+        table, angular = self.table, np.ones(self.m, dtype=bool)
+        lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
+        # of a gear the first term says so: a ratio converts the second
+        rows, first = np.unique(table.rows, return_index=True)
+        angular[rows[lengths[first] & (rows < self.m)]] = False
+        return angular
+
+    @property
+    def empty(self) -> bool:
+        """See the base class."""
+        return len(self.table.nodes) == 0 and len(self.probes.nodes) == 0
+
+    def evaluate(
+        self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
+    ) -> None:
+        """See the base class."""
+        terms.evaluate(H, v, self.table, weights, scale, count, r)
+
+    def values(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        terms.violations(H, self.table, out)
+
+    def jacobian(self, H: Array, legs: Array) -> None:
+        """See the base class."""
+        terms.jacobian(H, self.table, legs)
+
+    def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        terms.geometric(H, self.table, weights, place, K)
+
+    def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
+        """See the base class."""
+        terms.rates(H, v, self.table, first, second)
+
+    def initial(self, H: Array) -> Array:
+        """See the base class."""
+        values = np.zeros(self.m)
+        terms.violations(H, self.table, values)
+        return np.where(self._keeps, values, 0.0)
+
+    @property
+    def springs(self) -> Array:
+        """See the base class."""
+        return self.table.springs
+
+    @property
+    def sprung(self) -> Flags:
+        """See the base class."""
+        term = np.flatnonzero(self.table.rows >= self.m)
+        found = np.zeros(self.pairs[0].shape, dtype=bool)
+        found[np.searchsorted(self.table.first, term, side="right") - 1] = True
+        return found
+
+    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+        """See the base class."""
+        if len(self.table.springs):
+            terms.add_springs(H, self.table, place, stiff, damp, K)
+
+    def spring_energy(self, H: Array) -> float:
+        """See the base class."""
+        return terms.spring_energy(H, self.table) if len(self.table.springs) else 0.0
+
+    def damper_loss(self, H: Array, v: Array) -> float:
+        """See the base class."""
+        return terms.damper_loss(H, v, self.table) if len(self.table.springs) else 0.0
+
+    def accept(self, H: Array) -> None:
+        """See the base class."""
+        if self._turns:
+            terms.unwrap_both(H, self.packed, self.packed_probes)
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """See the base class."""
+        return self.table.turned, self.probes.turned
+
+    def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
+        """See the base class."""
+        found: Array = np.empty((len(self.tied), 6))
+        terms.wrenches(H, v, self.table, weights, *self.reported, found)
+        out[self.tied] += found
+
+    def coordinates(self, H: Array, out: Array) -> None:
+        """See the base class."""
+        found: Array = np.empty(len(self.probes.targets))
+        terms.violations(H, self.probes, found)
+        out[self._place] = found
+
+    def drawn(self) -> dict[int, tuple[int, Array]]:
+        """On its side A, or on B if A is ground."""
+        table, pairs = self.table, self.reported[0]
+        side = (table.nodes[pairs, 0] >= self._count).astype(np.int64)
+        found = zip(self.tied, table.nodes[pairs, side], table.frames[pairs, side, 0], strict=True)
+        return {int(item): (int(node), place) for item, node, place in found}
+
+    @property
+    def outward(self) -> bool:
+        """See the base class."""
+        table = self.table
+        return bool((table.nodes >= self._count).any() or table.springs[:, 1].any())
+
+
+def _pair(rows: Rows, tie: Tie, first: int) -> Pair:
+    """With a side that moves as A: what touches ``Δ`` alone has a constant Jacobian there."""
+    nodes = rows.of(tie.a), rows.of(tie.b)
+    numbers = [first + row if row >= 0 else -1 for row in tie.rows]
+    if tie.reversible and rows.still[nodes[0]] and not rows.still[nodes[1]]:
+        return Pair(tie.exchanged(), nodes[::-1], numbers, True)
+    return Pair(tie, nodes, numbers, False)
+
+
+def _packed(
+    rows: Rows,
+    pairs: Sequence[Pair],
+    m: int,
+    springs: Sequence[tuple[float, float, float]],
+    border: Border | None,
+    leg: int,
+) -> PackedJoints:
+    """The table of ``m`` constraints; without a border there are no legs."""
+    number = iter(range(m, m + len(springs)))
+    terms_of = [row if row >= 0 else next(number) for pair in pairs for row in pair.rows]
+    of_terms = np.array(terms_of, dtype=np.int64)
+    both = [pair.nodes for pair in pairs for _ in pair.rows]
+    nodes = np.array(both, dtype=np.int64).reshape(-1, 2)
+    legs = np.full_like(nodes, -1) if border is None else border.legs(of_terms, nodes)
+    of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
+    frames = np.array([pair.tie.frames for pair in pairs]).reshape(-1, 2, 4, 3)
+    table = JointTable(
+        nodes=of_pairs,
+        frames=in_rows(rows, of_pairs, frames),
+        first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
+        selection=stacked([pair.tie.selection for pair in pairs], 0, 12),
+        functions=stacked([pair.tie.functions for pair in pairs], 0, 3),
+        rows=of_terms,
+        legs=np.where(legs >= 0, legs + leg, -1),
+        angle=np.array([pair.tie.angle for pair in pairs]).reshape(-1, 2, 12),
+        curved=np.array([pair.tie.functions.any() for pair in pairs], dtype=np.int64),
+        turned=np.zeros(len(pairs)),
+        targets=np.zeros(m),
+        springs=np.array(springs, dtype=np.float64).reshape(-1, 3),
+    )
+    return pack(table)

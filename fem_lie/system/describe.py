@@ -1,0 +1,71 @@
+"""What a scene consists of, and what was chosen for it: for logs and results."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Indices
+from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
+from fem_lie.lie.kinds import SLOPE, on_r3
+from fem_lie.scene.choices import Choices
+from fem_lie.system.nodes.numbering import Numbering
+from fem_lie.system.terms.all_terms import Terms
+
+
+def in_one_line(
+    numbering: Numbering,
+    terms: Terms,
+    kinds: Indices,
+    m: int,
+    choices: Choices,
+    *,
+    time_dependent: bool,
+) -> str:
+    """For the log.
+
+    Args:
+        numbering: Of the nodes.
+        terms: All of them.
+        kinds: Of the nodes that lead.
+        m: Number of constraints.
+        choices: Of what the matrix takes in.
+        time_dependent: Whether loads or motions are.
+    """
+    total, n = numbering.total, numbering.count
+    flat, slopes = int(on_r3(kinds).sum()), int((kinds == SLOPE).sum())
+    shells = [(body, six) for body, six in numbering.drills.items() if body.uncoupled]
+    parts = [
+        f"{total} nodes, {total - n} of them follow others, {m} constraints",
+        f"{n - flat - slopes} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "
+        f"{slopes} with slopes",
+        f"shells with five parameters: {[b.label for b, six in shells if not six]}, with six: "
+        f"{[b.label for b, six in shells if six]}",
+        f"gyroscopic terms in the matrix: {_yes(choices.gyroscopic)}",
+        f"geometric stiffness: {_yes(choices.geometric)}",
+        "terms: " + (", ".join(dict.fromkeys(term.label for term in terms)) or "none"),
+        "viscous: " + (", ".join(terms.viscous_labels) or "none"),
+        f"loads or motions in time: {_yes(time_dependent)}",
+    ]
+    return "; ".join(parts)
+
+
+def catalogue(
+    numbering: Numbering, joints: tuple[JointInfo, ...], supported: Indices, mass: float
+) -> SceneInfo:
+    """Bodies and joints in the numbering of all nodes, for results.
+
+    Args:
+        numbering: Of the nodes.
+        joints: In the numbering of all nodes.
+        supported: Leaders that clamps and bodies hold.
+        mass: Of all bodies.
+    """
+    attachment = numbering.attachment
+    nodes: Indices = np.flatnonzero(np.isin(attachment.leader, supported))
+    rows = np.searchsorted(supported, attachment.leader[nodes])
+    supports = SupportInfo(attachment.leaders[supported], nodes, rows)
+    return SceneInfo(numbering.bodies(), joints, mass, supports)
+
+
+def _yes(chosen: bool | None) -> str:
+    return "yes" if chosen else "no"

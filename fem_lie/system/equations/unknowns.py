@@ -1,0 +1,183 @@
+"""What stays the same of equations: numbers, sizes, what is held, and arrays for compiled code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.bodies.body import Body
+from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.term import Term
+from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.scene.choices import Redundant
+from fem_lie.system.balance.acting import supported
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
+from fem_lie.system.system import System
+
+
+class Unknowns(NamedTuple):
+    """Which unknowns there are: those of ``moving`` nodes, then ``m`` multipliers.
+
+    Attributes:
+        moving: Nodes ``n`` that move, six unknowns each.
+        m: Constraints.
+        size: All unknowns, ``6 n + m``.
+        length: Of the model, that of tolerances.
+        kinds: What each node is, (n,), see :mod:`fem_lie.lie.kinds`.
+        held: Which unknowns of the nodes are zero, (n, 6).
+        supported: Nodes that something holds, (s,), of which reactions are told.
+        guided: Whether some nodes have unknowns along axes fixed in space.
+        uncoupled: Which nodes move by ``x + R u`` in statics, (n,).
+        angular: Which constraints are angles, (m,).
+        joined: Which of them are one vector with the one before, (m,).
+        of_velocities: How many constraints, the last, bind velocities.
+        connections: Number of joints and what else results tell the forces of.
+        leaders: The moving nodes among all, (n,).
+        total: All nodes, those that follow others included.
+        bodies: Which of all nodes are whose.
+        rigid: Whether there are no elements.
+        time_dependent: Whether loads, drives or prescribed motions change in time.
+        driven: Whether targets of constraints do.
+        strains_change: Whether strains without stress do.
+        may_be_redundant: Whether constraints may follow from others.
+        other_constraints: What constraints are called that no pair of frames has.
+        drilling: Shells whose nodes turn about their third directors.
+    """
+
+    moving: int
+    m: int
+    size: int
+    length: float
+    kinds: Indices
+    held: Flags
+    supported: Indices
+    guided: bool
+    uncoupled: Flags
+    angular: Flags
+    joined: Flags
+    of_velocities: int
+    connections: int
+    leaders: Indices
+    total: int
+    bodies: Mapping[Body, Indices]
+    rigid: bool
+    time_dependent: bool
+    driven: bool
+    strains_change: bool
+    may_be_redundant: bool
+    other_constraints: Sequence[str]
+    drilling: Sequence[str]
+
+    @classmethod
+    def of(cls, system: System) -> Unknowns:
+        """Those of a system."""
+        numbering, connections = system.numbering, system.connections
+        return cls(
+            moving=system.count,
+            m=system.m,
+            size=system.size,
+            length=system.length,
+            kinds=system.kinds,
+            held=system.held,
+            supported=system.supported,
+            guided=bool(system.supports),
+            uncoupled=system.uncoupled,
+            angular=connections.angular,
+            joined=connections.joined,
+            of_velocities=connections.of_velocities,
+            connections=len(connections.items),
+            leaders=numbering.attachment.leaders,
+            total=numbering.total,
+            bodies=numbering.nodes,
+            rigid=not numbering.assemblies,
+            time_dependent=system.time_dependent,
+            driven=connections.driven,
+            strains_change=system.strains_change,
+            may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
+            other_constraints=connections.others,
+            drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
+        )
+
+
+class Start(NamedTuple):
+    """Initial values of all rows: moving nodes, ground, prescribed motions.
+
+    Attributes:
+        frames: Shape (n + 1 + p, 4, 3).
+        velocities: Local twists, same rows, (…, 6).
+    """
+
+    frames: Array
+    velocities: Array
+
+
+class Tables(NamedTuple):
+    """Arrays that stay where they are, for compiled code that goes round the verbs.
+
+    Attributes:
+        kinds: What each moving node is, (n,).
+        leader: Of each node, (N,).
+        offset: Its frame in that of its leader, (N, 4, 3).
+        inertia: Mass matrix on (x, d₁, d₂, d₃).
+        damping: Damping that goes with mass, likewise; empty without.
+        loads: At the time that was set last.
+        conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
+        joints: Table of constraints of joints, and springs.
+        probes: That of the coordinates that results tell.
+        pairs: Those of which forces are told, (f,).
+        sides: Of these pairs, (f,).
+        owner: Connection of each constraint, (m,).
+        limits: Turns that elements may make, (w,).
+        ends: Nodes of these elements from end to end, (w, 3).
+        whole: Whether whole frames turn, (w,).
+        supported: Which unknowns of the nodes are held from outside, (n, 6).
+        assemblies: Those of elements, with their part of all nodes.
+        terms: All that adds forces.
+        complete: Whether forces of joints follow from these tables and the multipliers alone.
+    """
+
+    kinds: Indices
+    leader: Indices
+    offset: Array
+    inertia: Inertia
+    damping: Inertia
+    loads: Loads
+    conservative: Array
+    joints: PackedJoints
+    probes: PackedJoints
+    pairs: Indices
+    sides: Indices
+    owner: Indices
+    limits: Array
+    ends: Indices
+    whole: Indices
+    supported: Flags
+    assemblies: Sequence[tuple[slice, Assembly]]
+    terms: Sequence[Term]
+    complete: bool
+
+    @classmethod
+    def of(cls, system: System) -> Tables:
+        """Those of a system."""
+        attachment, connections = system.numbering.attachment, system.connections
+        rates = system.terms.rates
+        all_felt = system.scene.redundant is not Redundant.MINIMUM_NORM or not system.m
+        return cls(
+            system.kinds,
+            attachment.leader,
+            attachment.offset,
+            system.inertia,
+            Inertia.none() if rates is None else Inertia(*rates),
+            system.lasting_loads,
+            system.conservative,
+            connections.packed,
+            connections.packed_probes,
+            *connections.reported,
+            *system.turns.elements,
+            supported(system),
+            system.numbering.assemblies,
+            list(system.terms),
+            complete=connections.of_joints_only and all_felt,
+        )

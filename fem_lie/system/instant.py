@@ -1,0 +1,80 @@
+"""What the equations are given and what they find: instants, plans of matrices, forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.fixed_arrays import FixedArrays
+
+
+class Instant(NamedTuple):
+    """A scene at one time.
+
+    Attributes:
+        H: Frames of all rows.
+        v: Local velocities of the moving nodes, shape (≥ n, 6).
+        a: Their rates, shape (≥ n, 6).
+        weights: Multipliers (forces and moments), shape (m,).
+    """
+
+    H: Array
+    v: Array
+    a: Array
+    weights: Array
+
+
+class Plan(NamedTuple):
+    """What a matrix is to be the derivative in, and where its constraints are taken.
+
+    Attributes:
+        d: Increments that led to the frames, shape (n, 6).
+        scale: Factor of each constraint, shape (m,).
+        mass: ∂a/∂d.
+        damping: ∂v/∂d.
+        joint_frames: Where the constraints' Jacobian is taken; default: at the state.
+        forces_at: Where it is for their forces; default: the same.
+        inertial: Whether components are along fixed axes, not along those of the nodes.
+    """
+
+    d: Array
+    scale: Array
+    mass: float = 0.0
+    damping: float = 0.0
+    joint_frames: Array | None = None
+    forces_at: Array | None = None
+    inertial: bool = False
+
+
+class Forces:
+    """What a residual has found of the forces, as its derivative needs it.
+
+    Attributes:
+        on_rows: On (x, d₁, d₂, d₃): ``G q̈`` and mass damping minus dead loads, shape (n, 4, 3).
+        outer: On the nodes in their axes: inertia, loads, joints and springs, shape (n, 6).
+        inner: The same of all other terms, shape (n, 6).
+        own: Of each term whose derivative takes its forces.
+        work: Two arrays of the shape of ``on_rows``, of which that is the second.
+        table: For compiled functions, where all forces are one sum.
+    """
+
+    def __init__(self, count: int, own: Sequence[Array], constant: Sequence[Any] | None) -> None:
+        """Nothing is found yet.
+
+        Args:
+            count: Moving nodes ``n``.
+            own: Room for the forces of terms.
+            constant: Arrays that stay where they are, with ``None`` in the place of ``work``, for
+                forces that are one sum.
+        """
+        self.work = np.zeros((2, count, 4, 3))
+        self.on_rows = self.work[1]
+        self.outer, self.inner = np.zeros((2, count, 6))
+        self.own = own
+        self.table: Indices | None = None
+        if constant is not None:
+            self._fixed = FixedArrays(self.work if a is None else a for a in constant)
+            self.table = self._fixed.table

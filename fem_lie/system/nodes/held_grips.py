@@ -1,0 +1,137 @@
+"""Grips of a scene on the nodes that lead: frames, Jacobians, and what forces on them do there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.body import Body, Point
+from fem_lie.grips.grip import Grip, GripKind, bend, changes, locate
+from fem_lie.system.nodes.numbering import Numbering
+
+
+class _Alike(NamedTuple):
+    """Grips of one kind and number of nodes.
+
+    Attributes:
+        kind: Theirs.
+        leaders: Of their nodes, shape (g, k).
+        offsets: Frames of the nodes in those of the leaders, (g, k, 4, 3).
+        turns: What makes motions of nodes of those of leaders, (g, k, 6, 6).
+        data: Of each, (g, d).
+        lead: Whether all of their nodes lead themselves, so that nothing has to be turned.
+    """
+
+    kind: GripKind
+    leaders: Indices
+    offsets: Array
+    turns: Array
+    data: Array
+    lead: bool
+
+    def nodes(self, H: Array) -> Array:
+        """Rows of their nodes, shape (g, k, 4, 3)."""
+        rows = H[self.leaders]
+        return rows if self.lead else lie.se3_compose(rows, self.offsets)
+
+
+class HeldGrips:
+    """Grips by number, kind by kind; each has an *entry* for each of its nodes.
+
+    Attributes:
+        count: Number of grips.
+        of: Grip of each entry, shape (e,).
+        nodes: Leader of each entry, shape (e,).
+        rows: Leaders of pairs of entries of one grip, shape (p,); ``columns`` likewise.
+    """
+
+    def __init__(self, points: Sequence[Point], numbering: Numbering) -> None:
+        """Collect the grips of points; the same grip of several points is one.
+
+        Args:
+            points: All with a grip.
+            numbering: Of the nodes.
+        """
+        self._frames = numbering.frames
+        sorts: dict[tuple[GripKind, int, int], dict[tuple[Body, Grip], None]] = {}
+        for point in points:
+            body, grip = _known(point)
+            sort = grip.kind, len(grip.nodes), len(grip.data)
+            sorts.setdefault(sort, {})[body, grip] = None
+        order = [key for keys in sorts.values() for key in keys]
+        self._numbers = {key: number for number, key in enumerate(order)}
+        self.count = len(order)
+        self._sorts = [_alike(kind, list(keys), numbering) for (kind, _, _), keys in sorts.items()]
+        self.of: Indices = np.repeat(np.arange(self.count), [len(g.nodes) for _, g in order])
+        leaders = [sort.leaders for sort in self._sorts]
+        none = np.empty(0, dtype=np.int64)
+        self.nodes: Indices = np.concatenate([none, *(each.ravel() for each in leaders)])
+        square = [np.repeat(each[:, :, np.newaxis], each.shape[1], axis=2) for each in leaders]
+        self.rows: Indices = np.concatenate([none, *(each.ravel() for each in square)])
+        turned = [each.transpose(0, 2, 1).ravel() for each in square]
+        self.columns: Indices = np.concatenate([none, *turned])
+
+    def number(self, point: Point) -> int:
+        """Of the grip of a point."""
+        return self._numbers[_known(point)]
+
+    def locate(self, H: Array) -> tuple[Array, Array]:
+        """Frames (g, 4, 3), and the twist of its grip by the motion of each entry, (e, 6, 6)."""
+        frames: list[Array] = [np.empty((0, 4, 3))]
+        moves: list[Array] = [np.empty((0, 6, 6))]
+        for sort in self._sorts:
+            found, J = locate(sort.kind, sort.nodes(H), sort.data)
+            frames.append(found)
+            moves.append((J if sort.lead else J @ sort.turns).reshape(-1, 6, 6))
+        return np.concatenate(frames), np.concatenate(moves)
+
+    def bend(self, H: Array, forces: Array) -> Array:
+        """Derivative of what ``forces`` (g, 6) are on the leaders, for each of ``rows``, (p, 6, 6).
+
+        The forces are constant in the frames of the grips.
+        """
+        blocks: list[Array] = [np.empty((0, 6, 6))]
+        first = 0
+        for sort in self._sorts:
+            own = forces[first : first + len(sort.data)]
+            first += len(own)
+            K = bend(sort.kind, sort.nodes(H), sort.data, np.ascontiguousarray(own))
+            K = K.transpose(0, 1, 3, 2, 4)
+            left = sort.turns.transpose(0, 1, 3, 2)[:, :, np.newaxis]
+            blocks.append((left @ K @ sort.turns[:, np.newaxis]).reshape(-1, 6, 6))
+        return np.concatenate(blocks)
+
+    def changes(self, H: Array, v: Array) -> Array:
+        """How twists of grips change at constant twists ``v`` of the nodes, shape (g, 6)."""
+        found: list[Array] = [np.empty((0, 6))]
+        for sort in self._sorts:
+            h = np.einsum("gkij,gkj->gki", sort.turns, v[sort.leaders])
+            found.append(changes(sort.kind, sort.nodes(H), sort.data, h))
+        return np.concatenate(found)
+
+    def nearest(self, grip: int, place: Array) -> tuple[int, Array]:
+        """Leader of a grip that is nearest to a place at the start, and the place in its frame."""
+        leaders = self.nodes[self.of == grip]
+        away = place - self._frames[leaders, 0]
+        k = int(np.linalg.norm(away, axis=1).argmin())
+        return int(leaders[k]), np.asarray(self._frames[leaders[k], 1:] @ away[k])
+
+
+def _known(point: Point) -> tuple[Body, Grip]:
+    grip = point.joint_grip
+    assert point.body is not None and grip is not None
+    return point.body, grip
+
+
+def _alike(kind: GripKind, keys: Sequence[tuple[Body, Grip]], numbering: Numbering) -> _Alike:
+    attachment = numbering.attachment
+    nodes = np.array([numbering.nodes[body][list(grip.nodes)] for body, grip in keys])
+    data = np.array([grip.data for _, grip in keys], dtype=np.float64)
+    offsets = attachment.offset[nodes]
+    turns = lie.se3_adjoint(lie.se3_inverse(offsets))
+    lead = bool(np.isin(nodes, attachment.leaders).all())
+    return _Alike(kind, attachment.leader[nodes], offsets, turns, data, lead)

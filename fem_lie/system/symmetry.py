@@ -1,0 +1,54 @@
+"""Whether loads have a potential, and whether the static matrix is symmetric."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.forms.term import Term
+from fem_lie.lie.motions import retract
+from fem_lie.system.system import System
+
+_SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an open edge
+
+
+def has_potential(system: System) -> bool:
+    """Whether all loads have one: no moment about a fixed axis, nothing that follows a node.
+
+    The parts of the system's matrix are overwritten.
+    """
+    return not system.load_cases.turning and _conserve(system)
+
+
+def symmetric(system: System) -> bool:
+    """Whether the static equations have a symmetric matrix in every state.
+
+    The parts of the system's matrix are overwritten.
+    """
+    table = system.table
+    bound = bool(table.selection[:, 3:].any() or table.functions.any())
+    return not bound and bool(system.uncoupled.all()) and has_potential(system)
+
+
+def _conserve(system: System) -> bool:
+    """Whether all loads among the terms have a symmetric stiffness in every state.
+
+    Its entries are polynomials of the state: what is symmetric in a state without any order is so
+    in all.
+    """
+    H, count, rng = system.frames.copy(), system.count, np.random.default_rng(0)
+    h = np.where(system.held, 0.0, 0.1 * rng.normal(size=(count, 6)))
+    h[:, :3] *= system.length
+    system.supports.turn_back(H, h)
+    retract(H[:count], h)
+    return all(_symmetric(load, system, H) for load in system.terms.loads)
+
+
+def _symmetric(load: Term, system: System, H: Array) -> bool:
+    """At frames ``H``, for nodes that move by ``x + R u``: forces turn with none of their turns."""
+    amplitude, load.amplitude = load.amplitude, 1.0
+    A = system.tangent.alone(H, load)
+    load.amplitude = amplitude
+    moves, free = np.arange(system.held.size) % 6 < 3, np.flatnonzero(~system.held.ravel())
+    A = A.multiply(moves).tocsr()[free][:, free]
+    return bool(abs(A - A.T).max() <= _SYMMETRIC * abs(A).max())

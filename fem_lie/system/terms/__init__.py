@@ -1,0 +1,1 @@
+"""Terms of a scene on the nodes that lead, and their sum."""

@@ -1,0 +1,156 @@
+"""The sum of terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.cell_forms import add_cells, joined
+from fem_lie.forms.term import Pairs, Term
+
+
+class Terms:
+    """Terms on the nodes that lead; those that are sums over cells are one sum.
+
+    Attributes:
+        tables: Of forces and of energy of these, for
+            :func:`~fem_lie.forms.cell_forms.add_cells`.
+        viscous: Whether any has forces that depend on twists and that no other sum has.
+        viscous_labels: What those are called that have such forces.
+        loads: Those that act from outside.
+        all_in_tables: Whether the forces of all are in the tables or in the sum over joints.
+    """
+
+    def __init__(self, terms: Sequence[Term], count: int, *, moving: bool) -> None:
+        """Find out which can be summed how.
+
+        Args:
+            terms: In the order in which they are summed up.
+            count: Nodes that may move.
+            moving: Whether they do, so that there are twists.
+        """
+        self._terms, self._size, self._moving = tuple(terms), 6 * count, moving
+        tables = [term.tables for term in self._terms]
+        parts = [both for both in tables if both is not None]
+        self.tables: list[tuple[Indices, Indices]] = [
+            joined([both[k] for both in parts], [0] * len(parts)) for k in range(2)
+        ]
+        self._by_themselves = [
+            (k, term)
+            for k, term in enumerate(self._terms)
+            if tables[k] is None and not term.within_joints
+        ]
+        self._with_energy = [t for t, both in zip(self._terms, tables, strict=True) if both is None]
+        viscous = [t for t in self._terms if moving and t.viscous]
+        self._viscous = [t for t in viscous if not t.within_joints]
+        self.viscous_labels = tuple(dict.fromkeys(t.label for t in viscous))
+        self._energy = np.zeros(1)
+        self._carrying = [t for t in self._terms if t.carries]
+        self._settling = [t for t in self._terms if t.settles]
+        self.all_in_tables = not self._by_themselves
+        self.viscous = bool(self._viscous)
+        self.loads = tuple(t for t in self._terms if t.load)
+
+    def __iter__(self) -> Iterator[Term]:
+        """One after the other."""
+        return iter(self._terms)
+
+    def chosen(self, wanted: Callable[[Term], bool]) -> Terms:
+        """Some of them."""
+        some = [term for term in self._terms if wanted(term)]
+        return Terms(some, self._size // 6, moving=self._moving)
+
+    @property
+    def versions(self) -> tuple[int, ...]:
+        """Of the patterns of all."""
+        return tuple(term.version for term in self._terms)
+
+    @property
+    def pairs(self) -> list[Pairs]:
+        """Of all."""
+        return [term.pairs for term in self._terms]
+
+    @property
+    def rates(self) -> tuple[Indices, Indices, Array] | None:
+        """Of the one that has them, see :attr:`~fem_lie.forms.term.Term.rates`."""
+        found = [term.rates for term in self._terms if term.rates is not None]
+        assert len(found) <= 1
+        return found[0] if found else None
+
+    # --- forces ---
+
+    def room(self) -> list[Array]:
+        """For those of the forces that tangents take."""
+        return [term.room() for term in self._terms]
+
+    def add_forces(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
+        """Add all that depend on frames, but for those in the sum over joints, to ``r``.
+
+        Args:
+            H: Frames of all rows.
+            r: Shape (≥ 6 count,).
+            kept: See :meth:`room`, overwritten; default: nothing is kept.
+        """
+        add_cells(H, self.tables[0], 6, r)
+        self.add_others(H, r, kept)
+
+    def add_others(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
+        """:meth:`add_forces` without those of :attr:`tables`."""
+        nodal = r[: self._size].reshape(-1, 6)
+        for k, term in self._by_themselves:
+            term.add_forces(H, nodal, None if kept is None else kept[k])
+
+    def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
+        """Add those that depend on twists, with the same exception."""
+        nodal = r[: self._size].reshape(-1, 6)
+        for term in self._viscous:
+            term.add_viscous_forces(H, v, nodal)
+
+    def of_loads(self, H: Array) -> Array:
+        """Forces of all loads, as they act on the nodes, shape (count, 6)."""
+        found = np.zeros((self._size // 6, 6))
+        for term in self.loads:
+            term.add_forces(H, found)
+        return -found
+
+    def energy(self, H: Array) -> float:
+        """Stored energy."""
+        self._energy[0] = 0.0
+        add_cells(H, self.tables[1], 0, self._energy)
+        total = float(self._energy[0])
+        for term in self._with_energy:
+            total += term.energy(H)
+        return total
+
+    # --- what is carried ---
+
+    def carry(self, H: Array, h: Array) -> None:
+        """Carry all stresses on along the increment ``h`` (6 count,) made from frames ``H``."""
+        for term in self._carrying:
+            term.carry(H, h.reshape(-1, 6))
+
+    def carried(self) -> list[Array]:
+        """Copies of what each carries from iterate to iterate."""
+        return [term.carried.copy() for term in self._carrying]
+
+    def restore(self, carried: Sequence[Array]) -> None:
+        """Carry again what was carried when it was copied."""
+        for term, values in zip(self._carrying, carried, strict=True):
+            term.restore(values)
+
+    def clear_stress(self) -> None:
+        """Make all carried stresses zero: a tangent without geometric stiffness."""
+        for term in self._carrying:
+            term.clear_stress()
+
+    def settle(self, H: Array) -> None:
+        """Make what forces at frames ``H`` need of unknowns of the terms' own that of ``H``."""
+        for term in self._settling:
+            term.settle(H)
+
+    def reset_stress(self, H: Array) -> None:
+        """Make all carried stresses the true ones at frames ``H``."""
+        for term in self._carrying:
+            term.reset_stress(H)

@@ -1,0 +1,169 @@
+"""A term on nodes of bodies, seen from the nodes that these follow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.term import Pairs, PushedPieces, Term
+from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
+
+
+class Followed(Term):
+    """What a term on all nodes, or some, does on their leaders.
+
+    Attributes:
+        term: On nodes of bodies.
+    """
+
+    def __init__(self, term: Term, where: slice, attachment: Attachment) -> None:
+        """Find the leaders.
+
+        Args:
+            term: On nodes of bodies.
+            where: Which of all nodes its nodes are.
+            attachment: Which node follows which.
+        """
+        self.term, self.label = term, term.label
+        self.load, self.viscous, self.in_space = term.load, term.viscous, term.in_space
+        self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
+        self.conserved, self.turning = term.conserved, term.turning
+        self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
+        # Ad(C⁻¹): twist of a node from that of its leader
+        self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
+        numbers = np.arange(len(attachment.leader))[where]
+        self._direct = bool(np.isin(numbers, attachment.leaders).all())
+        first = int(self._leader[0]) if len(self._leader) else 0
+        self._where = slice(first, first + len(self._leader))
+
+    # --- nodes ---
+
+    def _frames(self, H: Array) -> Array:
+        if self._direct:
+            return H[self._where]
+        out = np.empty((len(self._leader), 4, 3))
+        expand(H, self._leader, self._offset, out)
+        return out
+
+    def _twists(self, v: Array) -> Array:
+        if self._direct:
+            return v[self._where]
+        out = np.empty((len(self._leader), 6))
+        expand_twists(v, self._leader, self._offset, out)
+        return out
+
+    def _moved(self, blocks: Array) -> Array:
+        if self._direct:
+            return blocks
+        r, c = self.term.pairs
+        return np.asarray(self._turn[r].transpose(0, 2, 1) @ blocks @ self._turn[c])
+
+    @property
+    def version(self) -> int:  # type: ignore[override]
+        """That of the term."""
+        return self.term.version
+
+    @property
+    def amplitude(self) -> float:
+        """That of the term."""
+        return self.term.amplitude
+
+    @amplitude.setter
+    def amplitude(self, value: float) -> None:
+        self.term.amplitude = value
+
+    @property
+    def pairs(self) -> Pairs:
+        """Leaders of the term's."""
+        rows, columns = self.term.pairs
+        return self._leader[rows], self._leader[columns]
+
+    # --- forces ---
+
+    def room(self) -> Array:
+        """See the base class; on the term's nodes."""
+        return self.term.room()
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """See the base class."""
+        if self._direct:
+            self.term.add_forces(H[self._where], out[self._where], kept)
+            return
+        forces = np.zeros((len(self._leader), 6))
+        self.term.add_forces(self._frames(H), forces, kept)
+        collect(forces, self._leader, self._offset, out)
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
+        return self._moved(self.term.tangent(self._frames(H), kept))
+
+    def geometric(self, H: Array) -> Array | None:
+        """See the base class."""
+        blocks = self.term.geometric(self._frames(H))
+        return None if blocks is None else self._moved(blocks)
+
+    def energy(self, H: Array) -> float:
+        """See the base class."""
+        return self.term.energy(self._frames(H))
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable] | None:
+        """Those of the term, if its nodes lead."""
+        tables = self.term.tables
+        if tables is None or not self._direct:
+            return None
+        forces, energy = (FormTable(t.rows, self._where.start + t.nodes) for t in tables)
+        return forces, energy
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        if self._direct:
+            self.term.add_viscous_forces(H[self._where], v[self._where], out[self._where])
+            return
+        forces = np.zeros((len(self._leader), 6))
+        self.term.add_viscous_forces(self._frames(H), self._twists(v), forces)
+        collect(forces, self._leader, self._offset, out)
+
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
+        """See the base class."""
+        by_twists, by_frames = self.term.viscous_tangent(self._frames(H), self._twists(v))
+        return self._moved(by_twists), None if by_frames is None else self._moved(by_frames)
+
+    # --- what is carried ---
+
+    @property
+    def carried(self) -> Array:
+        """See the base class."""
+        return self.term.carried
+
+    @property
+    def contents(self) -> object:
+        """See the base class."""
+        return self.term.contents
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        self.term.carry(self._frames(H), self._twists(h))
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        self.term.restore(carried)
+
+    def settle(self, H: Array) -> None:
+        """See the base class."""
+        self.term.settle(self._frames(H))
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        self.term.clear_stress()
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class."""
+        self.term.reset_stress(self._frames(H))
+
+    @property
+    def pieces(self) -> PushedPieces | None:
+        """Those of the term, on nodes of bodies."""
+        return self.term.pieces

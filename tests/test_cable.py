@@ -1,0 +1,495 @@
+"""Cables of positions and slopes: closed forms, published values, and laws of mechanics."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, fsolve
+from scipy.special import jn_zeros
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.lie import kinds
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.results.resampling import between
+from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
+
+GRAVITY = 9.81
+
+
+def section(EA: float, EI: float, mass: float = 1.0) -> fl.Section:
+    return fl.Section.from_stiffness(np.array([EA, EA, EA, EI, EI, EI]), mass=mass)
+
+
+# --- statics --------------------------------------------------------------------------------------
+
+
+def heavy_cantilever(cells: int) -> np.ndarray:
+    """Displacement of the tip."""
+    cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 2500 / 3, 78.0), cells=cells)
+    scene = fl.Scene(gravity=(0, -GRAVITY, 0))
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    return (fl.statics(scene).position(cable.end)[-1] - (2, 0, 0))[:2]
+
+
+PUBLISHED = np.array([-0.501305855, -1.232510073])
+"""Of Exudyn's ANCF cable, converged (L = 2, EA = 1e6, EI = 833.33, w = 78 · 9.81)."""
+
+
+def test_heavy_cantilever_is_of_fourth_order():
+    errors = [np.abs(heavy_cantilever(cells) - PUBLISHED).max() for cells in (4, 8, 16, 32)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (orders > 3.6).all() and errors[-1] < 2e-7
+
+
+def sagging_and_swinging(u: UnitSystem) -> tuple[np.ndarray, int]:
+    """The tip of a clamped cable at rest and after a while of swinging, in metres; matrices."""
+    stretch, bending = u.force(1e4), u.bending(1.0)
+    own = fl.Section.from_stiffness(
+        np.array([stretch] * 3 + [bending] * 3), mass=float(u.line_density(0.5))
+    )
+    cable = fl.Cable.straight(u.length([0, 0, 0]), u.length([2, 0, 0]), own, cells=6)
+    scene = fl.Scene(gravity=u.acceleration([0, -GRAVITY, 0]))
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    rest = fl.statics(scene).position(cable.end)[-1:]
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    result = scheme.run(scene, duration=u.time(0.1), step=u.time(1e-3))
+    moved = np.concatenate([rest, result.position(cable.end)])
+    return u.inverse.length(moved), result.k_updates
+
+
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+def test_units_do_not_matter(u):
+    (found, matrices), (expected, wanted) = sagging_and_swinging(u), sagging_and_swinging(METRES)
+    np.testing.assert_allclose(found, expected, atol=1e-8)
+    assert matrices == wanted
+
+
+LENGTH, END, WEIGHT = 10.0, np.array([8.0, 1.0]), 10.0
+
+
+def elastic_catenary(EA: float):
+    """Places (k, 2) at arc lengths of a hanging cable without bending stiffness, and end forces.
+
+    H. M. Irvine, Cable Structures (1981), §1.3: tension over EA is the strain.
+    """
+
+    def places(s, H, V):
+        x = H / WEIGHT * (np.arcsinh(V / H) - np.arcsinh((V - WEIGHT * s) / H)) + H * s / EA
+        tension = np.hypot(H, V - WEIGHT * s)
+        z = (tension - np.hypot(H, V)) / WEIGHT - (V * s - 0.5 * WEIGHT * s**2) / EA
+        return np.stack([x, z], axis=-1)
+
+    H, V = fsolve(lambda f: places(LENGTH, *f) - END, (34.0, 44.0), xtol=1e-13)
+    return (lambda s: places(s, H, V)), (H, V)
+
+
+def hung(cells: int, EA: float, EI: float) -> tuple[fl.Scene, fl.Cable]:
+    """A cable laid along a parabola of its length between its ends, which are pinned."""
+
+    def parabola(depth, t):
+        return np.stack([8 * t, t - 4 * depth * t * (1 - t), 0 * t], axis=-1)
+
+    t = np.linspace(0, 1, 4001)
+
+    def length(depth):
+        return np.linalg.norm(np.diff(parabola(depth, t), axis=0), axis=1).sum()
+
+    depth = brentq(lambda depth: length(depth) - LENGTH, 0.1, 10.0)
+    arc = np.cumsum(np.linalg.norm(np.diff(parabola(depth, t), axis=0), axis=1))
+    arc = np.concatenate([[0.0], arc]) / arc[-1]
+    curve = lambda s: parabola(depth, np.interp(s, arc, t))  # noqa: E731
+    points = np.array([curve(s) for s in np.linspace(0, 1, cells + 1)])
+    mesh = fl.LineMesh.from_cells(
+        points,
+        np.column_stack([np.arange(cells), np.arange(1, cells + 1)]),
+        named_points={"start": [0], "end": [cells]},
+        kink_angle=1.5,
+    )
+    cable = fl.Cable(mesh, section(EA, EI), length=LENGTH)
+    scene = fl.Scene(gravity=(0, -WEIGHT, 0))
+    scene.add(cable)
+    cable.pin(cable.start, cable.end)
+    return scene, cable
+
+
+def error_of_catenary(cells: int, EA: float = 1e6) -> float:
+    scene, cable = hung(cells, EA, 1e-6)
+    H = fl.statics(scene).frames[-1]
+    shape, _ = elastic_catenary(EA)
+    s = np.concatenate([[0.0], np.cumsum(cable.lengths)])
+    return float(np.abs(H[:, 0, :2] - shape(s)).max())
+
+
+def test_hung_cable_is_the_catenary():
+    errors = np.array([error_of_catenary(cells) for cells in (4, 8, 16)])
+    assert (np.log2(errors[:-1] / errors[1:]) > 3.0).all() and errors[-1] < 1e-5
+
+
+def test_published_forces_of_an_elastic_catenary():
+    """H = 33.73586, V = 43.99520 for EA = 1e4, from the reactions of the pins."""
+    _, forces = elastic_catenary(1e4)
+    np.testing.assert_allclose(forces, (33.73586, 43.99520), atol=1e-5)
+    scene, cable = hung(8, 1e4, 1e-4)
+    found = fl.statics(scene).reactions[-1]
+    np.testing.assert_allclose(found[0, :2], (-forces[0], forces[1]), rtol=1e-4)
+    np.testing.assert_allclose(found[:, :3].sum(axis=0), (0, WEIGHT * LENGTH, 0), atol=1e-7)
+    assert cable.size == pytest.approx(LENGTH)
+
+
+def test_line_load_is_that_of_gravity():
+    cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
+    weight = (0, -78 * GRAVITY, 0)
+    scene = fl.Scene()
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    scene.add(fl.LineLoad(cable, weight))
+    loaded = fl.statics(scene).position(cable.end)
+    heavy = fl.statics(scene.with_loads(gravity=(0, -GRAVITY, 0))).position(cable.end)
+    np.testing.assert_allclose(loaded[-1], heavy[-1], rtol=1e-9)
+
+
+def test_column_buckles_as_eulers_does():
+    """π² EI/4L², alike in both planes, and the mode is a quarter of a cosine."""
+    cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e5, 1.0), cells=8)
+    scene = fl.Scene()
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    scene.add(fl.PointLoad(cable.end, (-1.0, 0, 0)))
+    modes = fl.buckling(scene, 2)
+    np.testing.assert_allclose(modes.factors, np.pi**2 / 4, rtol=2e-5)
+    moved = np.linalg.norm(modes.shapes[0][:, :3], axis=1)
+    wave = 1.0 - np.cos(np.pi / 2 * cable.frames[:, 0, 0])
+    np.testing.assert_allclose(moved, wave, atol=1e-4)
+
+
+def test_load_steps_converge_at_once_with_carried_stress():
+    """A cantilever that bends by more than a right angle in one step, on any mesh."""
+    for cells in (4, 32):
+        cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=cells)
+        scene = fl.Scene(gravity=(0, -GRAVITY, 0))
+        scene.add(cable)
+        scene.add(fl.Clamp(cable.start))
+        assert fl.statics(scene).iterations.sum() <= 6
+
+
+# --- laws of the element --------------------------------------------------------------------------
+
+
+class Bent:
+    """A cable in any state, and its assembly."""
+
+    def __init__(self) -> None:
+        rng = np.random.default_rng(2)
+        self.cable = fl.Cable.straight((0, 0, 0), (3, 1, 2), section(1e3, 10.0), cells=3)
+        self.assembly = fl.Cable.assemble([self.cable])
+        self.kinds = np.full(4, SLOPE)
+        start = np.empty((4, 4, 3))
+        start[self.assembly.order] = self.cable.frames
+        self.H = self.moved(start, 0.2 * rng.normal(size=(4, 6)))
+        self.h = rng.normal(size=(4, 6))
+
+    def moved(self, H, h):
+        out = np.empty_like(H)
+        kinds.follow_all(self.kinds, H, h, out)
+        return out
+
+    def forces(self, H):
+        out = np.zeros(24)
+        self.assembly.add_forces(np.ascontiguousarray(H), out)
+        return out
+
+
+def test_forces_and_tangent_are_derivatives_of_the_energy():
+    bent, step = Bent(), 1e-6
+    ahead, behind = (bent.moved(bent.H, s * step * bent.h) for s in (1, -1))
+    slope = (bent.assembly.energy(ahead) - bent.assembly.energy(behind)) / (2 * step)
+    forces = bent.forces(bent.H)
+    assert forces @ bent.h.ravel() == pytest.approx(slope, rel=1e-7)
+    change = (bent.forces(ahead) - bent.forces(behind)) / (2 * step)
+    bent.assembly.reset_stress(bent.H)
+    blocks, product = bent.assembly.tangent(bent.H, forces.reshape(-1, 6)), np.zeros((4, 6))
+    rows = np.repeat(np.arange(4), np.diff(bent.assembly.indptr))
+    for row, column, block in zip(rows, bent.assembly.indices, blocks, strict=True):
+        product[row] += block @ bent.h[column]
+    np.testing.assert_allclose(product.ravel(), change, atol=1e-6 * np.abs(change).max())
+
+
+def test_energy_is_objective_and_forces_turn_along():
+    bent = Bent()
+    turn = lie.se3_exp(np.array([1.0, -2, 3, 0.8, -2.0, 1.1]))
+    H = bent.H @ lie.rotation(turn).T
+    H[:, 0] += turn[0]
+    assert bent.assembly.energy(H) == pytest.approx(bent.assembly.energy(bent.H), rel=1e-12)
+    np.testing.assert_allclose(bent.forces(H), bent.forces(bent.H), rtol=1e-9, atol=1e-9)
+
+
+def test_direction_of_the_cells_does_not_matter():
+    """A line whose mesh runs the other way hangs alike."""
+    ends = []
+    for turned in (False, True):
+        points = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+        cells = [(1, 0), (2, 1)] if turned else [(0, 1), (1, 2)]
+        mesh = fl.LineMesh.from_cells(points, cells, named_points={"a": [0], "b": [2]})
+        cable = fl.Cable(mesh, section(1e6, 833.0, 78.0))
+        scene = fl.Scene(gravity=(0, -GRAVITY, 0))
+        scene.add(cable)
+        scene.add(fl.Clamp(cable["a"]))
+        ends.append(fl.statics(scene).position(cable["b"])[-1])
+    np.testing.assert_allclose(*ends, rtol=1e-9)
+
+
+# --- dynamics -------------------------------------------------------------------------------------
+
+
+def test_swinging_of_a_hanging_chain():
+    """ω = ½ j₀ₖ √(g/L), zeros of Bessel's function; twice each, in both planes."""
+    length = 2.0
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    cable = scene.add(
+        fl.Cable.straight((0, 0, 0), (0, 0, -length), section(1e7, 1e-4, 0.3), cells=12)
+    )
+    cable.pin(cable.start)
+    found = fl.vibrations(scene, 4, at=fl.statics(scene)).frequencies
+    expected = np.repeat(0.5 * jn_zeros(0, 2) * np.sqrt(GRAVITY / length), 2)
+    np.testing.assert_allclose(found, expected, rtol=1e-3)
+
+
+def free_flight(step: float, **options) -> fl.Result:
+    """A bent cable that tumbles without anything that acts."""
+    cable = fl.Cable.curve(lambda s: (2 * s, 0.3 * s * s, 0.1 * s), section(1e3, 1.0, 0.5), cells=4)
+    cable.move((1, 2, 3))
+    cable.turn((1.0, 2.0, 0.5), cable.node(0))
+    scene = fl.Scene()
+    scene.add(cable)
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, **options)
+    return scheme.run(scene, duration=0.4, step=step)
+
+
+def test_free_flight():
+    """Momentum to the tolerance, angular momentum and energy to second order."""
+    results = [free_flight(step) for step in (4e-3, 2e-3)]
+    errors = []
+    for result in results:
+        momentum = result.momentum
+        np.testing.assert_allclose(momentum, momentum[:1] + 0 * momentum, rtol=1e-6)
+        spin, energy = result.angular_momentum, result.total_energy
+        errors.append([np.abs(x - x[0]).max() / np.abs(x[0]).max() for x in (spin, energy)])
+    assert (np.array(errors[0]) / errors[1] > 3.0).all() and max(errors[1]) < 1e-2
+
+
+def test_between_the_times_that_were_kept():
+    """Places, slopes with their lengths and velocities of every second state, from the others."""
+    result = free_flight(1e-3)
+    names = ("times", "frames", "velocities", "iterations")
+    found = between({name: getattr(result, name)[::2] for name in names}, result.times[1:-1:2])
+    wanted = result.frames[1:-1:2]
+    np.testing.assert_allclose(found["frames"][:, :, 0], wanted[:, :, 0], atol=1e-4)
+    lengths = [np.linalg.norm(frames[:, :, 1], axis=-1) for frames in (found["frames"], wanted)]
+    amplitude = np.abs(lengths[1] - 1.0).max()
+    assert amplitude > 1e-3
+    np.testing.assert_allclose(*lengths, atol=0.1 * amplitude)
+    linear = [
+        np.einsum("tni,tnij->tnj", velocities[:, :, :3], frames[:, :, 1:])
+        for velocities, frames in (
+            (found["velocities"], found["frames"]),
+            (result.velocities[1:-1:2], wanted),
+        )
+    ]
+    np.testing.assert_allclose(*linear, atol=0.02 * np.abs(linear[1]).max())
+
+
+def test_velocities_of_results_are_those_of_places():
+    result = free_flight(2e-3)
+    node, k, h = 2, 100, 2e-3
+    moved = (result.frames[k + 1, node, 0] - result.frames[k - 1, node, 0]) / (2 * h)
+    told = result.velocities[k, node, :3] @ result.frames[k, node, 1:]
+    np.testing.assert_allclose(told, moved, rtol=1e-3)
+
+
+def test_steps_that_change_follow_the_same_motion():
+    cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e3, 1e-2, 0.5), cells=4)
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(cable)
+    cable.pin(cable.start)
+    scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8)
+    fixed = scheme.run(scene, duration=0.2, step=5e-4)
+    adaptive = scheme.run(scene, duration=0.2, step=fl.AdaptiveStep(tolerance=1e-4))
+    ends = [result.position(cable.end)[-1] for result in (fixed, adaptive)]
+    np.testing.assert_allclose(*ends, atol=1e-3)
+
+
+OPTIONS = {
+    "fixed axes": {"components": fl.Components.INERTIAL},
+    "stabilised": {"index": fl.Index.STABILISED_TWO},
+    "Cayley": {"parametrisation": fl.Parametrisation.CAYLEY},
+    "every iteration": {"policy": fl.EveryIteration()},
+}
+
+
+def swinging_on_a_joint(**options) -> fl.Result:
+    """With damping, too."""
+    cable = fl.Cable.straight(
+        (0, 0, 0), (1, 0, 0), section(1e3, 0.1, 0.5), cells=3, damping=fl.Damping(mass=1.0)
+    )
+    scene = fl.Scene(gravity=(0, 1, -GRAVITY))
+    scene.add(cable)
+    scene.add(fl.Spherical(fl.ground(), cable.start))
+    scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10, **options)
+    return scheme.run(scene, duration=0.1, step=1e-3)
+
+
+@pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS.keys())
+def test_options_of_the_scheme_do_not_matter(options):
+    plain, other = swinging_on_a_joint(), swinging_on_a_joint(**options)
+    np.testing.assert_allclose(other.frames[:, :, 0], plain.frames[:, :, 0], atol=1e-8)
+    assert plain.balance_error < 1e-4
+
+
+def test_file_and_resume(tmp_path):
+    """To the last bit, and read back."""
+    cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e3, 1e-2, 0.5), cells=3)
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    scheme, path = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8), tmp_path / "cable.h5"
+    plain = scheme.run(scene, duration=0.05, step=1e-3)
+    scheme.run(scene, duration=0.05, step=1e-3, file=path, checkpoint_every=20)
+    resumed = scheme.resume(scene, path)
+    np.testing.assert_array_equal(resumed.frames, plain.frames)
+    plain.picture(tmp_path / "cable.png")
+    assert (tmp_path / "cable.png").stat().st_size > 1000
+
+
+# --- with other bodies ----------------------------------------------------------------------------
+
+
+def test_joints_hold_a_cable_as_pins_do():
+    """Spherical joints to the ground at both ends, against places that are held."""
+    scene, cable = hung(8, 1e6, 1e-3)
+    pinned = fl.statics(scene)
+    cable.held[:] = False
+    jointed = fl.Scene(gravity=(0, -WEIGHT, 0))
+    jointed.add(cable)
+    joints = [jointed.add(fl.Spherical(fl.ground(), point)) for point in (cable.start, cable.end)]
+    found = fl.statics(jointed)
+    np.testing.assert_allclose(found.frames[-1][:, 0], pinned.frames[-1][:, 0], atol=1e-8)
+    forces = [found.joint_force(joint)[-1][:3] for joint in joints]
+    assert np.linalg.norm(np.sum(forces, axis=0)) == pytest.approx(WEIGHT * LENGTH, rel=1e-8)
+
+
+def test_revolute_joint_about_the_tangent_is_a_clamp():
+    """A joint that holds place and tangent to ground, against a clamp."""
+    tips = []
+    for clamped in (True, False):
+        cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
+        scene = fl.Scene(gravity=(0, -GRAVITY, 0))
+        scene.add(cable)
+        held = fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0))
+        scene.add(fl.Clamp(cable.start) if clamped else held)
+        tips.append(fl.statics(scene).position(cable.end)[-1])
+    np.testing.assert_allclose(*tips, rtol=1e-8)
+
+
+def crane(step: float) -> fl.Result:
+    """A beam that bends, at its tip a cable whose tangent is clamped, below it a swinging body."""
+    scene = fl.Scene(gravity=(3, 1, -GRAVITY))
+    steel = fl.Section.rectangle(0.02, 0.02, fl.Material(1e9, 0.3, 1000.0))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), steel, cells=2))
+    cable = scene.add(fl.Cable.straight((1, 0, 0), (1, 0, -1), section(1e4, 0.1, 0.1), cells=4))
+    load = scene.add(fl.RigidBody(0.5, (1e-2, 1e-2, 1e-2), position=(1, 0, -1)))
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Revolute(beam.end, cable.start, axis=(0, 0, 1)))
+    scene.add(fl.Spherical(cable.end, load.centre))
+    return fl.GeneralisedAlpha(radius=0.9, tolerance=1e-8).run(scene, duration=0.2, step=step)
+
+
+def test_beam_cable_and_body_together():
+    """Places to second order, joints closed, and the books of the energy balanced."""
+    coarse, middle, fine = (crane(step) for step in (4e-3, 2e-3, 1e-3))
+    ends = [result.position("rigidbody 1.centre")[-1] for result in (coarse, middle, fine)]
+    first, second = np.abs(ends[0] - ends[1]).max(), np.abs(ends[1] - ends[2]).max()
+    assert first / second > 2.8 and second < 1e-3
+    assert np.abs(fine.joint_violations).max() < 1e-8
+    tangent = fine.frames[:, fine.info.node("cable 1.start"), 1]
+    axis = fine.frames[:, fine.info.node("beam 1.end"), 3]
+    assert np.abs(np.cross(tangent, axis)).max() < 1e-7
+
+
+# --- what cannot be -------------------------------------------------------------------------------
+
+
+def cable_in_a_scene():
+    cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section(1e3, 1.0), cells=2)
+    scene = fl.Scene()
+    scene.add(cable)
+    return scene, cable
+
+
+def added(make):
+    def run():
+        scene, cable = cable_in_a_scene()
+        scene.add(make(cable))
+
+    return run
+
+
+def straight_line():
+    return fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0)], [(0, 1)])
+
+
+def corner():
+    return fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
+
+
+REFUSED = {
+    "moment": (added(lambda c: fl.PointLoad(c.end, moment=(1, 0, 0))), "moment"),
+    "follower": (added(lambda c: fl.PointLoad(c.end, (1, 0, 0), following=True)), "follows"),
+    "line moment": (added(lambda c: fl.LineLoad(c, moment=(1, 0, 0))), "moment"),
+    "rigid link": (added(lambda c: fl.RigidLink(c.start, c.end)), "places and slopes"),
+    "motion": (
+        added(lambda c: fl.PrescribedMotion(c.end, lambda t: c.end.frame)),
+        "prescribed motion",
+    ),
+    "corner": (lambda: fl.Cable(corner(), section(1.0, 1.0)), "smooth"),
+    "unlike bending": (
+        lambda: fl.Cable.straight(
+            (0, 0, 0), (1, 0, 0), fl.Section.from_stiffness([1.0, 1, 1, 1, 1, 2]), cells=1
+        ),
+        "alike",
+    ),
+    "strain damping": (
+        lambda: fl.Cable.straight(
+            (0, 0, 0), (1, 0, 0), section(1, 1), cells=1, damping=fl.Damping(stiffness=1.0)
+        ),
+        "mass only",
+    ),
+    "element of beams": (
+        lambda: fl.Cable(straight_line(), section(1, 1), formulation=fl.Director()),
+        "places and slopes",
+    ),
+    "element of cables": (
+        lambda: fl.Beam(straight_line(), section(1, 1), formulation=fl.HermiteCable()),
+        "nodes with frames",
+    ),
+    "group of cells": (added(lambda c: fl.LineLoad(c, (0, 0, 1), cells="all")), "group"),
+    "pin of another": (lambda: cable_in_a_scene()[1].pin(cable_in_a_scene()[1].end), "its own"),
+    "spin": (lambda: fl.statics(cable_in_a_scene()[0], spin=(0, 0, 1)), "steady rotation"),
+    "imperfection": (
+        lambda: fl.imperfect(
+            cable_in_a_scene()[0], fl.FieldImperfection(lambda x: (0.0, 0.0, 1e-3 * x[0]))
+        ),
+        "an imperfection",
+    ),
+    "conserving": (
+        lambda: fl.EnergyMomentum().run(cable_in_a_scene()[0], duration=1.0, step=0.1),
+        "GeneralisedAlpha",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED.values(), ids=REFUSED.keys())
+def test_refused(case):
+    call, words = case
+    with pytest.raises((ValueError, TypeError), match=words):
+        call()

@@ -1,0 +1,100 @@
+"""Sums over cells of any stencil, with kernels of one's own: a discrete rod of bending springs."""
+
+from itertools import pairwise
+
+import numba
+import numpy as np
+import pytest
+from numba import types
+
+from fem_lie.forms.cell_sums import CellSum, Pattern
+
+DOUBLES = types.CPointer(types.float64)
+UFCX = types.void(
+    DOUBLES, DOUBLES, DOUBLES, DOUBLES, types.CPointer(types.int32), types.CPointer(types.uint8)
+)
+"""W = ½ k |x₀ − 2 x₁ + x₂|² of three successive nodes; k is a number of the cell, twice as much
+where the constant says so."""
+
+
+@numba.cfunc(UFCX)
+def energy_kernel(A, w, c, x, entity, permutation):
+    q, value = numba.carray(w, (37,)), numba.carray(A, (1,))
+    for j in range(3):
+        e = q[j] - 2.0 * q[12 + j] + q[24 + j]
+        value[0] += 0.5 * c[0] * q[36] * e * e
+
+
+@numba.cfunc(UFCX)
+def force_kernel(A, w, c, x, entity, permutation):
+    q, r = numba.carray(w, (37,)), numba.carray(A, (3, 6))
+    for j in range(3):
+        e = c[0] * q[36] * (q[j] - 2.0 * q[12 + j] + q[24 + j])
+        r[0, j] += e
+        r[1, j] -= 2.0 * e
+        r[2, j] += e
+
+
+@numba.cfunc(UFCX)
+def matrix_kernel(A, w, c, x, entity, permutation):
+    q, K = numba.carray(w, (37,)), numba.carray(A, (3, 6, 3, 6))
+    for a in range(3):
+        for b in range(3):
+            factor = (-2.0 if a == 1 else 1.0) * (-2.0 if b == 1 else 1.0)
+            for j in range(3):
+                K[a, j, b, j] += c[0] * q[36] * factor
+
+
+COUNT = 7
+STENCILS = {
+    "overlapping triples": np.array([[i, i + 1, i + 2] for i in range(COUNT - 2)]),
+    "anywhere": np.array([[6, 0, 3], [3, 5, 6], [2, 1, 4]]),
+    "none": np.empty((0, 3), dtype=np.int64),
+}
+
+
+def sums(cells, kernel):
+    values = np.zeros((len(cells), 37))
+    values[:, 36] = 1.0 + np.arange(len(cells))
+    return CellSum(cells, kernel.address, values, np.array([2.0]), np.zeros((len(cells), 1)))
+
+
+@pytest.mark.parametrize("cells", STENCILS.values(), ids=STENCILS.keys())
+def test_any_stencil(cells):
+    """Energy, forces and matrix against dense sums, all from the same quadratic form."""
+    H = np.random.default_rng(4).normal(size=(COUNT, 4, 3))
+    dense = np.zeros((COUNT, COUNT))
+    for k, cell in enumerate(cells):
+        second = np.zeros(COUNT)
+        second[cell] = 1.0, -2.0, 1.0
+        dense += 2.0 * (1.0 + k) * np.outer(second, second)
+    x = H[:, 0]
+    energy = sums(cells, energy_kernel).scalar(H)
+    assert energy == pytest.approx(0.5 * np.vdot(x, dense @ x), rel=1e-13)
+    forces = np.zeros(6 * COUNT)
+    sums(cells, force_kernel).add_vector(H, forces)
+    expected = np.zeros((COUNT, 6))
+    expected[:, :3] = dense @ x
+    np.testing.assert_allclose(forces.reshape(-1, 6), expected, atol=1e-12)
+    pattern = Pattern.of(cells, COUNT)
+    blocks = np.zeros((len(pattern.indices), 6, 6))
+    sums(cells, matrix_kernel).add_matrix(H, pattern, blocks)
+    found = np.zeros((COUNT, 6, COUNT, 6))
+    rows = np.repeat(np.arange(COUNT), np.diff(pattern.indptr))
+    for row, column, block in zip(rows, pattern.indices, blocks, strict=True):
+        found[row, :, column] = block
+    wanted = np.einsum("ij,ab->iajb", dense, np.diag([1.0, 1, 1, 0, 0, 0]))
+    np.testing.assert_allclose(found, wanted, atol=1e-13)
+
+
+def test_pattern():
+    """Each node with itself and with all with which it shares a cell, in order."""
+    pattern = Pattern.of(np.array([[4, 1], [1, 2]]), 5)
+    rows = [pattern.indices[a:b].tolist() for a, b in pairwise(pattern.indptr)]
+    assert rows == [[0], [1, 2, 4], [1, 2], [3], [1, 4]]
+    assert pattern.place.tolist() == [8, 7, 3, 1, 1, 2, 4, 5]
+
+
+def test_too_little_data_is_refused():
+    with pytest.raises(ValueError, match="36"):
+        CellSum(np.array([[0, 1, 2]]), 1, np.zeros((1, 20)), np.zeros(1), np.zeros((1, 1)))

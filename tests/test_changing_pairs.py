@@ -1,0 +1,181 @@
+"""Terms whose pairs of nodes change, without anything else knowing of it.
+
+Soft balls push each other off where they overlap: which pairs there are changes in the middle of a
+run. They come into a scene as loads do, by what they contribute.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.bodies.body import Body
+from fem_lie.forms.term import Pairs, Term
+from fem_lie.scene.load import History, Load, Sum
+from fem_lie.system import System
+from fem_lie.system.instant import Instant, Plan
+
+STIFFNESS, RADIUS = 50.0, 0.5
+
+
+class Overlaps(Term):
+    """Energy ``½ k (2 r − |x_i − x_j|)²`` of each pair of nodes that overlaps."""
+
+    label = "soft balls"
+
+    def __init__(self, nodes: np.ndarray) -> None:
+        self._of = np.array([(i, j) for i in nodes for j in nodes if i < j], dtype=np.int64)
+        self._now = self._of[:0]
+
+    def find(self, H: np.ndarray) -> None:
+        """The pairs that overlap at frames ``H``."""
+        gaps = np.linalg.norm(np.diff(H[self._of, 0], axis=1)[:, 0], axis=1) - 2 * RADIUS
+        found = self._of[gaps < 0.0]
+        if not np.array_equal(found, self._now):
+            self._now, self.version = found, self.version + 1
+
+    @property
+    def pairs(self) -> Pairs:
+        both = self._now[:, [0, 0, 1, 1]], self._now[:, [0, 1, 0, 1]]
+        return both[0].ravel(), both[1].ravel()
+
+    def _directions(self, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        apart = H[self._now[:, 1], 0] - H[self._now[:, 0], 0]
+        distance = np.linalg.norm(apart, axis=1)
+        return apart / distance[:, np.newaxis], distance
+
+    def energy(self, H: np.ndarray) -> float:
+        self.find(H)
+        return 0.5 * STIFFNESS * float(((2 * RADIUS - self._directions(H)[1]) ** 2).sum())
+
+    def add_forces(self, H: np.ndarray, out: np.ndarray, kept: np.ndarray | None = None) -> None:
+        self.find(H)
+        n, distance = self._directions(H)
+        push = STIFFNESS * (2 * RADIUS - distance)[:, np.newaxis] * n
+        for side, sign in ((0, 1.0), (1, -1.0)):
+            nodes = self._now[:, side]
+            np.add.at(out[:, :3], nodes, sign * np.einsum("pij,pj->pi", H[nodes, 1:], push))
+
+    def tangent(self, H: np.ndarray, kept: np.ndarray) -> np.ndarray:
+        n, distance = self._directions(H)
+        over = (2 * RADIUS - distance) / distance
+        nn = np.einsum("pi,pj->pij", n, n)
+        k = STIFFNESS * (nn - over[:, np.newaxis, np.newaxis] * (np.eye(3) - nn))
+        push = STIFFNESS * (2 * RADIUS - distance)[:, np.newaxis] * n
+        blocks = np.zeros((len(n), 2, 2, 6, 6))
+        for a, sign in ((0, 1.0), (1, -1.0)):
+            R = H[self._now[:, a], 1:]
+            for b, other in ((0, 1.0), (1, -1.0)):
+                Q = H[self._now[:, b], 1:]
+                blocks[:, a, b, :3, :3] = sign * other * R @ k @ Q.transpose(0, 2, 1)
+            # components turn with the node: δ(Rᵀ f) = (Rᵀ f) × η
+            f = sign * np.einsum("pij,pj->pi", R, push)
+            blocks[:, a, a, :3, 3:] += np.cross(f[:, np.newaxis], np.eye(3)).transpose(0, 2, 1)
+        return blocks.reshape(-1, 6, 6)
+
+
+@dataclass(frozen=True, eq=False)
+class SoftBalls(Load):
+    """All bodies push each other off."""
+
+    balls: tuple[Body, ...]
+    history: History | None = None
+
+    @property
+    def body(self) -> Body:
+        return self.balls[0]
+
+    def check(self) -> None:
+        """Nothing can be wrong."""
+
+    def contribute(self, to: Sum) -> None:
+        to.add_term(Overlaps(np.array([to.nodes(ball)[0] for ball in self.balls])))
+
+
+def ball(place, velocity=(0.0, 0.0, 0.0)) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 0.1 * np.eye(3), place)
+    body.velocities[:, :3] = velocity
+    return body
+
+
+def billiard() -> tuple[fl.Scene, list[fl.RigidBody]]:
+    """One ball runs into two that lie at an angle."""
+    balls = [
+        ball((0, 0, 0), (1.0, 0, 0)),
+        ball((1.5, 0.3, 0.1)),
+        ball((1.7, -0.9, 0)),
+    ]
+    scene = fl.Scene()
+    for each in balls:
+        scene.add(each)
+    scene.add(SoftBalls(tuple(balls)))
+    return scene, balls
+
+
+def overlaps_of(system: System) -> Term:
+    (term,) = (t for t in system.terms if t.label == "soft balls")
+    return term
+
+
+def test_the_matrix_has_the_pairs_of_the_present_state():
+    """Of two states with other pairs, there and back; against differences of the residual."""
+    scene, _ = billiard()
+    system = System(scene, dynamics=True)
+    n, rng = system.count, np.random.default_rng(2)
+    still, forces, none = np.zeros((n, 6)), system.room(), np.ones(0)
+    first = system.kkt.version
+    for places in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
+        H = system.frames.copy()
+        H[:n, 0] = places
+        H[:n] = lie.se3_retract(H[:n], 0.01 * rng.normal(size=(n, 6)))
+
+        def residual(h, size, H=H):
+            there, r = H.copy(), np.zeros(system.size)
+            there[:n] = lie.se3_retract(H[:n], size * h)
+            system.residual(Instant(there, still, still, np.zeros(0)), none, r, forces)
+            return r
+
+        residual(still, 0.0)
+        system.fill_matrix(Instant(H, still, still, np.zeros(0)), forces, Plan(still, none))
+        A = system.kkt.matrix[:, :]
+        h = rng.normal(size=(n, 6))
+        expected = (residual(h, 1e-6) - residual(h, -1e-6)) / 2e-6
+        np.testing.assert_allclose(A @ h.ravel(), expected, atol=1e-7 * np.abs(expected).max())
+    assert system.kkt.version == first + 2
+    assert len(overlaps_of(system).pairs[0]) == 4
+
+
+@pytest.mark.parametrize("step", [2e-3, fl.AdaptiveStep(1e-5)], ids=["constant", "adaptive"])
+def test_balls_bounce_off_and_conserve(step):
+    """Momenta to round-off of the iteration, energy to the scheme's order, while pairs change."""
+    scene, balls = billiard()
+    counted = []
+
+    class Watched(Overlaps):
+        def find(self, H):
+            super().find(H)
+            counted.append(len(self._now))
+
+    def contribute(self, to):
+        to.add_term(Watched(np.array([to.nodes(each)[0] for each in self.balls])))
+
+    kind = type("Watched", (SoftBalls,), {"contribute": contribute})
+    scene.loads[:] = [kind(tuple(balls))]
+    scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-8)
+    result = scheme.run(scene, duration=4.0, step=step, progress=False)
+    assert {0, 1} <= set(counted)
+    momentum = result.momentum
+    np.testing.assert_allclose(momentum, np.tile(momentum[0], (len(momentum), 1)), atol=1e-8)
+    energy = result.kinetic + result.elastic
+    assert result.elastic.max() > 0.1 * energy[0]
+    np.testing.assert_allclose(energy[-1], energy[0], rtol=2e-3)
+    x = np.array([result.position(each.centre)[-1] for each in balls])
+    assert np.linalg.norm(x[0] - x[1]) > 2 * RADIUS
+
+
+def test_conserving_schemes_say_that_they_have_no_such_forces():
+    scene, _ = billiard()
+    with pytest.raises(ValueError, match="no soft balls"):
+        fl.EnergyMomentum().run(scene, duration=0.1, step=1e-2)

@@ -1,0 +1,138 @@
+"""Steps of conserving schemes that have no end from where they usually begin."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks.random_scenes import STUDIES, allowed, difference, outcome, ways
+from fem_lie.solve.conserving.run import HALVINGS, Run
+from fem_lie.solve.conserving.step import loop
+from tests.random_scenes import CONSERVING, STEP, random_scene
+from tests.scene_builder import build
+from tests.test_resume import same, stopped
+
+CONSERVES, DECAYS = fl.EnergyMomentum(), fl.EnergyDecaying()
+BENT_AT_ONCE = 12
+"""Steps of random scenes in which a beam is to be bent from the first moment on."""
+
+
+def scene(seed: int, steps: int = BENT_AT_ONCE) -> fl.Scene:
+    return build(random_scene(seed, replace(CONSERVING, steps=steps))).scene
+
+
+def check_balances(result: fl.Result) -> None:
+    assert result.balance_error < 1e-10
+    assert result.momentum_error < 1e-12
+    assert result.angular_momentum_error < 1e-12
+    assert result.joint_violations.max(initial=0.0) < 1e-12
+
+
+@pytest.mark.parametrize("scheme", [CONSERVES, DECAYS], ids=["conserves", "decays"])
+@pytest.mark.parametrize("seed", [28, 53])
+def test_waves_that_a_step_does_not_resolve_have_an_end(scheme, seed):
+    """Predicted from their velocities they are far from it, and the iteration went astray."""
+    result = scheme.run(scene(seed), duration=BENT_AT_ONCE * STEP, step=STEP)
+    assert result.divided == 0
+    check_balances(result)
+
+
+PLAN = {"duration": 6 * STEP, "step": STEP}
+
+
+@pytest.fixture(scope="module")
+def divided():
+    return CONSERVES.run(scene(4), **PLAN)
+
+
+def test_a_step_without_an_end_is_made_in_parts(divided):
+    assert 0 < divided.divided < 6
+    check_balances(divided)
+    assert np.allclose(divided.times, STEP * np.arange(7))
+
+
+def test_resumed_after_steps_in_parts_is_the_same_to_the_last_bit(
+    monkeypatch, tmp_path, caplog, divided
+):
+    file = tmp_path / "run.h5"
+    stopped(monkeypatch, CONSERVES, scene(4), file, 5, **PLAN)
+    resumed = CONSERVES.resume(scene(4), file)
+    same(resumed, divided)
+    assert resumed.divided == fl.Result.load(file).divided == divided.divided
+    assert f"{divided.divided} of 6 steps were made in up to" in caplog.text
+
+
+def hanging() -> fl.Scene:
+    """A clamped beam with a bar on a hinge, pushed while its strain changes."""
+    made = fl.Scene()
+    section = fl.Section.circle(0.01, fl.Material(1e8, 0.3, 1100.0))
+    beam = made.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=4))
+    bar = made.add(fl.Beam.straight((0.5, 0, 0), (0.9, 0, 0), section, cells=1))
+    made.add(fl.Clamp(beam.start))
+    made.add(fl.Revolute(beam.end, bar.start, axis=(0, 1, 0)))
+    made.add(fl.PointLoad(bar.end, (0, 0, 0.05), history=lambda t: (1 - np.cos(20 * t)) ** 2))
+    made.add(
+        fl.Eigenstrain(beam, (0, 0, 0, 0, 0.2, 0), history=lambda t: (1 - np.cos(10 * t)) ** 2)
+    )
+    return made
+
+
+def in_parts(monkeypatch, size: float) -> None:
+    """Let every third step fail in full."""
+    go = Run._go
+
+    def fails(self: Run, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
+        if self.h == size and self.index % 3 == 1:
+            if not always:
+                self._begin()
+            return loop.FAILED
+        return go(self, min(last, self.index + 1), rule, always=always)
+
+    monkeypatch.setattr(Run, "_go", fails)
+
+
+@pytest.mark.parametrize("scheme", [CONSERVES, DECAYS], ids=["conserves", "decays"])
+def test_parts_conserve_and_their_error_is_of_second_order(monkeypatch, scheme):
+    duration, finest = 0.12, 1.25e-4
+    exact = CONSERVES.run(hanging(), duration=duration, step=finest)
+    sizes = 2e-3, 1e-3
+    whole = [scheme.run(hanging(), duration=duration, step=size) for size in sizes]
+    found = []
+    for size in sizes:
+        in_parts(monkeypatch, size)
+        found.append(scheme.run(hanging(), duration=duration, step=size))
+        monkeypatch.undo()
+        assert found[-1].divided == round(duration / size) // 3
+        check_balances(found[-1])
+
+    def error(result: fl.Result, name: str) -> float:
+        every = round(result.times[1] / finest)
+        return np.abs(getattr(result, name) - getattr(exact, name)[::every]).max()
+
+    for name in ("frames", "velocities", "joint_forces", "reactions"):
+        assert error(found[0], name) > 3.5 * error(found[1], name)
+    assert error(found[0], "frames") < error(whole[0], "frames")
+
+
+def test_a_step_that_has_no_end_in_parts_says_so():
+    with pytest.raises(fl.ConvergenceError, match=f"Nor did it in {2**HALVINGS} parts") as caught:
+        fl.EnergyMomentum(max_iterations=2).run(scene(4), **PLAN)
+    assert caught.value.result.divided == 0
+
+
+def test_round_off_of_far_places_is_no_reason_for_parts(caplog):
+    """Forces of joints that it makes are larger, the smaller the parts: 0.2 of the whole."""
+    study = STUDIES["energy-momentum"]
+    scenes = ways(random_scene(9, study.wanted), 9)
+    near, far = (outcome(study, scenes[name]) for name in ("as it is", "moved by 1e6"))
+    assert difference(near, far)[0] <= allowed("moved by 1e6")
+    assert "parts" not in caplog.text
+
+
+def test_policies_that_make_no_matrix_make_no_parts(caplog):
+    caplog.set_level(logging.WARNING)
+    with pytest.raises(fl.ConvergenceError, match="a policy that may make new matrices"):
+        fl.EnergyMomentum(policy=fl.Never()).run(scene(4), duration=12 * STEP, step=STEP)
+    assert "parts" not in caplog.text

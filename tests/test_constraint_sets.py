@@ -1,0 +1,287 @@
+"""Laws of sets of constraints, whatever they bind; and that nothing but the list knows them."""
+
+import ast
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.system import System, constraints
+from fem_lie.system.constraint_sets import relative_motions, rolls, slides
+
+seeds = st.integers(0, 2**32 - 1)
+SECTION = fl.Section.circle(0.01, fl.Material(2e9, 0.3, 1000.0))
+HERE = (0.35, 0, 0)
+
+
+def rail(scene: fl.Scene, element: fl.Formulation | None = None, **moved) -> fl.Beam:
+    start, end = moved.get("along", ((0, 0, 0), (1, 0, 0)))
+    return scene.add(fl.Beam.straight(start, end, SECTION, cells=3, formulation=element))
+
+
+def body(scene: fl.Scene, place=(0.4, 0.3, 0.1)) -> fl.RigidBody:
+    return scene.add(fl.RigidBody(1.0, (1, 1.2, 1.4), place))
+
+
+def hinge_spring_drive(scene: fl.Scene, a: fl.Point, b: fl.Point) -> None:
+    """A hinge with a spring and damper, and the distance of both points, driven."""
+    hinge = scene.add(fl.Revolute(a, b, at=HERE, axis=(0.2, 0.3, 1)))
+    scene.add(fl.Spring(hinge.angle, stiffness=3.0, damping=0.7, rest=0.2))
+    reach = scene.add(fl.Distance(a, b, at=(0.4, 0.2, 0), to=(0.9, 0.4, 0.3)))
+    scene.add(fl.Spring(reach.length, stiffness=2.0, damping=0.4))
+    scene.add(fl.Screw(fl.ground(), b, at=(0, 0.5, 0.2), axis=(1, 0.2, 0), pitch=0.3))
+
+
+def joints(scene):
+    hinge_spring_drive(scene, body(scene, (0.1, 0, 0)).centre, body(scene).centre)
+
+
+def joints_on(element):
+    def build(scene):
+        beam = rail(scene, element)
+        hinge_spring_drive(scene, beam.at(0.42), body(scene).centre)
+        other = rail(scene, element, along=((0.2, -0.5, 0), (0.2, 0.5, 0)))
+        scene.add(fl.Spherical(beam.at(0.2), other.at(0.57), at=(0.2, 0, 0)))
+
+    return build
+
+
+def joints_on_branch(scene):
+    """Nodes that follow others: those at the branch, and two of one element by a link."""
+    ends = [(0, 0, 0), (0.3, 0, 0), (0.4, 0.3, 0), (0.5, 0, 0.3), (0.9, 0, 0.3)]
+    mesh = fl.LineMesh.from_cells(ends, [(0, 1), (1, 2), (1, 3), (3, 4)])
+    tree = scene.add(fl.Beam(mesh, SECTION))
+    hinge_spring_drive(scene, tree.within(1, 0.4), body(scene).centre)
+    scene.add(
+        fl.RigidLink(tree.node(int(tree.elements[3, 0])), tree.node(int(tree.elements[3, 1])))
+    )
+    scene.add(fl.Spherical(tree.within(2, 0.3), tree.within(3, 0.6), at=(0.5, 0, 0.2)))
+
+
+def sleeve(scene):
+    beam, b = rail(scene), body(scene)
+    scene.add(fl.Sleeve(beam, b.centre, at=HERE, travel=lambda t: 0.35))
+
+
+def collar_on_beam(scene):
+    other = rail(scene, along=((0.35, -0.4, 0), (0.35, 0.6, 0)))
+    scene.add(fl.Collar(rail(scene), other.at(0.47), at=HERE, travel=lambda t: 0.35))
+
+
+def disc(scene):
+    a, b = body(scene, (0, 0, 0)), body(scene, (0.3, 0.5, 0.8))
+    scene.add(fl.RollingDisc(a.centre, b.centre, axis=(0.2, 1, 0.3), radius=0.4))
+
+
+def edge_on_beam(scene):
+    a, beam = body(scene, (0, 0.2, 0)), rail(scene)
+    scene.add(fl.KnifeEdge(a.centre, beam.at(0.47), at=(0.4, 0.1, 0), axis=(0, 1, 1)))
+
+
+JOINTS, SLIDES, ROLLS = relative_motions.RelativeMotions.what, slides.Slides.what, rolls.Rolls.what
+ON_GRIPS = "{} on points that are no nodes".format
+SETS = {
+    "joints": (joints, JOINTS),
+    "joints on geodesics": (joints_on(None), ON_GRIPS(JOINTS)),
+    "joints on two directors": (joints_on(fl.Director(1)), ON_GRIPS(JOINTS)),
+    "joints on three directors": (joints_on(fl.Director(2)), ON_GRIPS(JOINTS)),
+    "joints on branches": (joints_on_branch, ON_GRIPS(JOINTS)),
+    "slides": (sleeve, SLIDES),
+    "slides on a grip": (collar_on_beam, ON_GRIPS(SLIDES)),
+    "rolls": (disc, ROLLS),
+    "rolls on a grip": (edge_on_beam, ON_GRIPS(ROLLS)),
+}
+"""Scenes and which of their sets is looked at: adding one here tests it."""
+
+every_set = pytest.mark.parametrize("name", SETS)
+
+
+@cache
+def system_of(name: str) -> System:
+    scene = fl.Scene()
+    SETS[name][0](scene)
+    return System(scene, dynamics=True)
+
+
+class Case:
+    """A set in a random state."""
+
+    def __init__(self, name: str, seed: int) -> None:
+        rng, system = np.random.default_rng(seed), system_of(name)
+        (self.set,) = (each for each in system.connections.sets if each.what == SETS[name][1])
+        self.n, self.border = system.count, system.connections.border
+        self.start, self.m = self.set.start.row, system.m
+        near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
+        self.H = system.frames.copy()
+        self.H[: self.n] = lie.se3_retract(self.H[: self.n], near)
+        self.weights = rng.normal(size=self.m)
+        self.v = np.zeros((len(self.H), 6))
+        self.v[: self.n] = rng.normal(size=(self.n, 6))
+        self.rng, self.own = rng, self.set.own
+
+    def forces(self, H, v=None, weights=None, rows=None):
+        """On ``rows`` rows (all that move), and the constraints."""
+        count = self.n if rows is None else rows
+        r = np.zeros(6 * count + self.m)
+        v = np.zeros_like(self.v) if v is None else v
+        weights = self.weights if weights is None else weights
+        self.set.evaluate(H, v, weights, np.ones(self.m), count, r)
+        return r[: 6 * count], r[6 * count :][self.own]
+
+    def values(self, H, v=None):
+        out = np.zeros(self.m)
+        self.set.values(H, np.zeros_like(self.v) if v is None else v, out)
+        return out[self.own]
+
+    def jacobian(self):
+        legs = np.zeros((len(self.border.nodes), 6))
+        self.set.jacobian(self.H, legs)
+        rows = np.zeros((self.m, self.n, 6))
+        rows[self.border.rows, self.border.nodes] = legs
+        return rows.reshape(self.m, -1)[self.own]
+
+    def stiffness(self, fill):
+        """What ``fill(place, K)`` adds, as a matrix of all nodes."""
+        K, n = np.zeros((self.n**2, 6, 6)), self.n
+        rows, columns = self.set.pairs
+        fill(np.where((rows < n) & (columns < n), rows * n + columns, -1), K)
+        return K.reshape(n, n, 6, 6).transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
+
+    def moved(self, h):
+        return lie.se3_retract(self.H, h)
+
+    def along(self, function):
+        """A random direction ``h`` of all nodes, and the derivative of a function along it."""
+        h = np.zeros_like(self.v)
+        h[: self.n] = self.rng.normal(size=(self.n, 6))
+        ahead, behind = (function(self.moved(s * h)) for s in (1e-5, -1e-5))
+        return h[: self.n].ravel(), (ahead - behind) / 2e-5
+
+
+def some(test):
+    return every_set(given(seed=seeds)(settings(max_examples=5, deadline=None)(test)))
+
+
+@some
+def test_the_jacobian_is_the_derivative_of_the_violations(name, seed):
+    case = Case(name, seed)
+    B = case.jacobian()
+    if case.set.of_velocities:
+        np.testing.assert_allclose(case.values(case.H, case.v), B @ case.v[: case.n].ravel())
+        return
+    h, numeric = case.along(case.values)
+    # of steps of 1e-5: their squares times third derivatives of order 10, and round-off over them
+    np.testing.assert_allclose(B @ h, numeric, atol=3e-8 * (1 + np.abs(B).max()))
+
+
+@some
+def test_forces_are_those_of_the_jacobian(name, seed):
+    case = Case(name, seed)
+    B = case.jacobian()
+    forces, values = case.forces(case.H, case.v)
+    without, _ = case.forces(case.H, case.v, np.zeros(case.m))
+    own = case.weights[case.own]
+    np.testing.assert_allclose(forces - without, B.T @ own, atol=1e-12 * (1 + np.abs(B).max()))
+    np.testing.assert_allclose(values, case.values(case.H, case.v), atol=1e-14)
+
+
+@some
+def test_geometric_stiffness_is_the_derivative_of_the_forces(name, seed):
+    case = Case(name, seed)
+    if case.set.of_velocities:
+        pytest.skip("forces that bind velocities have no stiffness in the matrix")
+    K = case.stiffness(lambda place, K: case.set.geometric(case.H, case.weights, place, K))
+    K += case.stiffness(lambda place, K: case.set.stiffen(case.H, place, 1.0, 0.0, K))
+    h, numeric = case.along(lambda H: case.forces(H)[0])
+    np.testing.assert_allclose(K @ h, numeric, atol=1e-6 * (1 + np.abs(K).max()))
+
+
+@some
+def test_dampers_resist_velocities_and_take_what_they_lose(name, seed):
+    case = Case(name, seed)
+    C = case.stiffness(lambda place, K: case.set.stiffen(case.H, place, 0.0, 1.0, K))
+    moving, still = (case.forces(case.H, v)[0] for v in (case.v, np.zeros_like(case.v)))
+    twists = case.v[: case.n].ravel()
+    np.testing.assert_allclose(moving - still, C @ twists, atol=1e-11 * (1 + np.abs(C).max()))
+    loss = case.set.damper_loss(case.H, case.v[: case.n])
+    np.testing.assert_allclose(loss, twists @ C @ twists, rtol=1e-11, atol=1e-13)
+    assert (loss > 0.0) == ("joints" in name)
+
+
+@some
+def test_springs_have_an_energy(name, seed):
+    case = Case(name, seed)
+    h, numeric = case.along(case.set.spring_energy)
+    forces, _ = case.forces(case.H, None, np.zeros(case.m))
+    np.testing.assert_allclose(forces @ h, numeric, atol=1e-7)
+
+
+@some
+def test_rates_are_derivatives_in_time(name, seed):
+    case = Case(name, seed)
+    first, second = np.zeros(case.m), np.zeros(case.m)
+    case.set.rates(case.H, case.v, first, second)
+    first, second, B, t = first[case.own], second[case.own], case.jacobian(), 1e-4
+    np.testing.assert_allclose(first, B @ case.v[: case.n].ravel(), atol=1e-11)
+    bound = case.values if not case.set.of_velocities else lambda H: case.values(H, case.v)
+    behind, now, ahead = (bound(case.moved(s * t * case.v)) for s in (-1, 0, 1))
+    numeric = (ahead - 2 * now + behind) / t**2
+    if case.set.of_velocities:
+        numeric = (ahead - behind) / (2 * t)
+    speed = np.abs(case.v).max()
+    np.testing.assert_allclose(second, numeric, atol=1e-4 * (1 + np.abs(B).max() * speed**3))
+
+
+@some
+def test_forces_are_in_balance_and_turn_with_all(name, seed):
+    case = Case(name, seed)
+    rows = len(case.H)
+    forces, values = case.forces(case.H, case.v, rows=rows)
+    f = forces.reshape(rows, 6)
+    total = sum(np.linalg.inv(lie.se3_adjoint(A)).T @ a for A, a in zip(case.H, f, strict=True))
+    bound = 1e-11 * (1 + np.abs(f).max())
+    assert np.abs(total).max() < bound
+    moved = lie.se3_compose(lie.se3_exp(np.arange(6) / 3.0), case.H)
+    again, same = case.forces(moved, case.v, rows=rows)
+    np.testing.assert_allclose(again, forces, atol=10 * bound)
+    np.testing.assert_allclose(same, values, atol=1e-12)
+
+
+@every_set
+def test_what_is_remembered_does_not_change_the_state_it_is_of(name):
+    case = Case(name, 1)
+    before = case.forces(case.H, case.v)
+    kept = [part.copy() for part in case.set.memory]
+    case.set.accept(case.H)
+    after = case.forces(case.H, case.v)
+    for part, was in zip(case.set.memory, kept, strict=True):
+        part[:] = was
+    np.testing.assert_allclose(after[0], before[0], atol=1e-10)
+    np.testing.assert_allclose(after[1], before[1], atol=1e-12)
+
+
+@every_set
+def test_owners_angles_and_pairs_are_of_its_constraints(name):
+    case = Case(name, 1)
+    assert len(case.set.owner) == len(case.set.angular) == len(case.set.targets) == case.set.m
+    assert len(case.set.border.ptr) == case.set.m + 1
+    rows, columns = case.set.pairs
+    assert rows.shape == columns.shape
+
+
+def test_what_goes_over_the_sets_names_none_of_them():
+    source = Path(constraints.__file__).read_text(encoding="utf-8")
+    imported = {
+        name
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.ImportFrom)
+        for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
+    }
+    known = {f"fem_lie.joints.equations.{name}" for name in ("sliding", "rolling", "terms")}
+    assert not imported & known
+    assert not {word for word in ("sliding", "rolling", "Slides", "Rolls") if word in source}

@@ -1,0 +1,131 @@
+"""What solvers take from the equations: a list of verbs and records, and nothing behind them.
+
+Names are read from the sources. A name that is used and not in the list fails, and so does one in
+the list that nobody uses any more: the list is what has to be known of equations to write a scheme.
+"""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import fem_lie
+from fem_lie.system.equations import Equations
+
+SOLVE = Path(fem_lie.__file__).parent / "solve"
+
+RECORDS = {"info", "matrix", "scene", "start", "tables", "unknowns"}
+"""What stays the same."""
+
+VERBS = {
+    "time": {"driven", "measure_velocities", "prescribed_frames", "set_time", "targets"},
+    "forces": {"add_inertia_forces", "outer_forces", "residual", "room"},
+    "matrix": {
+        "constraint_rates",
+        "constraint_scale",
+        "contradiction",
+        "fill",
+        "fill_steady",
+        "jacobian",
+        "refresh",
+        "settle_choices",
+    },
+    "what a state carries": {
+        "accept",
+        "carried",
+        "carry",
+        "kept",
+        "memory",
+        "move",
+        "reset_stress",
+        "restore",
+        "turn_drills",
+    },
+    "unknowns along fixed axes": {"to_frames", "to_unknowns"},
+    "consistent values": {
+        "accelerations",
+        "across_joints",
+        "allowed_velocities",
+        "check_velocities",
+    },
+    "what is told of a state": {
+        "all_frames",
+        "all_twists",
+        "books",
+        "check_turns",
+        "energy",
+        "judge_turn",
+        "reactions",
+        "report_joints",
+        "turn_hint",
+    },
+    "what they are like": {
+        "contents",
+        "has_potential",
+        "rigid_motions",
+        "small_motions",
+        "symmetric",
+    },
+}
+
+IMPORTED = {"equations.Equations", "equations.Instant", "equations.Plan"}
+
+COMPILED = {
+    "nodes.attachment.expand",
+    "nodes.attachment.expand_twists",
+    "nodes.element_turns.nearest",
+    "nodes.inertia",
+    "nodes.inertia.Inertia",
+    "nodes.inertia.PlainInertia",
+    "nodes.loads.Loads",
+    "nodes.shared_setup.numbered",
+    "nodes.sums.report_rates",
+}
+"""What compiled steps and rows take of compiled sums over nodes, and free bodies of numbers."""
+
+
+def sources():
+    return [ast.parse(file.read_text(encoding="utf-8")) for file in sorted(SOLVE.rglob("*.py"))]
+
+
+def imported() -> set[str]:
+    found = set()
+    for tree in sources():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module is not None:
+                package, _, inside = node.module.partition("fem_lie.system")
+                if package == "" and node.module.startswith("fem_lie.system"):
+                    found |= {f"{inside}.{alias.name}".lstrip(".") for alias in node.names}
+    return found
+
+
+def used() -> set[str]:
+    """Attributes of whatever is called equations."""
+    found = set()
+    for tree in sources():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute):
+                owner = node.value
+                name = owner.id if isinstance(owner, ast.Name) else getattr(owner, "attr", "")
+                if name in ("equations", "_equations"):
+                    found.add(node.attr)
+    return found
+
+
+def test_solvers_import_the_door_and_compiled_sums_alone():
+    assert imported() == IMPORTED | COMPILED
+
+
+def test_solvers_use_these_names_of_equations_and_no_others():
+    listed = RECORDS.union(*VERBS.values())
+    assert used() - {"__init__"} == listed
+
+
+@pytest.mark.parametrize("verb", sorted(set().union(*VERBS.values())))
+def test_every_verb_says_what_it_does(verb):
+    assert getattr(Equations, verb).__doc__
+
+
+def test_the_list_does_not_grow_in_silence():
+    """Of 166 paths and names there were; a dozen was the wish."""
+    assert len(RECORDS.union(*VERBS.values()) | IMPORTED | COMPILED) <= 64

@@ -1,0 +1,132 @@
+"""Laws of grips: frames with a Jacobian, whatever they hold on to."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fem_lie import lie
+from fem_lie.grips.follower import following
+from fem_lie.grips.geodesic import on_geodesic
+from fem_lie.grips.grip import bend, changes, locate
+from fem_lie.grips.interpolated import interpolated
+from fem_lie.grips.tangent import along_tangent
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def moved_frames(X, h):
+    return lie.se3_retract(X, h)
+
+
+def moved_slopes(X, h):
+    """Nodes of position and slope moved in their own axes, which are carried with the tangent."""
+    axes = X[:, 1:].copy()
+    axes[:, 0] /= np.linalg.norm(axes[:, 0], axis=1, keepdims=True)
+    moved = X.copy()
+    moved[:, 0] += np.einsum("nij,ni->nj", axes, h[:, :3])
+    moved[:, 1] += np.einsum("nij,ni->nj", axes, h[:, 3:])
+    for row, old in zip(moved, axes, strict=True):
+        t = row[1] / np.linalg.norm(row[1])
+        a = np.cross(old[0], t)
+        turn = np.eye(3) + lie.hat(a) + lie.hat(a) @ lie.hat(a) / (1.0 + old[0] @ t)
+        row[2:] = old[1:] @ turn.T
+    return moved
+
+
+OFFSET = lie.se3_exp(np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.3]))
+GRIPS = {
+    "geodesic": (on_geodesic(0, 1, 0.3), moved_frames),
+    "two directors": (interpolated((0, 1), (0.7, 0.3)), moved_frames),
+    "three directors": (interpolated((0, 1, 2), (0.28, -0.12, 0.84)), moved_frames),
+    "follower": (following(0, OFFSET), moved_frames),
+    "tangent": (along_tangent(0), moved_slopes),
+}
+"""Each with how its nodes move: adding one here tests it."""
+
+
+def state(name: str, seed: int):
+    """A grip, rows of its nodes within half a right angle of each other, and a generator."""
+    rng = np.random.default_rng(seed)
+    grip, move = GRIPS[name]
+    near = rng.normal(size=(len(grip.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
+    X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
+    if name == "tangent":
+        X[:, 1] *= 0.5 + rng.random()
+    return grip, np.array(grip.data), X, move, rng
+
+
+def one(grip, data, X):
+    H, J = locate(grip.kind, X[np.newaxis], data[np.newaxis])
+    return H[0], J[0]
+
+
+def pulled(grip, data, X, f):
+    return np.einsum("kij,i->kj", one(grip, data, X)[1], f)
+
+
+@pytest.mark.parametrize("name", GRIPS)
+@given(seed=seeds)
+@settings(max_examples=10, deadline=None)
+def test_the_jacobian_is_the_derivative_of_the_frame(name, seed):
+    grip, data, X, move, rng = state(name, seed)
+    _, J = one(grip, data, X)
+    h = rng.normal(size=(len(X), 6))
+    ahead, behind = (one(grip, data, move(X, s * h))[0] for s in (1e-5, -1e-5))
+    twist = lie.se3_relative(behind, ahead) / 2e-5
+    # differences: 1e-10 times third derivatives, and round-off over the step
+    np.testing.assert_allclose(np.einsum("kij,kj->i", J, h), twist, atol=2e-8)
+
+
+@pytest.mark.parametrize("name", GRIPS)
+@given(seed=seeds)
+@settings(max_examples=10, deadline=None)
+def test_bending_is_the_derivative_of_the_pulled_force(name, seed):
+    grip, data, X, move, rng = state(name, seed)
+    f, h = rng.normal(size=6), rng.normal(size=(len(X), 6))
+    K = bend(grip.kind, X[np.newaxis], data[np.newaxis], f[np.newaxis])[0]
+    ahead, behind = (pulled(grip, data, move(X, s * h), f) for s in (1e-5, -1e-5))
+    numeric = (ahead - behind) / 2e-5
+    np.testing.assert_allclose(np.einsum("aibj,bj->ai", K, h), numeric, atol=2e-8)
+
+
+@pytest.mark.parametrize("name", GRIPS)
+@given(seed=seeds)
+@settings(max_examples=10, deadline=None)
+def test_changes_are_second_rates_of_the_frame(name, seed):
+    grip, data, X, move, rng = state(name, seed)
+    h = rng.normal(size=(len(X), 6))
+    rate = changes(grip.kind, X[np.newaxis], data[np.newaxis], h[np.newaxis])[0]
+    # nodes that move along exp(t h) have constant twists
+    ahead, behind = (one(grip, data, move(X, s * h))[1] for s in (1e-5, -1e-5))
+    numeric = np.einsum("kij,kj->i", ahead - behind, h) / 2e-5
+    np.testing.assert_allclose(rate, numeric, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", GRIPS)
+@given(seed=seeds)
+@settings(max_examples=10, deadline=None)
+def test_frames_are_frames_and_turn_with_the_body(name, seed):
+    grip, data, X, _, rng = state(name, seed)
+    H, J = one(grip, data, X)
+    np.testing.assert_allclose(H[1:] @ H[1:].T, np.eye(3), atol=1e-14)
+    motion = lie.se3_exp(rng.normal(size=6))
+    moved, same = one(grip, data, lie.se3_compose(motion, X))
+    np.testing.assert_allclose(moved, lie.se3_compose(motion, H), atol=1e-13)
+    np.testing.assert_allclose(same, J, atol=1e-13)
+    if name == "tangent":
+        np.testing.assert_allclose(H[1], X[0, 1] / np.linalg.norm(X[0, 1]), atol=1e-14)
+        return  # it has no spin about that
+    # of a rigid motion the grip has the same as all nodes
+    twist = rng.normal(size=6)
+    own = np.array([lie.se3_adjoint(lie.se3_inverse(row)) @ twist for row in X])
+    wanted = lie.se3_adjoint(lie.se3_inverse(H)) @ twist
+    np.testing.assert_allclose(np.einsum("kij,kj->i", J, own), wanted, atol=1e-13)
+
+
+def test_many_states_at_once():
+    grip, _, X, _, _ = state("geodesic", 1)
+    many = np.stack([X, lie.se3_retract(X, np.full((2, 6), 0.1)), X])
+    found = grip.frame(many)
+    assert found.shape == (3, 4, 3)
+    np.testing.assert_array_equal(found[1], grip.frame(many[1]))

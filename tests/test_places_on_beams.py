@@ -1,0 +1,301 @@
+"""Joints at places within elements of beams: as at nodes, in statics, in time and about states."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+
+SECTION = fl.Section.circle(0.02, fl.Material(2e7, 0.3, 1000.0))
+ELEMENTS = {"geodesic": None, "two directors": fl.Director(1), "three": fl.Director(2)}
+PLACE = 1.0 / np.sqrt(5.0)  # no mesh has a node there but by intention
+
+every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+
+
+def beam_of(element, cells: int) -> tuple[fl.Beam, fl.Point]:
+    """With the place within an element."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, formulation=element)
+    return beam, beam.at(PLACE)
+
+
+def meshed(element, cells: int) -> tuple[fl.Beam, fl.Point]:
+    """With a node at the place."""
+    both = [round(cells * PLACE), round(cells * (1.0 - PLACE))]
+    points = [(0, 0, 0), (PLACE, 0, 0), (1, 0, 0)]
+    beam = fl.Beam.polyline(points, SECTION, cells=both, formulation=element)
+    return beam, beam["corner 1"]
+
+
+def propped(beam: fl.Beam, place: fl.Point) -> tuple[np.ndarray, np.ndarray]:
+    """Where the end of a clamped beam goes that is held at the place, and the force there."""
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.start))
+    prop = scene.add(fl.Spherical(fl.ground(), place))
+    scene.add(fl.PointLoad(beam.end, (0, 0.03, -0.4)))
+    result = fl.statics(scene)
+    return result.position(beam.end)[-1], result.joint_force(prop)[-1]
+
+
+@every_element
+def test_statics_converge_to_a_mesh_with_a_node_there(element):
+    wanted, force = propped(*meshed(element, 40))
+    off = []
+    for cells in (4, 16):
+        end, held = propped(*beam_of(element, cells))
+        off.append(np.linalg.norm(end - wanted))
+    # of second order at the least, but where in its element the place is differs
+    assert off[1] < off[0] / 8.0
+    assert off[1] < 2e-4
+    np.testing.assert_allclose(held, force, atol=0.02 * np.linalg.norm(force))
+
+
+@every_element
+def test_a_weight_hangs_where_it_is_fixed(element):
+    scene = fl.Scene(gravity=(0, 0, -10))
+    beam, place = beam_of(element, 2)
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.start))
+    weight = scene.add(fl.RigidBody(0.03, (1e-5,) * 3, place.position))
+    hook = scene.add(fl.Fixed(place, weight.centre))
+    result = fl.statics(scene)
+    assert result.position(beam.end)[-1, 2] < -0.05
+    axes = result.rotation(weight.centre)[-1] @ hook.frame()[1:].T
+    np.testing.assert_allclose(axes @ result.joint_force(hook)[-1, :3], (0, 0, -0.3), atol=1e-10)
+
+
+@pytest.mark.parametrize("following", [False, True], ids=["fixed", "following"])
+@every_element
+def test_loads_at_a_place_are_those_at_a_node_there(element, following):
+    ends = []
+    for beam, place in (beam_of(element, 4), beam_of(element, 16), meshed(element, 40)):
+        scene = fl.Scene()
+        scene.add(beam)
+        scene.add(fl.Clamp(beam.start))
+        scene.add(fl.PointLoad(place, (0.1, 0.2, -0.5), (0.02, 0, 0.03), following=following))
+        result = fl.statics(scene)
+        ends.append(result.position(beam.end)[-1])
+    coarse, fine = (np.linalg.norm(end - ends[-1]) for end in ends[:-1])
+    # the moment is of first order
+    assert fine < 0.01 * np.linalg.norm(ends[-1] - (1, 0, 0))
+    assert fine < coarse / 2.0
+
+
+@every_element
+def test_a_load_at_a_place_does_the_work_that_is_booked(element):
+    beam, place = beam_of(element, 3)
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.PointLoad(place, (0, 0.01, -0.03), (0.002, 0, 0.001)))
+    scene.add(fl.PointLoad(beam.at(0.8), (0, 0, 0.03), following=True, history=np.cos))
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
+    result = scheme.run(scene, duration=0.3, step=2e-3)
+    assert result.balance[-1, 0] > 1e-4
+    assert result.balance_error < 1e-3
+    impulse = result.impulses[:, 0, :3]
+    np.testing.assert_allclose(result.momentum, impulse, atol=2e-3 * np.abs(impulse).max())
+
+
+def pendulum(beam, place, *, sprung: bool = False, scheme=None, step=1e-3, duration=0.1):
+    """A beam that swings about the place, with a spring and damper there if it is sprung."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(beam)
+    hinge = scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0), name="hinge"))
+    if sprung:
+        scene.add(fl.Spring(hinge.angle, stiffness=0.5, damping=0.05))
+        reach = scene.add(fl.Distance(place, beam.end, at=(PLACE, 0, 0.1)))
+        scene.add(fl.Spring(reach.length, stiffness=3.0))
+    scheme = scheme or fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
+    return scheme.run(scene, duration=duration, step=step)
+
+
+@every_element
+@pytest.mark.parametrize("sprung", [False, True], ids=["free", "sprung"])
+def test_a_pendulum_keeps_its_energy_and_stays_closed(element, sprung):
+    result = pendulum(*beam_of(element, 6), sprung=sprung)
+    assert result.joint_violations.max() < 1e-12
+    assert result.balance_error < 2e-5
+    assert (result.balance[-1, 1] > 1e-6) == sprung
+    wanted = pendulum(*meshed(element, 12), sprung=sprung).position("beam 1.end")[-1]
+    far = np.linalg.norm(result.position("beam 1.end")[-1] - wanted)
+    # three per cent are those of two directors, one per thousand those of others
+    assert far < 0.03 * np.linalg.norm(wanted - (1, 0, 0))
+
+
+def test_second_order_in_time_of_motion_and_force():
+    ends, forces = [], []
+    for steps in (100, 200, 400):
+        result = pendulum(*beam_of(None, 3), sprung=True, step=0.1 / steps)
+        ends.append(result.position("beam 1.end")[-1])
+        forces.append(result.joint_force("hinge")[-1])
+    for values in (ends, forces):
+        coarse, fine = np.linalg.norm(np.diff(values, axis=0), axis=1)
+        assert 3.3 < coarse / fine < 5.0
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"policy": fl.EveryIteration()},
+        {"policy": fl.ConstraintsOnly()},
+        {"components": fl.Components.INERTIAL},
+        {"index": fl.Index.STABILISED_TWO},
+        {"group": fl.Group.R3xSO3},
+    ],
+    ids=lambda options: next(iter(options)),
+)
+def test_the_motion_is_the_same_by_any_matrix_and_on_any_group(options):
+    beam, place = beam_of(None, 3)
+    wanted = pendulum(beam, place, sprung=True, duration=0.03).position("beam 1.end")
+    options = dict(options)
+    group = options.pop("group", None)
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, **options)
+    beam, place = beam_of(None, 3)
+    if group is not None:
+        beam.on(group)
+    result = pendulum(beam, place, sprung=True, scheme=scheme, duration=0.03)
+    # stabilised and on another group it is another scheme of second order
+    bound = 1e-9 if {"policy", "components"} & set(options) else 1e-4
+    np.testing.assert_allclose(result.position("beam 1.end"), wanted, atol=bound)
+    assert result.joint_violations.max() < 1e-12
+
+
+def test_steps_that_are_chosen():
+    wanted = pendulum(*beam_of(None, 3), step=2.5e-4)
+    result = pendulum(*beam_of(None, 3), step=fl.AdaptiveStep(1e-5))
+    assert result.joint_violations.max() < 1e-12
+    far = result.position("beam 1.end")[-1] - wanted.position("beam 1.end")[-1]
+    assert np.linalg.norm(far) < 1e-4
+
+
+def test_what_turns_with_all_does_not_change():
+    """The same pendulum, elsewhere and along other axes, in the same steps."""
+    turn = lie.so3_exp(np.array([0.4, -0.3, 0.8]))
+    found = []
+    for R, origin in ((np.eye(3), np.zeros(3)), (turn, np.array([3.0, -1.0, 2.0]))):
+        scene = fl.Scene(gravity=R @ (0, 0, -9.81))
+        up = None if R is turn else (0, 0, 1)
+        ends = origin, origin + R[:, 0]
+        beam = fl.Beam.straight(*ends, SECTION, cells=3, up=R[:, 2] if up is None else up)
+        scene.add(beam)
+        scene.add(fl.Revolute(fl.ground(), beam.at(PLACE), axis=R[:, 1]))
+        scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
+        result = scheme.run(scene, duration=0.05, step=1e-3)
+        found.append((result.position(beam.end) - origin) @ R)
+    np.testing.assert_allclose(*found, atol=1e-9)
+
+
+@every_element
+def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
+    found = []
+    for beam, place in (beam_of(element, 8), beam_of(element, 32), meshed(element, 48)):
+        scene = fl.Scene()
+        scene.add(beam)
+        scene.add(fl.Revolute(fl.ground(), place, axis=(0, 1, 0)))
+        scene.add(fl.Clamp(beam.start))
+        found.append(fl.vibrations(scene, 4).frequencies)
+    coarse, fine = (np.abs(frequencies / found[-1] - 1.0).max() for frequencies in found[:-1])
+    # a moment within an element bends it as if it acted at both ends: of first order
+    assert fine < 0.03
+    assert fine < coarse / 2.0
+
+
+def test_a_place_that_is_moved_and_one_that_is_driven():
+    """A beam is turned about its place; another hangs on its end by a coordinate that grows."""
+    scene = fl.Scene()
+    beam, place = beam_of(None, 3)
+    scene.add(beam)
+    start = place.frame
+
+    def turned(time: float) -> np.ndarray:
+        angle = np.array([0, 0, 0, 0, 0, 0.5 * time**3])
+        return lie.se3_compose(start, lie.se3_exp(angle))
+
+    motion = scene.add(fl.PrescribedMotion(place, turned))
+    other = scene.add(fl.Beam.straight((1, -0.3, 0), (1, 0.5, 0), SECTION, cells=2))
+    hinge = scene.add(fl.Revolute(beam.end, other.at(0.3)))
+    scene.add(fl.Drive(hinge.angle, lambda t: 0.4 * t**3))
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-11)
+    result = scheme.run(scene, duration=0.5, step=2e-3)
+    np.testing.assert_allclose(result.coordinate(hinge)[-1], 0.4 * 0.5**3, atol=1e-12)
+    assert result.joint_violations.max() < 1e-12
+    assert result.balance_error < 1e-3
+    assert np.abs(result.reaction(motion)[-1, 5]) > 1e-4
+
+
+def test_checkpoints_know_where_places_are(tmp_path):
+    def swinging(place: float) -> fl.Scene:
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        beam = scene.add(beam_of(None, 2)[0])
+        scene.add(fl.Revolute(fl.ground(), beam.at(place), at=(0.3, 0, 0), axis=(0, 1, 0)))
+        return scene
+
+    scheme, file = fl.GeneralisedAlpha(), tmp_path / "run.h5"
+    run = scheme.run(swinging(0.3), duration=0.01, step=1e-3, file=file, checkpoint_every=5)
+    again = scheme.resume(swinging(0.3), file)
+    np.testing.assert_array_equal(again.frames, run.frames)
+    with pytest.raises(ValueError, match="ties of Revolute"):
+        scheme.resume(swinging(0.31), file)
+
+
+def test_conserving_schemes_refuse_places_before_any_work():
+    for scheme in (fl.EnergyMomentum(), fl.EnergyDecaying()):
+        with pytest.raises(ValueError, match="no joints on points that are no nodes: use General"):
+            pendulum(*beam_of(None, 2), scheme=scheme)
+        scene = fl.Scene()
+        beam, place = beam_of(None, 2)
+        scene.add(beam)
+        scene.add(fl.PointLoad(place, (0, 0, 1)))
+        with pytest.raises(ValueError, match="loads on places that are no nodes"):
+            scheme.run(scene, duration=0.01, step=1e-3)
+
+
+def test_places_are_nodes_where_there_are_nodes():
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=4, formulation=fl.Director(2))
+    assert beam.at(0.0).grip is None
+    assert beam.at(0.5).grip is None
+    assert beam.at(1.0).node == beam.end.node
+    assert beam.at(0.125).grip is None  # the middle node of the first element
+    assert beam.at(0.3).same(beam.within(1, 0.2))
+    np.testing.assert_allclose(beam.at(0.3).position, (0.3, 0, 0), atol=1e-14)
+
+
+def test_places_on_an_arc():
+    angle = np.pi / 3
+    arc = fl.Beam.curve(lambda s: (np.sin(angle * s), 0, 1 - np.cos(angle * s)), SECTION, cells=3)
+    point = arc.at(0.4 * angle)
+    np.testing.assert_allclose(
+        point.position, (np.sin(0.4 * angle), 0, 1 - np.cos(0.4 * angle)), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (lambda beam: beam.at(1.2), "arc lengths on Beam are 0 to 1, got 1.2"),
+        (lambda beam: beam.at("middle"), "the arc length on Beam must be a number"),
+        (lambda beam: beam.within(7, 0.5), "Beam has elements 0 … 1, got 7"),
+        (lambda beam: beam.within(0, 1.5), "a part of an element is 0 to 1, got 1.5"),
+        (lambda beam: fl.Scene().add(fl.Clamp(beam.at(0.3))), "a clamp needs a node"),
+        (lambda beam: fl.Scene().add(fl.RigidLink(beam.end, beam.at(0.3))), "link needs a node"),
+        (lambda beam: fl.Scene().add(fl.Fixed(beam.at(0.3), beam.at(0.3))), "to itself"),
+    ],
+)
+def test_what_a_place_cannot_be(wrong, message):
+    beam, _ = beam_of(None, 2)
+    with pytest.raises((ValueError, TypeError), match=message):
+        wrong(beam)
+
+
+@every_element
+def test_results_know_where_places_are_and_how_they_move(element):
+    beam, place = beam_of(element, 2)
+    result = pendulum(beam, place, duration=0.02)
+    np.testing.assert_allclose(result.position(place), np.tile(place.position, (21, 1)), atol=1e-12)
+    other = beam.at(0.8)
+    ahead = np.diff(result.position(other), axis=0) / 1e-3
+    moves = np.einsum("tij,tj->ti", result.rotation(other), result.velocity(other)[:, :3])
+    # differences of steps against means of rates
+    np.testing.assert_allclose(0.5 * (moves[1:] + moves[:-1]), ahead, atol=2e-3)
+    assert np.abs(ahead).max() > 0.05

@@ -1,0 +1,416 @@
+"""The door of terms: whatever adds forces, energy and a matrix keeps these laws.
+
+A name in the list below is a term that is tested by all of them.
+"""
+
+import ast
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.forms.term import Term
+from fem_lie.lie.kinds import all_from_group, all_to_group, at_rest, follow_all
+from fem_lie.system import System
+from fem_lie.system.instant import Instant, Plan
+from fem_lie.system.terms.all_terms import Terms
+from fem_lie.system.terms.followed import Followed
+from tests.test_rooms import MODULES, imports_of
+
+MATERIAL = fl.Material(100.0, 0.3, 2.0)
+INERTIA = np.diag([0.5, 0.0, 0.01, 0.02])
+SECTION = fl.Section.from_stiffness([90.0, 40.0, 50.0, 2.0, 1.0, 1.5], INERTIA)
+LAYER = fl.ShellSection.layer(0.2, MATERIAL)
+
+
+def scene_with(*items) -> fl.Scene:
+    scene = fl.Scene()
+    for item in items:
+        scene.add(item)
+    return scene
+
+
+def beam(formulation=None, **options) -> fl.Scene:
+    line = fl.Beam.straight(
+        (0, 0, 0), (2, 1, 0), SECTION, cells=2, formulation=formulation, **options
+    )
+    return scene_with(line)
+
+
+def branch(**options) -> fl.Scene:
+    """Nodes that follow others."""
+    mesh = fl.LineMesh.from_cells(
+        [(0, 0, 0), (1, 0, 0), (1.2, 0.8, 0), (1.5, 0, 0.8)], [(0, 1), (1, 2), (1, 3)]
+    )
+    return scene_with(fl.Beam(mesh, SECTION, **options))
+
+
+def shell(formulation, cell="quadrilateral", degree=1, parameters=None) -> fl.Scene:
+    def place(a, b):
+        return (2.0 * a, b, 0.3 * a * b)
+
+    mesh = fl.surface(place, (2, 1), cell=cell, degree=degree)
+    given = fl.Parameters.FIVE if parameters is None else parameters
+    return scene_with(fl.Shell(mesh, LAYER, formulation=formulation, parameters=given))
+
+
+def cable(**options) -> fl.Scene:
+    """Nodes of positions and slopes."""
+    points = [(0, 0, 0), (1, 0.2, 0), (2, 0.2, 0.3)]
+    mesh = fl.LineMesh.from_cells(points, [(0, 1), (1, 2)], kink_angle=1.5)
+    thread = fl.Section.from_stiffness([90.0, 40.0, 40.0, 2.0, 1.0, 1.0], INERTIA)
+    return scene_with(fl.Cable(mesh, thread, **options))
+
+
+def pressed(scene: fl.Scene) -> fl.Scene:
+    body = scene.bodies[0]
+    if isinstance(body, fl.Beam):
+        scene.add(fl.PressureLoad(body, 3.0))
+    else:
+        scene.add(fl.SurfacePressure(body, lambda x: 1.0 + x[0], gradient=(0.3, -0.2, 0.5)))
+    return scene
+
+
+def sprung() -> fl.Scene:
+    """Bodies on ground and on each other, with springs and dampers of all coordinates."""
+    one = fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0, 0, 0))
+    two = fl.RigidBody(1.0, np.diag([0.2, 0.1, 0.3]), (1.0, 0.2, -0.3))
+    scene = scene_with(one, two)
+    hinge = scene.add(fl.Revolute(one.centre, two.centre, at=(0.5, 0.1, 0.2), axis=(1, 2, 3)))
+    slide = scene.add(fl.Prismatic(fl.ground(), one.centre, at=(0, 1, 0), axis=(3, 1, 2)))
+    rope = scene.add(fl.Distance(fl.ground(), two.centre))
+    for coordinate, rest in ((hinge.angle, 0.2), (slide.displacement, -0.3), (rope.length, 0.7)):
+        scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
+    return scene
+
+
+def held(scene: fl.Scene, **options) -> fl.Scene:
+    """Force and moment on a place that is no node."""
+    place = scene.bodies[0].within(1, 0.3)
+    scene.add(fl.PointLoad(place, (1.0, -2.0, 3.0), (0.4, 0.7, -0.2), **options))
+    return scene
+
+
+def sprung_within() -> fl.Scene:
+    """Springs and dampers of a hinge within an element and of the distance to another place."""
+    scene = beam()
+    place, other = scene.bodies[0].within(0, 0.4), scene.bodies[0].within(1, 0.7)
+    body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.3, 0.4, 0)))
+    hinge = scene.add(fl.Revolute(place, body.centre, at=(0.4, 0.2, 0), axis=(1, 2, 3)))
+    rope = scene.add(fl.Distance(other, body.centre))
+    for coordinate, rest in ((hinge.angle, 0.2), (rope.length, 0.7)):
+        scene.add(fl.Spring(coordinate, stiffness=5.0, damping=0.7, rest=rest))
+    return scene
+
+
+HELD = "loads on places that are no nodes"
+MASS = fl.Damping(mass=0.7)
+VISCOUS = fl.Damping(stiffness=0.3)
+SIX = fl.Parameters.SIX
+
+
+class Case(NamedTuple):
+    """A scene, and what its term is called."""
+
+    scene: Callable[[], fl.Scene]
+    label: str
+
+
+TERMS: dict[str, Case] = {
+    "geodesic beam": Case(lambda: beam(fl.Geodesic()), "elements"),
+    "director beam": Case(lambda: beam(fl.Director(1)), "elements"),
+    "quadratic director beam": Case(lambda: beam(fl.Director(2)), "elements"),
+    "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
+    "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
+    "cable": Case(cable, "elements"),
+    "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
+    "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),
+    "plain geodesic beam": Case(lambda: beam(fl.Geodesic(False)), "elements"),
+    "three-field shell": Case(lambda: shell(fl.HuWashizu()), "elements"),
+    "assumed shear shell": Case(lambda: shell(fl.Displacement()), "elements"),
+    "quadratic shell": Case(lambda: shell(fl.Displacement(), "triangle", 2), "elements"),
+    "shell with six parameters": Case(
+        lambda: shell(fl.HellingerReissner(), parameters=SIX), "elements"
+    ),
+    "drilling": Case(
+        lambda: shell(fl.HellingerReissner(), parameters=SIX),
+        "drilling of shells with six parameters",
+    ),
+    "pressure on a beam": Case(lambda: pressed(beam()), "pressure on beams"),
+    "pressure on a branch": Case(lambda: pressed(branch()), "pressure on beams"),
+    "pressure on a shell": Case(
+        lambda: pressed(shell(fl.HellingerReissner())), "pressure on shells"
+    ),
+    "pressure on a curved shell": Case(
+        lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
+    ),
+    "load within a geodesic": Case(lambda: held(beam()), HELD),
+    "load within two directors": Case(lambda: held(beam(fl.Director(1))), HELD),
+    "load within three directors": Case(lambda: held(beam(fl.Director(2))), HELD),
+    "load that follows within a branch": Case(lambda: held(branch(), following=True), HELD),
+    "springs": Case(sprung, "springs"),
+    "springs within an element": Case(sprung_within, "springs"),
+    "dampers within an element": Case(sprung_within, "dampers"),
+    "dampers": Case(sprung, "dampers"),
+    "damping of mass": Case(lambda: beam(damping=MASS), "damping of mass"),
+    "damping of mass of a cable": Case(lambda: cable(damping=MASS), "damping of mass"),
+    "damping of mass of a branch": Case(lambda: branch(damping=MASS), "damping of mass"),
+}
+
+every_term = pytest.mark.parametrize("name", TERMS)
+STEP = 1e-5
+
+
+@cache
+def made(name: str) -> System:
+    return System(TERMS[name].scene(), dynamics=True)
+
+
+class Model:
+    """A term in a bent state, with the increments that its nodes may make."""
+
+    def __init__(self, name: str) -> None:
+        self.system = made(name)
+        (self.term,) = (t for t in self.system.terms if t.label == TERMS[name].label)
+        self.count, self.rng = self.system.count, np.random.default_rng(7)
+        self.H = self.moved(self.system.frames, self.increment(), 0.2)
+        if self.term.carries:
+            self.term.reset_stress(self.H)
+
+    def increment(self) -> np.ndarray:
+        return np.where(self.system.held, 0.0, self.rng.normal(size=(self.count, 6)))
+
+    def moved(self, H: np.ndarray, h: np.ndarray, size: float) -> np.ndarray:
+        there = H.copy()
+        follow_all(self.system.kinds, H, size * h, there)
+        return there
+
+    def as_fast(self, v: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """The velocity of the nodes' groups, twists of frames, that ``v`` is, elsewhere."""
+        moving, kinds = v.copy(), at_rest(self.system.kinds)
+        all_to_group(kinds, self.H, moving)
+        all_from_group(kinds, there, moving)
+        return moving
+
+    def forces(self, H: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
+        out = np.zeros((self.count, 6))
+        if self.term.settles:
+            self.term.settle(H)
+        self.term.add_forces(H, out, kept)
+        return out
+
+    def viscous(self, H: np.ndarray, v: np.ndarray) -> np.ndarray:
+        out = np.zeros((self.count, 6))
+        if self.term.viscous:
+            self.term.add_viscous_forces(H, v, out)
+        return out
+
+    def tangent(self) -> np.ndarray:
+        """Of the forces in the present state, blocks of pairs."""
+        kept = self.term.room()
+        self.forces(self.H, kept)
+        if self.term.carries:
+            self.term.reset_stress(self.H)
+        blocks, more = self.term.tangent(self.H, kept), self.term.geometric(self.H)
+        return blocks.copy() if more is None else blocks + more
+
+    def times(self, blocks: np.ndarray, h: np.ndarray) -> np.ndarray:
+        """Blocks of the term's pairs times a vector of the nodes."""
+        rows, columns = self.term.pairs
+        out = np.zeros((self.count, 6))
+        np.add.at(out, rows, np.einsum("pij,pj->pi", blocks, h[columns]))
+        return out
+
+
+def close(found: np.ndarray, expected: np.ndarray, part: float) -> None:
+    np.testing.assert_allclose(found, expected, rtol=0, atol=part * np.abs(expected).max())
+
+
+@every_term
+def test_forces_are_the_gradient_of_the_energy(name):
+    model = Model(name)
+    if model.term.load:
+        assert model.term.energy(model.H) == 0.0  # what it does is work
+        return
+    forces = model.forces(model.H)
+    for _ in range(3):
+        h = model.increment()
+        ahead, back = (model.term.energy(model.moved(model.H, h, s * STEP)) for s in (1, -1))
+        work = np.vdot(forces, h)
+        # third derivatives times the step's square, and round-off over the step
+        assert abs((ahead - back) / (2 * STEP) - work) <= 1e-7 * np.abs(forces * h).sum()
+
+
+@every_term
+def test_tangent_is_the_derivative_of_the_forces(name):
+    model = Model(name)
+    blocks = model.tangent()
+    for _ in range(3):
+        h = model.increment()
+        ahead, back = (model.forces(model.moved(model.H, h, s * STEP)) for s in (1, -1))
+        close(model.times(blocks, h), (ahead - back) / (2 * STEP), 1e-6)
+
+
+@every_term
+def test_tangent_depends_on_what_it_is_given_alone(name):
+    """Not on what forces were asked for last."""
+    model = Model(name)
+    before = model.tangent()
+    kept = model.term.room()
+    model.forces(model.H, kept)
+    model.forces(model.moved(model.H, model.increment(), 0.1), model.term.room())
+    if model.term.carries:
+        model.term.reset_stress(model.H)
+    blocks, more = model.term.tangent(model.H, kept), model.term.geometric(model.H)
+    close(blocks if more is None else blocks + more, before, 1e-13)
+
+
+@every_term
+def test_pairs_have_all_that_moves_the_forces(name):
+    """When one node moves, forces change at those alone that are paired with it."""
+    model = Model(name)
+    rows, columns = model.term.pairs
+    assert rows.max(initial=0) < model.count
+    assert columns.max(initial=0) < model.count
+    still, v = np.zeros((model.count, 6)), model.increment()
+    for node in range(model.count):
+        alone = still.copy()
+        alone[node] = model.increment()[node]
+        there = model.moved(model.H, alone, 0.1)
+        moved = model.forces(there) - model.forces(model.H)
+        moved += model.viscous(model.H, v + alone) - model.viscous(model.H, v)
+        elsewhere = np.setdiff1d(np.arange(model.count), rows[columns == node])
+        assert np.abs(moved[elsewhere]).max(initial=0.0) <= 1e-12 * max(np.abs(moved).max(), 1.0)
+
+
+@every_term
+def test_viscous_tangent_is_the_derivative_of_viscous_forces(name):
+    """In velocities, and in frames where that is not left out; they are linear and take energy."""
+    model = Model(name)
+    if not model.term.viscous:
+        assert model.term.rates is None
+        return
+    v = model.increment()
+    assert np.vdot(model.viscous(model.H, v), v) > 0.0
+    by_twists, by_frames = model.term.viscous_tangent(model.H, v)
+    close(model.times(by_twists, v), model.viscous(model.H, v), 1e-12)
+    if by_frames is None:
+        return
+    h = model.increment()
+    there = [model.moved(model.H, h, s * STEP) for s in (1, -1)]
+    ahead, back = (model.viscous(H, model.as_fast(v, H)) for H in there)
+    close(model.times(by_frames, h), (ahead - back) / (2 * STEP), 1e-7)
+
+
+@every_term
+def test_what_was_carried_is_restored(name):
+    model = Model(name)
+    if not model.term.carries:
+        assert len(model.term.carried) == 0
+        return
+    kept, carried = model.term.room(), model.term.carried.copy()
+    model.forces(model.H, kept)
+    before = model.term.tangent(model.H, kept).copy()
+    model.term.carry(model.H, 0.1 * model.increment())
+    assert len(carried) == 0 or np.abs(model.term.carried - carried).max() > 0.0
+    model.term.restore(carried)
+    assert np.array_equal(model.term.carried, carried)
+    assert np.array_equal(model.term.tangent(model.H, kept), before)
+    model.term.clear_stress()
+    model.term.reset_stress(model.H)
+    close(model.term.tangent(model.H, kept), before, 1e-12)
+
+
+@every_term
+def test_a_sum_of_terms_is_what_they_are_one_by_one(name):
+    """However they are joined; with the sum over joints of what is within that."""
+    model = Model(name)
+    terms = Terms([model.term, model.term], model.count, moving=True)
+    r, v = np.zeros(model.system.size), model.increment()
+    terms.add_forces(model.H, r)
+    terms.add_viscous_forces(model.H, v, r)
+    alone = 2.0 * (model.forces(model.H) + model.viscous(model.H, v))
+    if model.term.within_joints:
+        alone[:] = 0.0
+    np.testing.assert_allclose(
+        r[: alone.size], alone.ravel(), rtol=0, atol=1e-13 * np.abs(alone).max(initial=1.0)
+    )
+    assert terms.energy(model.H) == pytest.approx(2.0 * model.term.energy(model.H), rel=1e-13)
+
+
+def test_what_is_within_the_sum_over_joints_is_there():
+    """Forces of springs and dampers, as the residual of a scene has them, and their stiffness."""
+    model = Model("springs")
+    system, v = model.system, model.increment()
+    r, rest = np.zeros((2, system.size))
+    weights, scale = np.zeros(system.m), np.ones(system.m)
+    system.connections.sets[0].evaluate(model.H, v, weights, scale, model.count, r)
+    for term in system.terms:
+        nodal = rest[: 6 * model.count].reshape(-1, 6)
+        term.add_forces(model.H, nodal)
+        if term.viscous:
+            term.add_viscous_forces(model.H, v, nodal)
+    close(r[: 6 * model.count], rest[: 6 * model.count], 1e-13)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [sprung, lambda: pressed(branch()), lambda: pressed(shell(fl.HellingerReissner()))],
+    ids=["springs", "pressure on a branch", "pressure on a shell"],
+)
+@pytest.mark.parametrize("dynamics", [True, False])
+def test_matrix_is_that_of_the_forces_it_is_given(scene, dynamics):
+    """Whatever residuals were computed in between."""
+    system = System(scene(), dynamics=dynamics)
+    n, rng = system.count, np.random.default_rng(4)
+    first, second = (np.where(system.held, 0.0, 0.1 * rng.normal(size=(n, 6))) for _ in range(2))
+    frames, plan = [], Plan(np.zeros((n, 6)), np.ones(system.m), 3.0, 2.0)
+    for h in (first, second):
+        H = system.frames.copy()
+        H[:n] = lie.se3_retract(H[:n], h)
+        frames.append(H)
+    v, a = (rng.normal(size=(n, 6)) if dynamics else np.zeros((n, 6)) for _ in range(2))
+    here, there = (Instant(H, v, a, rng.normal(size=system.m)) for H in frames)
+    forces, r, found = system.room(), np.empty(system.size), []
+    for others in ([], [there]):
+        system.terms.reset_stress(here.H)
+        system.residual(here, plan.scale, r, forces)
+        for other in others:
+            system.residual(other, plan.scale, r, system.room())
+        system.terms.reset_stress(here.H)
+        system.fill_matrix(here, forces, plan)
+        found.append(system.kkt.csr[0].copy())
+    close(found[1], found[0], 1e-13)
+
+
+# --- nobody asks which they are ---
+
+
+def all_kinds(of: type[Term] = Term) -> list[type[Term]]:
+    return [kind for sub in of.__subclasses__() for kind in (sub, *all_kinds(sub))]
+
+
+def test_all_terms_of_the_package_are_in_the_list():
+    """But for those that are bases of others, or others seen from elsewhere."""
+    listed = {type(getattr(model.term, "term", model.term)) for model in map(Model, TERMS)}
+    kinds = {kind for kind in all_kinds() if kind.__module__.startswith("fem_lie.")}
+    assert {kind for kind in kinds if not kind.__subclasses__()} - {Followed} <= listed
+
+
+@pytest.mark.parametrize("module", ["system.system", "system.tangent", "system.load_cases"])
+def test_the_equations_import_no_term_by_name(module):
+    where = {kind.__module__.removeprefix("fem_lie.") for kind in all_kinds()}
+    assert "system.terms.springs" in where
+    assert "scene.pressure" in where
+    assert not where & imports_of(module)
+
+
+@pytest.mark.parametrize("module", ["system.system", "system.tangent", "system.load_cases"])
+def test_the_equations_ask_no_term_and_no_load_what_it_is(module):
+    tree = ast.parse(MODULES[module].read_text(encoding="utf-8"))
+    calls = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    assert not [f for f in calls if isinstance(f, ast.Name) and f.id in ("isinstance", "type")]
