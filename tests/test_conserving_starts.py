@@ -131,6 +131,29 @@ def test_round_off_of_far_places_is_no_reason_for_parts(caplog):
     assert "parts" not in caplog.text
 
 
+@pytest.mark.slow
+def test_an_iteration_gone_astray_is_no_round_off():
+    """Among folded elements all is felt: a step was taken to be done, with 10⁶ times the energy."""
+    data = replace(random_scene(22, replace(CONSERVING, steps=1300)), loads=())
+    result = DECAYS.run(
+        build(data).scene, duration=1300 * STEP, step=STEP, save_every=10, progress=False
+    )
+    assert result.balance is not None
+    work = np.abs(result.balance).max() + np.abs(result.potential - result.potential[0]).max()
+    assert (result.kinetic + result.elastic).max() < 3.0 * (result.total_energy[0] + work)
+    assert result.balance_error < 1e-10
+
+
+@pytest.mark.slow
+def test_steps_that_converge_slowly_are_given_time():
+    """Nearly all energy is in waves that the step does not resolve: a rate of 0.8 to 0.95."""
+    data = replace(random_scene(44, replace(CONSERVING, steps=620)), loads=())
+    result = CONSERVES.run(
+        build(data).scene, duration=620 * STEP, step=STEP, save_every=10, progress=False
+    )
+    check_balances(result)
+
+
 def test_policies_that_make_no_matrix_make_no_parts(caplog):
     caplog.set_level(logging.WARNING)
     with pytest.raises(fl.ConvergenceError, match="a policy that may make new matrices"):

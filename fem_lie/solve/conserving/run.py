@@ -37,9 +37,9 @@ HALVINGS = 6
 """Of a step of which no solution is found, at most."""
 _RESCUE = 1, 40.0
 """Patience, and the cost of a matrix in iterations, of a step that failed."""
-_NOISE = 1e-9
-"""Of the length of the model: an iteration that came as near has a solution on which round-off does
-not let it settle, and smaller steps have more of that."""
+_SLOW = 4
+"""Times as many iterations as else may be made with new matrices: they converge surely from no motion,
+and slowly where much energy is in waves that the step does not resolve."""
 _LONG, _SETTLED = 20, 1e-11
 """Iterations without progress after which increments of this size, in lengths, are round-off."""
 _UNPREDICTED = 8
@@ -59,7 +59,6 @@ class Run(RunState):
     """
 
     endures = True
-    _astray = False
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -118,17 +117,15 @@ class Run(RunState):
         numbers = self.numbers
         if self.counters[stopping.STALLS] >= _LONG and numbers[stopping.LEAST] <= _SETTLED:
             numbers[stopping.FLOOR] = numbers[stopping.LEAST]
-        return self._again() or (self._astray and self._in_parts(start, end, 1))
+        return self._again() or self._in_parts(start, end, 1)
 
     def _again(self) -> bool:
         """The step that failed from its start, with new matrices until it converges fast."""
-        self._astray = True
         for still in (True, False):
             self.numbers[stopping.EXCESS] = np.inf
             if self._make(_RESCUE, still=still, always=True):
                 self.told[_STILL] = _UNPREDICTED if still else 0
                 return True
-            self._astray &= bool(self.numbers[stopping.LEAST] > _NOISE)
             self.s.weights[:] = self.this.weights
         return False
 
@@ -158,7 +155,7 @@ class Run(RunState):
             if self._changing:
                 self._set_time(a, b)
             made = self._again()
-            if not made and self._astray and depth < HALVINGS:
+            if not made and depth < HALVINGS:
                 made = self._in_parts(a, b, depth + 1)
             if not made:
                 break
@@ -188,7 +185,8 @@ class Run(RunState):
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         options, counters = self.options, self.counters
         spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
-        given = (options.tolerance, options.max_iterations, *rule, spare)
+        limit = options.max_iterations * (_SLOW if always else 1)
+        given = (options.tolerance, limit, *rule, spare)
         while True:
             packed = self._packed
             tables = packed.model, packed.state, packed.step
@@ -220,7 +218,7 @@ class Run(RunState):
         rescued = self.options.policy.rescue
         index = self.index + 1
         text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
-        return f"{text}. Nor did it in {2**HALVINGS} parts" if self._astray else text
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if rescued else text
 
     # --- results ---
 

@@ -83,6 +83,8 @@ _ULP = 4.0 * float(np.finfo(np.float64).eps)
 """What unknowns are changed by, in lengths of the model, to see what round-off does."""
 _FELT = 8.0
 """Increments are round-off if they are at most as large as this many changes by it."""
+_ASTRAY = 1e-6
+"""Unless they are larger than this: far from any solution, where elements fold, all is felt."""
 
 
 @linked
@@ -312,7 +314,7 @@ def run(
         if not noise and stagnates(counters, numbers):
             # one sample of round-off may be small by chance
             numbers[FELT] = max(_round_off(model, state, this, factors), numbers[FELT])
-            noise = numbers[INCREMENT] <= _FELT * numbers[FELT]
+            noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
         if noise or converged(numbers, tolerance, iteration):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
@@ -337,16 +339,18 @@ def _round_off(model: Model, state: State, this: Step, factors: PlainFactors) ->
     """How much the correction changes with the unknowns' last digits.
 
     That is what round-off makes of it in this scene and posture, where stiffness over inertia, or
-    constraints that are hardly independent, make much of it. An iteration that is at odds with its
-    matrix does not feel it.
+    constraints that are hardly independent, make much of it, and places far from the origin have
+    the fewer digits. An iteration that is at odds with its matrix does not feel it.
     """
     held, measure = model.held, model.measure
     H, weights, step, solution = state.H, state.weights, this.step, solution_of(this.r)
     kept, kept_weights, x = step.copy(), weights.copy(), solution.x.copy()
     n, sign = step.shape[0], 1.0
     for i in range(n):
+        place = load_row(H[i], 0)
+        far = max(1.0, measure[6 * i] * sqrt(dot(place, place)))
         for k in range(6):
-            step[i, k] += sign * _ULP / measure[6 * i + k]
+            step[i, k] += sign * _ULP * (far if k < 3 else 1.0) / measure[6 * i + k]
             sign = -sign
         _hold(H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
         sign = -sign if i % 2 == 0 else sign
