@@ -38,8 +38,8 @@ HALVINGS = 6
 _RESCUE = 1, 40.0
 """Patience, and the cost of a matrix in iterations, of a step that failed."""
 _SLOW = 4
-"""Times as many iterations as else may be made with new matrices: they converge surely from no motion,
-and slowly where much energy is in waves that the step does not resolve."""
+"""Times as many iterations as else may be made with new matrices: they converge surely from no
+motion, and slowly where much energy is in waves that the step does not resolve."""
 _LONG, _SETTLED = 20, 1e-11
 """Iterations without progress after which increments of this size, in lengths, are round-off."""
 _UNPREDICTED = 8
