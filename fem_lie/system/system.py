@@ -29,7 +29,7 @@ from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.masses import inertia_of
 from fem_lie.system.nodes.shared_setup import numbering_for
-from fem_lie.system.nodes.sums import report, residual, rigid_residual
+from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent
 from fem_lie.system.terms.of_scene import terms_of
 
@@ -95,6 +95,8 @@ class System:
         self.table = self.connections.table
         self.m = self.connections.m
         self._others = not self.connections.of_joints_only
+        # without ties nothing is compiled for them, which would take seconds
+        self._joined = len(self.table.nodes) > 0
         if self.connections.of_velocities and not dynamics:
             raise ValueError("KnifeEdge and RollingDisc bind velocities: they are for dynamics")
         self.size = 6 * self.count + self.m
@@ -230,16 +232,10 @@ class System:
         """
         found = self._found if forces is None else forces
         H, v, a, weights = state
-        rigid_residual(
-            self.kinds,
-            (H, v, a),
-            self._plain_inertia,
-            self._plain_loads,
-            self.connections.packed,
-            (weights, scale),
-            found.work,
-            r,
-        )
+        mass, loads, joints = self._plain_inertia, self._plain_loads, self.connections.packed
+        nodal_residual(self.kinds, (H, v, a), mass, loads, found.work, r)
+        if self._joined:
+            add_joints(H, v, joints, weights, scale, self.count, r)
         if self._others:
             self.connections.add_others(H, v, weights, scale, self.velocity_factor, r)
         if self._any_uncoupled:

@@ -17,7 +17,7 @@ from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.inertia import Inertia
-from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, rigid_tangent, to_inertial
+from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, load_tangent, to_inertial
 from fem_lie.system.terms.all_terms import Terms
 
 _ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
@@ -151,9 +151,12 @@ class Tangent:
             loads: Forces on (x, d₁, d₂, d₃) that the residual found, and moments fixed in space.
             factors: ∂a/∂d and ∂v/∂d.
         """
-        H, v, a, _ = state
-        mass, parts = (self._mass.plain, self._place_mass), (self.A, self.K)
-        rigid_tangent((H, v, a), kinds, mass, (*loads, self._diagonal), factors, parts)
+        (H, v, a, _), n = state, self._count
+        # at rest, as statics is, inertia has no part
+        if any(factors) or v.any() or a.any():
+            motion, parts = (H, v[:n], a[:n]), (self.A, self.K)
+            inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
+        load_tangent(kinds, H, *loads, self._diagonal, self.K)
 
     def add_mass(self, H: Array, kinds: Indices) -> None:
         """The mass matrix, to ``A``."""

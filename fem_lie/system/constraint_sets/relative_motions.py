@@ -74,6 +74,8 @@ class RelativeMotions(ConstraintSet):
         self.packed = _packed(rows, pairs, self.m, springs, self.border, start.leg)
         self.table = views(self.packed)
         self.targets = self.table.targets
+        # without ties nothing is compiled for them, which would take seconds
+        self._ties = len(self.table.nodes) > 0
         self.angular = self._angles()
         a, b = self.table.nodes.T
         sides = np.stack([a, b], axis=1)
@@ -115,28 +117,34 @@ class RelativeMotions(ConstraintSet):
         self, H: Array, v: Array, weights: Array, scale: Array, count: int, r: Array
     ) -> None:
         """See the base class."""
-        terms.evaluate(H, v, self.table, weights, scale, count, r)
+        if self._ties:
+            terms.evaluate(H, v, self.table, weights, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
-        terms.violations(H, self.table, out)
+        if self._ties:
+            terms.violations(H, self.table, out)
 
     def jacobian(self, H: Array, legs: Array) -> None:
         """See the base class."""
-        terms.jacobian(H, self.table, legs)
+        if self._ties:
+            terms.jacobian(H, self.table, legs)
 
     def geometric(self, H: Array, weights: Array, place: Indices, K: Array) -> None:
         """See the base class."""
-        terms.geometric(H, self.table, weights, place, K)
+        if self._ties:
+            terms.geometric(H, self.table, weights, place, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """See the base class."""
-        terms.rates(H, v, self.table, first, second)
+        if self._ties:
+            terms.rates(H, v, self.table, first, second)
 
     def initial(self, H: Array) -> Array:
         """See the base class."""
         values = np.zeros(self.m)
-        terms.violations(H, self.table, values)
+        if self._ties:
+            terms.violations(H, self.table, values)
         return np.where(self._keeps, values, 0.0)
 
     @property
@@ -177,12 +185,16 @@ class RelativeMotions(ConstraintSet):
 
     def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
         """See the base class."""
+        if not self._ties:
+            return
         found: Array = np.empty((len(self.tied), 6))
         terms.wrenches(H, v, self.table, weights, *self.reported, found)
         out[self.tied] += found
 
     def coordinates(self, H: Array, out: Array) -> None:
         """See the base class."""
+        if not len(self._place):
+            return
         found: Array = np.empty(len(self.probes.targets))
         terms.violations(H, self.probes, found)
         out[self._place] = found

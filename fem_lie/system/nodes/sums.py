@@ -46,22 +46,19 @@ def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) 
 
 
 @compiled
-def rigid_residual(
+def nodal_residual(
     kinds: Indices,
     motion: PlainMotion,
     mass: PlainInertia,
     loads: PlainLoads,
-    joints: PackedJoints,
-    multipliers: tuple[Array, Array],
     work: Array,
     r: Array,
 ) -> None:
-    """``r = Lᵀ (G q̈ − dead) − loads + Bᵀ weights``, and ``scale · Φ``; ``work`` (2, n, 4, 3).
+    """``r = Lᵀ (G q̈ − dead) − loads``; ``work`` (2, n, 4, 3).
 
-    ``multipliers`` are weights and scale. The records come as plain tuples and the joints packed:
-    cheaper to call so from Python.
+    The records come as plain tuples: cheaper to call so from Python.
     """
-    (H, v, a), (weights, scale) = motion, multipliers
+    H, v, a = motion
     indptr, indices, blocks = mass
     dead, moment, following = loads
     count = dead.shape[0]
@@ -74,6 +71,13 @@ def rigid_residual(
                 work[1, i, k, j] -= dead[i, k, j]
     pull_all(kinds, H, work[1], 1.0, r)
     _add_moments(H, moment, following, r)
+
+
+@compiled
+def add_joints(
+    H: Array, v: Array, joints: PackedJoints, weights: Array, scale: Array, count: int, r: Array
+) -> None:
+    """Add ``Bᵀ weights`` to ``r``, and set ``scale · Φ``; packed joints are cheaper to pass."""
     terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
 
 
@@ -81,7 +85,7 @@ def rigid_residual(
 def residual(
     H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array, table: Indices
 ) -> None:
-    """:func:`rigid_residual`, and forces of elements.
+    """:func:`nodal_residual`, joints, and forces of elements.
 
     Args:
         H: See there, and so on.
@@ -98,7 +102,8 @@ def residual(
     loads = numbers3(table, 4), numbers2(table, 5), numbers2(table, 6)
     joints = numbers1(table, 7), integers1(table, 8)
     work = numbers4(table, 9)
-    rigid_residual(kinds, (H, v, a), mass, loads, joints, (weights, scale), work, r)
+    nodal_residual(kinds, (H, v, a), mass, loads, work, r)
+    terms.evaluate(H, v, joint_table(joints), weights, scale, work.shape[1], r)
     add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
 
 
@@ -156,33 +161,21 @@ def add_mass_damping(
 
 
 @compiled
-def rigid_tangent(
-    motion: PlainMotion,
-    kinds: Indices,
-    mass: tuple[PlainInertia, Indices],
-    loads: tuple[Array, Array, Indices],
-    factors: tuple[float, float],
-    parts: tuple[Array, Array],
+def load_tangent(
+    kinds: Indices, H: Array, forces: Array, moment: Array, diagonal: Indices, K: Array
 ) -> None:
-    """Derivatives of :func:`rigid_residual`.
+    """Derivatives of :func:`nodal_residual` but for those of accelerations, to ``K``.
 
     Args:
-        motion: Frames, velocities and their rates.
         kinds: Of the nodes.
-        mass: Inertia, and the positions of its blocks in the pattern.
-        loads: ``f = G q̈ − dead`` of the residual, global moments, and the positions of the
-            diagonal in the pattern.
-        factors: ∂a/∂d and ∂v/∂d.
-        parts: As for :func:`~fem_lie.system.nodes.inertia.tangents`.
+        H: Frames.
+        forces: ``G q̈ − dead`` of the residual, shape (n, 4, 3).
+        moment: Global moments, shape (n, 3).
+        diagonal: Positions of the diagonal in the pattern.
+        K: Blocks, updated.
     """
-    (H, v, a), (G, place), (f, moment, diagonal), (_, K) = motion, mass, loads, parts
-    count = moment.shape[0]
-    # at rest, as statics is, inertia has no part
-    by_a, by_v = factors
-    if by_a != 0.0 or by_v != 0.0 or v.any() or a.any():
-        inertia.tangents((H, v[:count], a[:count]), kinds, G, place, factors, parts)
-    for i in range(count):
-        pull_derivative(kinds[i], H[i], f[i], 1.0, K[diagonal[i]])
+    for i in range(moment.shape[0]):
+        pull_derivative(kinds[i], H[i], forces[i], 1.0, K[diagonal[i]])
     _add_moment_stiffness(H, moment, diagonal, K)
 
 
