@@ -7,8 +7,8 @@ warp, u = kappa_1 omega(y, z), and equilibrium along the axis gives Laplace's eq
     G J = integral G (grad omega + t) . t dA;
 
 a shear force makes it warp, too, and the mean of that is the shear strain of the beam. The theory
-stands in fem_lie/sections/warping.py; shear factors are those of G. R. Cowper, J. Appl. Mech. 33
-(1966) 335.
+stands in fem_lie/sections/warping_fields.py; shear factors are those of G. R. Cowper, J. Appl.
+Mech. 33 (1966) 335.
 
 The table compares shapes with closed forms: Saint-Venant's torsion of rectangle, triangle, ellipse
 and tube; Cowper's factors; and, for the channel, the shear centre of thin walls,
@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.sections.section import rectangle_torsion_constant
+from fem_lie.sections.closed_forms import rectangle_torsion_constant
 
 RESULTS = Path(__file__).parents[1] / "results"
 WOOD = fl.Material(E=11e9, nu=0.3, density=450.0)

@@ -80,7 +80,7 @@ from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad
 from fem_lie.sections.material import Material
-from fem_lie.sections.mesh import SectionMesh
+from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.properties import SectionProperties
 from fem_lie.sections.section import Section
 from fem_lie.sections.shape import SectionShape

@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numba
 import pytest
@@ -43,8 +44,11 @@ print(sum(caller.stats.cache_hits.values()) + called_back.cache_hits)
 def run(tmp_path):
     """Write a small package with a helper that multiplies by ``value``, and run its caller."""
     package = tmp_path / "small"
-    package.mkdir()
-    shutil.copy(fem_lie._jit.__file__, package)
+    for path in Path(fem_lie._jit.__file__).parent.glob("*.py"):
+        copy = package / "_jit" / path.name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        source = path.read_text().replace("from fem_lie.", f"from {package.name}.")
+        copy.write_text(source)
     (package / "__init__.py").touch()
     (package / "caller.py").write_text(CALLER.format(package="small"))
 

@@ -9,7 +9,7 @@ from numba.core.runtime import _nrt_python, rtsys
 
 from fem_lie import lie
 from fem_lie._jit import compiled
-from fem_lie.lie import tuples
+from fem_lie.lie import series
 
 PI = np.pi
 SMALL = [0.0, 1e-12, 1e-8, 1e-4, 0.7, 0.71, 1.0]  # the series change length at θ² = ½
@@ -162,7 +162,7 @@ def test_derivatives_of_rotation_tangents(angle):
 
 @compiled
 def _coefficients(x):
-    return tuples.stumpff(x)[2:], tuples.inverse_series(x)
+    return series.stumpff(x)[2:], series.inverse_series(x)
 
 
 @pytest.mark.parametrize("angle", [*TO_PI, 3.15, 5.0])

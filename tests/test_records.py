@@ -11,7 +11,7 @@ import pytest
 
 from fem_lie.forms.cells import Cells
 from fem_lie.solve.conserving.memory import model_of, room_for_step, start_state
-from fem_lie.solve.conserving.step import records
+from fem_lie.solve.conserving.step import packing, records
 from fem_lie.system.equations import Equations
 from tests.random_scenes import CONSERVING, random_scene
 from tests.scene_builder import build
@@ -44,11 +44,11 @@ def given() -> dict[str, Any]:
 @pytest.mark.parametrize("name", ["model", "state", "step"])
 def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
     """Every field has the name, the shape and the place in memory that it has in Python."""
-    packed = records.Packed(**given)
+    packed = packing.Packed(**given)
     read = {
-        "model": records.model_of,
-        "state": records.state_of,
-        "step": records.step_of,
+        "model": packing.model_of,
+        "state": packing.state_of,
+        "step": packing.step_of,
     }[name](getattr(packed, name))
     wanted, found = dict(leaves(given[name], name)), dict(leaves(read, name))
     assert found.keys() == wanted.keys()

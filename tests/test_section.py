@@ -9,8 +9,9 @@ from mass_matrix import mass_matrix_6x6
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.rigid import gram_from_rigid
+from fem_lie.sections.closed_forms import rectangle_torsion_constant
 from fem_lie.sections.material import Material
-from fem_lie.sections.section import Section, rectangle_torsion_constant
+from fem_lie.sections.section import Section
 
 STEEL = Material(E=210e9, nu=0.3, density=7850.0)
 SIZE = st.floats(1e-3, 10.0)

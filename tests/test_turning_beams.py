@@ -10,7 +10,7 @@ import pytest
 import fem_lie as fl
 from demos.rotating_beam import angle
 from fem_lie import lie
-from fem_lie.solve.conserving.step import discrete_gradient
+from fem_lie.solve.conserving.step import mean_forces
 from fem_lie.solve.conserving.step.cayley import span
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
@@ -45,11 +45,11 @@ def work(H: np.ndarray, step: np.ndarray, F: np.ndarray, director: bool) -> floa
     span(H, step, delta, mean, end, middle)
     nodes, A = np.arange(len(H)), np.empty((3, 3))
     f, s, Ms = np.empty((3, len(H), 6))
-    path = discrete_gradient.Path(mean, delta, step)
-    fit = discrete_gradient.metric_and_fit(nodes, director, path, A)
-    ends = discrete_gradient.Ends(H, end, F, F)
-    discrete_gradient.mean_forces(nodes, director, ends, mean, fit, A, f)
-    discrete_gradient.deformation(nodes, director, path, fit, s, Ms)
+    path = mean_forces.Path(mean, delta, step)
+    fit = mean_forces.metric_and_fit(nodes, director, path, A)
+    ends = mean_forces.Ends(H, end, F, F)
+    mean_forces.mean_forces(nodes, director, ends, mean, fit, A, f)
+    mean_forces.deformation(nodes, director, path, fit, s, Ms)
     return float(np.sum(f * s))
 
 

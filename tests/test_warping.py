@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 import fem_lie as fl
-from fem_lie.sections.section import rectangle_torsion_constant
-from fem_lie.sections.warping import _Fields
+from fem_lie.sections.closed_forms import rectangle_torsion_constant
+from fem_lie.sections.warping_fields import WarpingFields
 
 NU = 0.3
 STEEL = fl.Material(E=210e9, nu=NU, density=7850.0)
@@ -328,7 +328,7 @@ def test_motion_by_poissons_ratio_is_no_shear():
     """What Love's solution leaves open, a rigid motion of the section, does not change Γ."""
     mesh = SHAPES["angle"].mesh
     size = np.ptp(mesh.points)
-    fields = _Fields(mesh, mesh.points / size, [STEEL], 3)
+    fields = WarpingFields(mesh, mesh.points / size, [STEEL], 3)
     torsion = fields.torsion()
     y, z = fields.r
     a = np.array([y * y, y * z])

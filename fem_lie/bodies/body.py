@@ -17,8 +17,10 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, choice, instance, text, vector
 from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.loadable import Loadable
+from fem_lie.bodies.node_checks import check_nodes
 from fem_lie.grips.grip import Grip
-from fem_lie.lie.kinds import NodeKind, rigid_motions
+from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
 from fem_lie.lie.motions import Group
 
 if TYPE_CHECKING:
@@ -26,9 +28,6 @@ if TYPE_CHECKING:
 
     from fem_lie.bodies.turning import Turning
     from fem_lie.forms.assembly import Assembly
-
-_ORTHONORMAL = 1e-8  # as of prescribed motions
-
 
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
 """What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
@@ -39,7 +38,7 @@ NO_HOLDS: Holds = MappingProxyType({})
 AnyBody = TypeVar("AnyBody", bound="Body")
 
 
-class Body:
+class Body(Loadable):
     """Nodes that move.
 
     Attributes:
@@ -177,24 +176,7 @@ class Body:
 
     def check(self) -> None:
         """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
-        shape, count = self.velocities.shape, len(self.frames)
-        if shape != (count, 6) or not np.isfinite(self.velocities).all():
-            raise ValueError(
-                f"velocities of {self.label} must be finite and of shape ({count}, 6), got\n"
-                f"{self.velocities}"
-            )
-        axes = self.frames[:, 1:].copy()
-        if self.node_kind == NodeKind.SLOPE:
-            axes[:, 0] /= np.linalg.norm(axes[:, 0], axis=1, keepdims=True)
-        gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-        right = np.linalg.det(axes) > 0.0
-        finite = np.isfinite(self.frames).all(axis=(1, 2))
-        bad = np.flatnonzero(~(finite & (gap <= _ORTHONORMAL) & right))
-        if len(bad):
-            raise ValueError(
-                f"frames of {self.label} must be a place and right-handed orthonormal axes; that "
-                f"of node {bad[0]} is\n{self.frames[bad[0]]}"
-            )
+        check_nodes(self.label, self.node_kind, self.frames, self.velocities)
 
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.
@@ -223,37 +205,14 @@ class Body:
         """
         if self.node_kind != NodeKind.FRAME:
             raise ValueError(
-                f"{what} needs nodes with frames, but those of {self.label} have places and "
-                "slopes: clamps and joints hold them, and forces fixed in space act on them"
+                f"{what} needs nodes with frames, but those of {self.label} have "
+                f"{TRAITS[self.node_kind].what}: clamps and joints hold them, and forces fixed in "
+                "space act on them"
             )
 
     def turning(self) -> Turning | None:
         """How far its elements may turn from end to end, or ``None`` if it has none."""
         return None
-
-    def cells_of(self, group: str | None = None) -> npt.NDArray[np.int64]:
-        """Elements of a named group (default: all).
-
-        Raises:
-            ValueError: The body has no elements, or no such group.
-        """
-        raise ValueError(f"{self.label} has no cells to put a load on")
-
-    def consistent_shares(self) -> tuple[npt.NDArray[np.int64], Array]:
-        """Nodes of each element, shape (m, k), and the length that each of them carries, (m, k).
-
-        Raises:
-            ValueError: The body has no elements.
-        """
-        raise ValueError(f"{self.label} has no cells to put a load on")
-
-    def consistent_levers(self) -> Array:
-        """What a unit line force on each element does on the directors of its nodes, (m, k, 3).
-
-        Raises:
-            ValueError: The body has no elements.
-        """
-        raise ValueError(f"{self.label} has no cells to put a load on")
 
     def _add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
         kinds = np.full(len(self.frames), int(self.node_kind))

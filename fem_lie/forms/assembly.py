@@ -15,10 +15,10 @@ from dolfinx import fem
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.forms import kernels
 from fem_lie.forms.cell_forms import FormTable
 from fem_lie.forms.cell_sums import CellForm, Pattern
 from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.term import Pairs, Term
 

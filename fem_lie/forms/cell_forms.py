@@ -14,8 +14,8 @@ import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
-from fem_lie.forms.kernels import call_kernel, pointer, stack
+from fem_lie._jit import compiled, inlined
+from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer, stack
 
 _KERNEL, _CELLS, _NODES, _FIRST, _W, _WIDTH, _C, _X, _EXTENT = range(9)
 """In a row: address of the kernel; number of cells, nodes of each, place of the first one; address
@@ -32,6 +32,26 @@ class FormTable(NamedTuple):
 
     rows: Indices
     nodes: Indices
+
+
+@inlined
+def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, place: Pointer) -> int:
+    """Add what the kernel of a form makes of its cell ``e``; returns where the cell's nodes begin.
+
+    The frames of its nodes are written at the head of its coefficients.
+    """
+    count = row[_NODES]
+    first = row[_FIRST] + count * e
+    w = pointer(row[_W] + 8 * row[_WIDTH] * e)
+    packed, k = numba.carray(w, (12 * count,)), 0
+    for i in range(first, first + count):
+        for a in range(4):
+            for j in range(3):
+                packed[k] = H[nodes[i], a, j]
+                k += 1
+    x = pointer(row[_X] + 8 * row[_EXTENT] * e)
+    call_kernel(row[_KERNEL], place, w, pointer(row[_C]), x)
+    return first
 
 
 @compiled
@@ -51,19 +71,10 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
     place = stack(most)
     values = numba.carray(place, (most,))
     for f in range(rows.shape[0]):
-        kernel, count, width = rows[f, _KERNEL], rows[f, _NODES], rows[f, _WIDTH]
+        count = rows[f, _NODES]
         for e in range(rows[f, _CELLS]):
-            first = rows[f, _FIRST] + count * e
-            w = pointer(rows[f, _W] + 8 * width * e)
-            packed, k = numba.carray(w, (12 * count,)), 0
-            for i in range(first, first + count):
-                for a in range(4):
-                    for j in range(3):
-                        packed[k] = H[nodes[i], a, j]
-                        k += 1
             values[:] = 0.0
-            x = pointer(rows[f, _X] + 8 * rows[f, _EXTENT] * e)
-            call_kernel(kernel, place, w, pointer(rows[f, _C]), x)
+            first = _add_cell(H, rows[f], nodes, e, place)
             if unknowns == 0:
                 out[0] += values[0]
             for i in range(count):
@@ -90,20 +101,11 @@ def add_blocks(
         most = max(most, rows[f, _NODES] * unknowns)
     room, pair = stack(most * most), 0
     for f in range(rows.shape[0]):
-        kernel, count, width = rows[f, _KERNEL], rows[f, _NODES], rows[f, _WIDTH]
+        count = rows[f, _NODES]
         values = numba.carray(room, (count, unknowns, count, unknowns))
         for e in range(rows[f, _CELLS]):
-            first = rows[f, _FIRST] + count * e
-            w = pointer(rows[f, _W] + 8 * width * e)
-            packed, k = numba.carray(w, (12 * count,)), 0
-            for i in range(first, first + count):
-                for a in range(4):
-                    for j in range(3):
-                        packed[k] = H[nodes[i], a, j]
-                        k += 1
             values[:] = 0.0
-            x = pointer(rows[f, _X] + 8 * rows[f, _EXTENT] * e)
-            call_kernel(kernel, room, w, pointer(rows[f, _C]), x)
+            _add_cell(H, rows[f], nodes, e, room)
             for i in range(count):
                 for j in range(count):
                     block = out[place[pair]]

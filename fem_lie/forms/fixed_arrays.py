@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
-from fem_lie.forms.kernels import integer_pointer, pointer
+from fem_lie.forms.kernels.addresses import integer_pointer, pointer
 
 _MOST = 4  # dimensions
 
@@ -73,3 +73,15 @@ def integers1(table: Indices, k: int) -> Indices:
 def integers2(table: Indices, k: int) -> Indices:
     """Of two."""
     return numba.carray(integer_pointer(table[k, 0]), (table[k, 1], table[k, 2]))
+
+
+@inlined
+def put(values: Array, out: Array) -> None:
+    """``out[:] = values`` for arrays of the same shape.
+
+    That itself checks the shapes, and what would write them into a message is more code than most
+    functions are: some twenty functions on strings, which go into each caller.
+    """
+    source, target = values.flat, out.flat
+    for k in range(out.size):
+        target[k] = source[k]

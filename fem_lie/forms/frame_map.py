@@ -3,20 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
-
-from numba import types
+from typing import Any
 
 from fem_lie._jit import callback
-
-double_pointer = types.CPointer(types.float64)
-
-Pointer: TypeAlias = Any
-"""Where doubles stand; Python itself has no such thing."""
-
-MAP_SIGNATURE = types.void(
-    double_pointer, double_pointer, double_pointer, double_pointer, types.intp
-)
+from fem_lie.forms.kernels.addresses import MAP_SIGNATURE
 
 frame_function = callback(MAP_SIGNATURE)
 

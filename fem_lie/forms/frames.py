@@ -14,10 +14,10 @@ from fem_lie import _compat, lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
+from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie import directors, kinds
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie import directors
 
 VALUES, UNKNOWNS = 12, 6
 
@@ -73,41 +73,6 @@ DIRECTORS = FrameMap(
     unknowns=UNKNOWNS,
 )
 """Flat coordinates are position and three directors of each node, whatever cell and degree."""
-
-
-@frame_function
-def _slope_pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
-    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
-    r = numba.carray(out, (nodes, 6))
-    for i in range(nodes):
-        kinds.pull(SLOPE, H[i], f[i], 1.0, r[i])
-
-
-@frame_function
-def _slope_push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
-    H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
-    rates = numba.carray(out, (nodes, 4, 3))
-    for i in range(nodes):
-        kinds.push(SLOPE, H[i], h[i], rates[i])
-
-
-@frame_function
-def _slope_geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
-    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
-    A = numba.carray(out, (nodes, 6, nodes, 6))
-    for i in range(nodes):
-        kinds.pull_derivative(SLOPE, H[i], f[i], 1.0, A[i, :, i])
-
-
-SLOPES = FrameMap(
-    coordinates=None,
-    pull=_slope_pull,
-    push=_slope_push,
-    geometric=_slope_geometric,
-    values=VALUES,
-    unknowns=UNKNOWNS,
-)
-"""Flat coordinates are position and slope of each node, the first two of its four rows."""
 
 
 @compiled

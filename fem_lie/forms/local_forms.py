@@ -30,9 +30,9 @@ import ufl
 from dolfinx import fem
 
 from fem_lie._arrays import Array
-from fem_lie.forms import kernels
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
+from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.wrapping import CompiledForm, Wrapping, packed_size
 
 

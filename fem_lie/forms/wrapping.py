@@ -12,8 +12,8 @@ import ufl
 from dolfinx import fem
 
 from fem_lie import _compat
-from fem_lie.forms import kernels
 from fem_lie.forms.frame_map import FrameMap
+from fem_lie.forms.kernels import in_local_frames as kernels
 
 
 def packed_size(V: fem.FunctionSpace) -> int:

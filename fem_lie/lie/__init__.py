@@ -54,6 +54,16 @@ V. Sonneville, A. Cardona & O. Brüls, *CMAME* 268 (2014) 451, doi:10.1016/j.cma
 A. Müller, *Proc. R. Soc. A* 477 (2021) 20210303, doi:10.1098/rspa.2021.0303.
 """
 
+from fem_lie.lie.adjoints import (
+    adjoint,
+    apply_ad,
+    apply_ad_transposed,
+    apply_adjoint,
+    apply_adjoint_inverse,
+    apply_adjoint_inverse_transposed,
+    apply_adjoint_transposed,
+    coadjoint_matrix,
+)
 from fem_lie.lie.batched import (
     FRAME,
     MATRIX,
@@ -89,13 +99,6 @@ from fem_lie.lie.batched import (
     vee,
 )
 from fem_lie.lie.se3 import (
-    adjoint,
-    apply_ad,
-    apply_ad_transposed,
-    apply_adjoint,
-    apply_adjoint_inverse,
-    apply_adjoint_inverse_transposed,
-    apply_adjoint_transposed,
     apply_tangent,
     apply_tangent_inverse,
     apply_tangent_inverse_minus,
@@ -104,7 +107,6 @@ from fem_lie.lie.se3 import (
     apply_tangent_transposed,
     cayley_se3,
     cayley_tangent_se3,
-    coadjoint_matrix,
     compose,
     exp_se3,
     inverse,

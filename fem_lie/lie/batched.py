@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
+from fem_lie.lie.adjoints import adjoint, coadjoint_matrix
 from fem_lie.lie.se3 import (
-    adjoint,
     cayley_se3,
     cayley_tangent_se3,
-    coadjoint_matrix,
     compose,
     exp_se3,
     inverse,

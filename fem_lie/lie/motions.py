@@ -31,11 +31,10 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie.series import cayley, exponential
 from fem_lie.lie.tuples import (
     Vector,
-    cayley,
     cross,
-    exponential,
     load,
     load_row,
     minus,

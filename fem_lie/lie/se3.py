@@ -3,45 +3,47 @@
 Nothing is allocated: results go to the last argument, ``out``, which may be any view of the right
 shape and may be one of the inputs. Shapes: frames ``H`` (4, 3), twists and forces (6,), matrices
 (6, 6); they are not checked. Conventions stand in :mod:`fem_lie.lie`, formulas in
-:mod:`fem_lie.lie.tuples`.
+:mod:`fem_lie.lie.series`.
 """
 
 from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.lie.tuples import (
-    ZERO,
+from fem_lie.lie.series import (
     Coefficients,
-    Matrix,
-    Vector,
     blend,
     cayley,
-    combined,
-    cross,
-    dot,
     dual_blend,
     dual_part,
     exponential,
     inverse_coefficients,
     inverse_transposed_second,
-    load,
-    load_row,
     matrix,
+    rotation_vector,
+    tangent_coefficients,
+)
+from fem_lie.lie.tuples import (
+    ZERO,
+    Vector,
+    combined,
+    dot,
+    load,
+    load_frame,
     minus,
     negative,
     plus,
     plus_outer,
     rotate,
     rotate_back,
-    rotation_vector,
     scaled,
     shifted_hat,
     store,
     store_block,
+    store_codual,
+    store_dual,
+    store_frame,
     store_row,
-    store_rows,
-    tangent_coefficients,
 )
 
 # --- frames -------------------------------------------------------------------------------------
@@ -51,30 +53,30 @@ from fem_lie.lie.tuples import (
 def exp_se3(d: Array, out: Array) -> None:
     """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of ``d = (u, θ)``."""
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
-    _store_frame(out, p, r1, r2, r3)
+    store_frame(out, p, r1, r2, r3)
 
 
 @inlined
 def retract(H: Array, d: Array, out: Array) -> None:
     """Frame ``H exp(d)``."""
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
-    x, d1, d2, d3 = _load_frame(H)
+    x, d1, d2, d3 = load_frame(H)
     moved = plus(x, rotate(d1, d2, d3, p))
-    _store_frame(out, moved, rotate(d1, d2, d3, r1), rotate(d1, d2, d3, r2), rotate(d1, d2, d3, r3))
+    store_frame(out, moved, rotate(d1, d2, d3, r1), rotate(d1, d2, d3, r2), rotate(d1, d2, d3, r3))
 
 
 @inlined
 def log_se3(H: Array, out: Array) -> None:
     """Twist ``log(H)`` with ``|θ| ≤ π``."""
-    x, d1, d2, d3 = _load_frame(H)
+    x, d1, d2, d3 = load_frame(H)
     _store_log(out, x, d1, d2, d3)
 
 
 @inlined
 def relative(A: Array, B: Array, out: Array) -> None:
     """Twist ``log(A⁻¹B)`` with ``|θ| ≤ π``."""
-    xa, a1, a2, a3 = _load_frame(A)
-    xb, b1, b2, b3 = _load_frame(B)
+    xa, a1, a2, a3 = load_frame(A)
+    xb, b1, b2, b3 = load_frame(B)
     _store_log(
         out,
         rotate_back(a1, a2, a3, minus(xb, xa)),
@@ -87,24 +89,24 @@ def relative(A: Array, B: Array, out: Array) -> None:
 @inlined
 def compose(A: Array, B: Array, out: Array) -> None:
     """Frame ``A B = (R_A R_B, x_A + R_A x_B)``."""
-    xa, a1, a2, a3 = _load_frame(A)
-    xb, b1, b2, b3 = _load_frame(B)
+    xa, a1, a2, a3 = load_frame(A)
+    xb, b1, b2, b3 = load_frame(B)
     moved = plus(xa, rotate(a1, a2, a3, xb))
-    _store_frame(out, moved, rotate(a1, a2, a3, b1), rotate(a1, a2, a3, b2), rotate(a1, a2, a3, b3))
+    store_frame(out, moved, rotate(a1, a2, a3, b1), rotate(a1, a2, a3, b2), rotate(a1, a2, a3, b3))
 
 
 @inlined
 def inverse(H: Array, out: Array) -> None:
     """Frame ``H⁻¹ = (Rᵀ, −Rᵀx)``."""
-    x, (a, b, c), (d, e, f), (g, h, i) = _load_frame(H)
+    x, (a, b, c), (d, e, f), (g, h, i) = load_frame(H)
     back = rotate_back((a, b, c), (d, e, f), (g, h, i), x)
-    _store_frame(out, negative(back), (a, d, g), (b, e, h), (c, f, i))
+    store_frame(out, negative(back), (a, d, g), (b, e, h), (c, f, i))
 
 
 @inlined
 def reorthonormalise(H: Array) -> None:
     """One Newton-Schulz step ``R ← R(3I − RᵀR)/2`` in place; the error of ``RᵀR`` is squared."""
-    _, d1, d2, d3 = _load_frame(H)
+    _, d1, d2, d3 = load_frame(H)
     a, b, c = 0.5 * dot(d1, d2), 0.5 * dot(d2, d3), 0.5 * dot(d3, d1)
     store_row(H, 1, minus(_stretched(d1), combined(a, d2, c, d3)))
     store_row(H, 2, minus(_stretched(d2), combined(b, d3, a, d1)))
@@ -187,7 +189,7 @@ def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) 
 def cayley_se3(d: Array, out: Array) -> None:
     """Frame ``cay(d) = (I − ½X)⁻¹(I + ½X)``, ``X = d̂``: rotation ``cay ψ`` of ``d = (u, ψ)``."""
     p, r1, r2, r3 = cayley(load(d, 0), load(d, 3))
-    _store_frame(out, p, r1, r2, r3)
+    store_frame(out, p, r1, r2, r3)
 
 
 @inlined
@@ -206,91 +208,7 @@ def cayley_tangent_se3(d: Array, out: Array) -> None:
     store_block(out, 3, 3, shifted_hat(r, scaled(-0.5 * r, ψ)))
 
 
-# --- adjoints -----------------------------------------------------------------------------------
-
-
-@inlined
-def adjoint(H: Array, out: Array) -> None:
-    """``Ad(H) = [[R, x̂R], [0, R]]``."""
-    x, d1, d2, d3 = _load_frame(H)
-    m1, m2, m3 = cross(x, d1), cross(x, d2), cross(x, d3)
-    R = (d1[0], d2[0], d3[0], d1[1], d2[1], d3[1], d1[2], d2[2], d3[2])
-    xR = (m1[0], m2[0], m3[0], m1[1], m2[1], m3[1], m1[2], m2[2], m3[2])
-    _store_dual(out, R, xR)
-
-
-@inlined
-def apply_adjoint(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H) v``: the twist ``v`` of the frame H in the frame that H is given in."""
-    x, d1, d2, d3 = _load_frame(H)
-    ω = rotate(d1, d2, d3, load(v, 3))
-    store(out, 0, plus(rotate(d1, d2, d3, load(v, 0)), cross(x, ω)))
-    store(out, 3, ω)
-
-
-@inlined
-def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H)⁻¹ v``."""
-    x, d1, d2, d3 = _load_frame(H)
-    u, ω = load(v, 0), load(v, 3)
-    store(out, 0, rotate_back(d1, d2, d3, minus(u, cross(x, ω))))
-    store(out, 3, rotate_back(d1, d2, d3, ω))
-
-
-@inlined
-def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)ᵀ f``."""
-    x, d1, d2, d3 = _load_frame(H)
-    n, m = load(f, 0), load(f, 3)
-    store(out, 0, rotate_back(d1, d2, d3, n))
-    store(out, 3, rotate_back(d1, d2, d3, minus(m, cross(x, n))))
-
-
-@inlined
-def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)⁻ᵀ f``: the force ``f`` on the frame H in the frame that H is given in."""
-    x, d1, d2, d3 = _load_frame(H)
-    n = rotate(d1, d2, d3, load(f, 0))
-    store(out, 3, plus(rotate(d1, d2, d3, load(f, 3)), cross(x, n)))
-    store(out, 0, n)
-
-
-@inlined
-def apply_ad(v: Array, w: Array, out: Array) -> None:
-    """``ad(v) w``, the Lie bracket."""
-    ω, q = load(v, 3), load(w, 3)
-    translation = plus(cross(ω, load(w, 0)), cross(load(v, 0), q))
-    store(out, 3, cross(ω, q))
-    store(out, 0, translation)
-
-
-@inlined
-def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
-    """``ad(v)ᵀ p``."""
-    u, ω, n, m = load(v, 0), load(v, 3), load(p, 0), load(p, 3)
-    store(out, 0, cross(n, ω))
-    store(out, 3, plus(cross(n, u), cross(m, ω)))
-
-
-@inlined
-def coadjoint_matrix(p: Array, out: Array) -> None:
-    """``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``."""
-    n, m = shifted_hat(0.0, load(p, 0)), shifted_hat(0.0, load(p, 3))
-    _store_codual(out, n, m)
-
-
 # --- load and store -----------------------------------------------------------------------------
-
-
-@inlined
-def _load_frame(H: Array) -> tuple[Vector, Vector, Vector, Vector]:
-    return load_row(H, 0), load_row(H, 1), load_row(H, 2), load_row(H, 3)
-
-
-@inlined
-def _store_frame(out: Array, x: Vector, d1: Vector, d2: Vector, d3: Vector) -> None:
-    store_row(out, 0, x)
-    store_rows(out, 1, d1, d2, d3)
 
 
 @inlined
@@ -338,29 +256,11 @@ def _store_force(
 @inlined
 def _store_matrix(k: tuple[Coefficients, Coefficients], s: float, d: Array, out: Array) -> None:
     u, θ = scaled(s, load(d, 0)), scaled(s, load(d, 3))
-    _store_dual(out, matrix(k[0], θ), dual_part(k[0], k[1], θ, u))
+    store_dual(out, matrix(k[0], θ), dual_part(k[0], k[1], θ, u))
 
 
 @inlined
 def _store_derivative(s: float, d: Array, f: Array, out: Array) -> None:
     u, θ = scaled(s, load(d, 0)), scaled(s, load(d, 3))
     F, dF = inverse_transposed_second(θ, u, load(f, 0), load(f, 3))
-    _store_codual(out, F, dF)
-
-
-@inlined
-def _store_dual(out: Array, A: Matrix, dA: Matrix) -> None:
-    """``[[A, dA], [0, A]]``."""
-    store_block(out, 0, 0, A)
-    store_block(out, 0, 3, dA)
-    store_block(out, 3, 0, ZERO)
-    store_block(out, 3, 3, A)
-
-
-@inlined
-def _store_codual(out: Array, A: Matrix, dA: Matrix) -> None:
-    """``[[0, A], [A, dA]]``."""
-    store_block(out, 0, 0, ZERO)
-    store_block(out, 0, 3, A)
-    store_block(out, 3, 0, A)
-    store_block(out, 3, 3, dA)
+    store_codual(out, F, dF)

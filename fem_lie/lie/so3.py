@@ -8,23 +8,25 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.lie.tuples import (
+from fem_lie.lie.series import (
     blend,
     blend_derivative,
-    dot,
     exponential,
     inverse_coefficients,
+    matrix,
+    rotation_vector,
+    tangent_coefficients,
+)
+from fem_lie.lie.tuples import (
+    dot,
     load,
     load_row,
-    matrix,
     negative,
-    rotation_vector,
     scaled,
     shifted_hat,
     store,
     store_block,
     store_rows,
-    tangent_coefficients,
 )
 
 

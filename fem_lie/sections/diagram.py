@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.sections.mesh import SectionMesh
+from fem_lie.sections.outlines.mesh import SectionMesh
 from fem_lie.sections.properties import SectionProperties
 
 if TYPE_CHECKING:

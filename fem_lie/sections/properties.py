@@ -42,6 +42,27 @@ class SectionProperties:
     shear_factors: Array
 
     @property
+    def stiffness(self) -> Array:
+        """On (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃) at the reference point, shape (6, 6).
+
+        Extension and bending act about the centroid, shear and torsion about the shear centre.
+        """
+        # strains (Γ₁, κ₂, κ₃) at the centroid and (Γ₂, Γ₃, κ₁) at the shear centre
+        (y, z), (ys, zs) = self.centroid, self.shear_centre
+        bending, shear = np.zeros((3, 6)), np.zeros((3, 6))
+        bending[[0, 1, 2], [0, 4, 5]] = shear[[0, 1, 2], [1, 2, 3]] = 1.0
+        bending[0, 4:] = z, -y
+        shear[:2, 3] = -zs, ys
+        (yy, yz), (_, zz) = self.second_moments
+        D_bending, D_shear = np.zeros((3, 3)), np.zeros((3, 3))
+        D_bending[0, 0] = self.E * self.area
+        # curvature about e₂ stretches along z, about e₃ along y
+        D_bending[1:, 1:] = self.E * np.array([[zz, -yz], [-yz, yy]])
+        D_shear[:2, :2] = self.G * self.shear_factors * self.area
+        D_shear[2, 2] = self.G * self.torsion_constant
+        return np.asarray(bending.T @ D_bending @ bending + shear.T @ D_shear @ shear)
+
+    @property
     def principal_moments(self) -> Array:
         """Second moments ``∫η²``, ``∫ζ²`` in the principal axes (η, ζ), the larger one first."""
         return np.asarray(np.linalg.eigvalsh(self.second_moments)[::-1], dtype=np.float64)

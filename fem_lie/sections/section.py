@@ -9,30 +9,26 @@ is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b``
 The section's matrices belong to its reference point, where the beam's axis runs, and to its axes:
 :meth:`Section.offset` and :meth:`Section.rotated` change them by exact congruences. Sections of any
 shape come from :class:`fem_lie.sections.shape.SectionShape`.
-
-Shear factors: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. Torsion of the
-rectangle: S. Timoshenko & J. N. Goodier, *Theory of Elasticity* (1970), §109.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, pi
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, number, numbers, positive
+from fem_lie.sections import closed_forms
 from fem_lie.sections.inertia import section_gram
-from fem_lie.sections.material import require_material
+from fem_lie.sections.matrices import definite, semidefinite
 from fem_lie.sections.properties import SectionProperties, rotation
 
 if TYPE_CHECKING:
     from fem_lie.sections.material import Material
 
-_ZETA_5 = 1.0369277551433699263  # Riemann's ζ(5)
-_SYMMETRY = 1e-8  # tables of stiffness are given with at least as many digits
 _CIRCLE_POINTS = 32
 
 
@@ -86,22 +82,10 @@ class Section:
         Raises:
             ValueError: A size or factor is not positive.
         """
-        positive(width, "width")
-        positive(height, "height")
-        require_material(material)
-        if shear_factor is None:
-            shear_factor = 10.0 * (1.0 + material.nu) / (12.0 + 11.0 * material.nu)
-        if torsion_constant is None:
-            torsion_constant = rectangle_torsion_constant(width, height)
+        properties = closed_forms.rectangle(width, height, material, shear_factor, torsion_constant)
         y, z = 0.5 * width, 0.5 * height
-        return _from_shape(
-            material,
-            area=width * height,
-            second_moments=(height * width**3 / 12.0, width * height**3 / 12.0),
-            shear_factor=shear_factor,
-            torsion_constant=torsion_constant,
-            outline=np.array([[-y, -z], [y, -z], [y, z], [-y, z]]),
-        )
+        corners = np.array([[-y, -z], [y, -z], [y, z], [-y, z]])
+        return _from_closed_form(properties, material.density, corners)
 
     @classmethod
     def circle(
@@ -113,7 +97,8 @@ class Section:
             ValueError: The radius or factor is not positive.
         """
         positive(radius, "radius")
-        return _round(0.0, radius, material, shear_factor)
+        properties = closed_forms.ring(0.0, radius, material, shear_factor)
+        return _from_closed_form(properties, material.density, _circle(radius))
 
     @classmethod
     def tube(
@@ -139,7 +124,8 @@ class Section:
                 f"inner_radius must be less than outer_radius, got {inner_radius!r} and "
                 f"{outer_radius!r}"
             )
-        return _round(inner_radius, outer_radius, material, shear_factor)
+        properties = closed_forms.ring(inner_radius, outer_radius, material, shear_factor)
+        return _from_closed_form(properties, material.density, _circle(outer_radius))
 
     @classmethod
     def from_stiffness(
@@ -241,110 +227,17 @@ class Section:
         return np.column_stack([extension, bending[:, 1], -bending[:, 0]])
 
 
-def rectangle_torsion_constant(width: float, height: float) -> float:
-    """Saint-Venant torsion constant of a rectangle, length⁴, to machine precision.
-
-    ``J = a b³/3 (1 − 192 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵)`` over odd n, with a ≥ b. The slowly
-    converging part ``Σ 1/n⁵ = 31/32 ζ(5)`` is summed in closed form; the rest falls by e⁻²π a term.
-    """
-    positive(width, "width")
-    positive(height, "height")
-    a, b = max(width, height), min(width, height)
-    # exp overflows for very flat rectangles, where the term is nothing anyway
-    rest = sum(2.0 / (n**5 * (1.0 + exp(min(n * pi * a / b, 700.0)))) for n in range(1, 15, 2))
-    series = 31.0 / 32.0 * _ZETA_5 - rest
-    return a * b**3 / 3.0 * (1.0 - 192.0 * b / (pi**5 * a) * series)
+def _from_closed_form(properties: SectionProperties, density: float, outline: Array) -> Section:
+    """Of one material, with its centroid on the axis."""
+    (yy, _), (_, zz) = properties.second_moments
+    inertia = np.diag([density * properties.area, 0.0, density * yy, density * zz])
+    return Section(properties.stiffness, inertia, outline, properties)
 
 
-def _round(inner: float, outer: float, material: Material, shear_factor: float | None) -> Section:
-    require_material(material)
-    nu, m2 = material.nu, (inner / outer) ** 2
-    if shear_factor is None:
-        q = (1.0 + m2) ** 2
-        shear_factor = 6.0 * (1.0 + nu) * q / ((7.0 + 6.0 * nu) * q + (20.0 + 12.0 * nu) * m2)
-    # factored so that thin walls lose no digits
-    area = pi * (outer - inner) * (outer + inner)
-    second = 0.25 * area * (outer**2 + inner**2)
+def _circle(radius: float) -> Array:
+    """Corners of the outline of a circle."""
     angle = 2.0 * pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
-    return _from_shape(
-        material,
-        area=area,
-        second_moments=(second, second),
-        shear_factor=shear_factor,
-        torsion_constant=2.0 * second,
-        outline=outer * np.column_stack([np.cos(angle), np.sin(angle)]),
-    )
-
-
-def _from_shape(
-    material: Material,
-    *,
-    area: float,
-    second_moments: tuple[float, float],
-    shear_factor: float,
-    torsion_constant: float,
-    outline: Array,
-) -> Section:
-    """Section with its centroid on the axis; ``second_moments`` are ∫y² and ∫z²."""
-    positive(shear_factor, "shear_factor")
-    positive(torsion_constant, "torsion_constant")
-    E, G, rho = material.E, material.G, material.density
-    yy, zz = second_moments
-    shear = G * shear_factor * area
-    # curvature about e₂ stretches along z, about e₃ along y
-    stiffness = np.diag([E * area, shear, shear, G * torsion_constant, E * zz, E * yy])
-    properties = SectionProperties(
-        E=E,
-        G=G,
-        area=area,
-        centroid=np.zeros(2),
-        second_moments=np.diag([yy, zz]),
-        torsion_constant=torsion_constant,
-        shear_centre=np.zeros(2),
-        shear_factors=shear_factor * np.eye(2),
-    )
-    return Section(stiffness, np.diag([rho * area, 0.0, rho * yy, rho * zz]), outline, properties)
-
-
-def _symmetric(value: Array, size: int, what: str) -> Array:
-    matrix = numbers(value, what)
-    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
-        raise ValueError(
-            f"{what} must be a finite matrix of shape ({size}, {size}), got\n{value!r}"
-        )
-    scale = np.sqrt(np.abs(np.diag(matrix)))
-    if (np.abs(matrix - matrix.T) > _SYMMETRY * np.outer(scale, scale)).any():
-        raise ValueError(f"{what} must be symmetric, got\n{matrix}")
-    return 0.5 * (matrix + matrix.T)
-
-
-def _scaled_eigenvalues(matrix: Array) -> Array:
-    """Eigenvalues after scaling the diagonal to one: entries differ in units."""
-    scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
-    return np.asarray(np.linalg.eigvalsh(matrix / np.outer(scale, scale)), dtype=np.float64)
-
-
-def definite(value: Array, size: int, what: str) -> Array:
-    """A symmetric positive definite matrix, shape (size, size), that cannot be written to.
-
-    Raises:
-        ValueError: It has another shape, is not finite, not symmetric or not positive definite.
-        TypeError: It is no array of numbers.
-    """
-    matrix = _symmetric(value, size, what)
-    if not (np.diag(matrix) > 0).all() or not _scaled_eigenvalues(matrix)[0] > 1e-14:
-        raise ValueError(f"{what} must be positive definite, got\n{matrix}")
-    matrix.setflags(write=False)
-    return matrix
-
-
-def semidefinite(value: Array, size: int, what: str) -> Array:
-    """A symmetric positive semidefinite matrix of inertia; errors as of :func:`definite`."""
-    matrix = _symmetric(value, size, what)
-    if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
-        raise ValueError(f"{what} must be positive semidefinite, got\n{matrix}")
-    matrix.setflags(write=False)
-    return matrix
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def _inertia(value: Array) -> Array:

@@ -32,12 +32,12 @@ def in_one_line(
         time_dependent: Whether loads or motions are.
     """
     total, n = numbering.total, numbering.count
-    flat, slopes = int(on_r3(kinds).sum()), int((kinds == SLOPE).sum())
+    flat, others = int(on_r3(kinds).sum()), int((kinds >= SLOPE).sum())
     shells = [(body, six) for body, six in numbering.drills.items() if body.uncoupled]
     parts = [
         f"{total} nodes, {total - n} of them follow others, {m} constraints",
-        f"{n - flat - slopes} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "
-        f"{slopes} with slopes",
+        f"{n - flat - others} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "
+        f"{others} that are no frames",
         f"shells with five parameters: {[b.label for b, six in shells if not six]}, with six: "
         f"{[b.label for b, six in shells if six]}",
         f"gyroscopic terms in the matrix: {_yes(choices.gyroscopic)}",

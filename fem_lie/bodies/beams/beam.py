@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import dolfinx
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, flag, instance, log_coincident, number, text
-from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
-from fem_lie.bodies.beams.given_sections import (
-    Sections,
-    outline_of,
-    section_per_cell,
-    without_rotary_inertia,
-)
+from fem_lie._arrays import Array, flag, instance, number
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.beams.given_sections import Sections, section_per_cell, without_rotary_inertia
+from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.beams.orientation import (
     Chains,
     Twisted,
@@ -25,11 +21,10 @@ from fem_lie.bodies.beams.orientation import (
     middle_frames,
     shared_nodes,
 )
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.body import Point
 from fem_lie.bodies.turning import Turning
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
-from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.curves import curve, polyline, straight
 from fem_lie.mesh.lines import LineMesh
@@ -39,21 +34,13 @@ from fem_lie.sections.section import Section
 _AT_NODE = 1e-9  # of an element
 
 
-class Beam(Body):
+class Beam(LineBody):
     """A beam of any 6×6 section along lines: straight or curved, twisted, kinked, branching.
 
     Nodes ``0 … n−1`` are the points of the mesh; at kinks and branches further nodes, one for each
     direction, follow them rigidly; nodes inside of elements come last.
 
     Attributes:
-        elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
-        lengths: Arc length of each element, unloaded, shape (m,).
-        stiffness: Section stiffness of each element, shape (m, 6, 6).
-        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
-        has_mass: Whether all sections have inertia.
-        formulation: The element.
-        damping: Of all elements.
-        sections: Of each element.
         chains: Smooth pieces of the lines, and arc length along them.
     """
 
@@ -102,52 +89,21 @@ class Beam(Body):
         self.chains = chains = Chains(mesh)
         twisted = up if isinstance(up, Twisted) else Twisted(None, up)
         ends = cell_frames(mesh, chains, twisted.up, twisted.angle)
-        frames, self.elements, leaders = shared_nodes(mesh, ends)
+        frames, elements, leaders = shared_nodes(mesh, ends)
         # the geodesic of an arc with tangent frames is the arc itself
-        a, b = frames[self.elements].transpose(1, 0, 2, 3)
-        self.lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
-        self.formulation = Geodesic() if formulation is None else formulation
-        if self.formulation.node_kind != NodeKind.FRAME:
+        a, b = frames[elements].transpose(1, 0, 2, 3)
+        lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
+        formulation = Geodesic() if formulation is None else formulation
+        if formulation.node_kind != NodeKind.FRAME:
             raise ValueError(
-                f"a Beam has nodes with frames, those of {self.formulation} have none: that is an "
+                f"a Beam has nodes with frames, those of {formulation} have none: that is an "
                 "element of cables"
             )
-        self.damping = Damping() if damping is None else damping
-        self._groups = dict(mesh.groups)
-        self.sections = sections = section_per_cell(mesh, chains, section)
-        self.stiffness = np.array([s.stiffness for s in sections])
-        self.has_mass = all(s.inertia is not None for s in sections)
-        self.density = np.array(
-            [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
-        )
+        placed = Placed(frames, elements, lengths, leaders, elements)
+        sections = section_per_cell(mesh, chains, section)
+        super().__init__(mesh, _refined(placed, formulation), sections, formulation, damping, name)
         if not rotary_inertia:
             self.density = without_rotary_inertia(self.density)
-        frames, leaders, cells = self._refine(frames, leaders)
-        named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
-        super().__init__(
-            frames,
-            cells=cells,
-            outline=outline_of(sections, len(cells) // len(sections)),
-            size=float(self.lengths.sum()),
-            points=named,
-            leaders=leaders,
-            name=name,
-        )
-        log_coincident(self.label, mesh.points)
-
-    def _refine(self, frames: Array, leaders: Indices) -> tuple[Array, Indices, Indices]:
-        """Add nodes inside of the elements; returns frames, leaders and pairs for drawing."""
-        degree, count = self.formulation.degree, len(frames)
-        if degree == 1:
-            return frames, leaders, self.elements
-        if degree != 2:
-            raise ValueError(f"elements of degree 1 and 2 are known, got {self.formulation}")
-        a, b = self.elements.T
-        middle = count + np.arange(len(a))
-        self.elements = np.column_stack([a, b, middle])
-        frames = np.concatenate([frames, middle_frames(frames[a], frames[b])])
-        halves = np.stack([np.column_stack([a, middle]), np.column_stack([middle, b])], axis=1)
-        return frames, np.concatenate([leaders, middle]), halves.reshape(-1, 2)
 
     @classmethod
     def straight(
@@ -221,26 +177,6 @@ class Beam(Body):
             name=name,
         )
 
-    @property
-    def kind(self) -> Hashable:
-        """Beams of one formulation are assembled together."""
-        return type(self), self.formulation
-
-    @classmethod
-    def assemble(cls, bodies: Sequence[Beam], holds: Holds = NO_HOLDS) -> Assembly:
-        """All beams of one :attr:`kind` together."""
-        return BeamAssembly(bodies)
-
-    @property
-    def start(self) -> Point:
-        """The point named "start"."""
-        return self["start"]
-
-    @property
-    def end(self) -> Point:
-        """The point named "end"."""
-        return self["end"]
-
     def at(self, arclength: float) -> Point:
         """The place at an arc length from the start, unloaded: a node, or within an element.
 
@@ -296,31 +232,20 @@ class Beam(Body):
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
         return Turning(along, np.arange(len(along)), self.formulation.largest_turn, whole=True)
 
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Elements of a named group (default: all).
 
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
-        """
-        if group is None:
-            return np.arange(len(self.elements))
-        text(group, f"the name of a group of cells of {self.label}")
-        if group not in self._groups:
-            known = ", ".join(sorted(self._groups)) or "none"
-            raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
-        return self._groups[group]
-
-    def consistent_shares(self) -> tuple[Indices, Array]:
-        """Nodes of each element, and the length that each carries: integrals of their shapes."""
-        shares = {1: [1 / 2, 1 / 2], 2: [1 / 6, 1 / 6, 2 / 3]}[self.formulation.degree]
-        return self.elements, np.outer(self.lengths, shares)
-
-    def consistent_levers(self) -> Array:
-        """On directors, shape (m, k, 3): ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a bowed axis."""
-        levers = np.zeros((*self.elements.shape, 3))
-        if self.formulation.bows:
-            a, b = self.frames[self.elements].transpose(1, 0, 2, 3)
-            moved = lie.se3_relative(a, b)[:, :3]  # ℓ times the slope
-            along = self.lengths[:, np.newaxis] * moved / 12
-            levers[:, 0], levers[:, 1] = along, -along
-        return levers
+def _refined(placed: Placed, formulation: Formulation) -> Placed:
+    """With nodes inside of the elements, if they have any."""
+    if formulation.degree == 1:
+        return placed
+    if formulation.degree != 2:
+        raise ValueError(f"elements of degree 1 and 2 are known, got {formulation}")
+    frames, (a, b) = placed.frames, placed.elements.T
+    middle = len(frames) + np.arange(len(a))
+    halves = np.stack([np.column_stack([a, middle]), np.column_stack([middle, b])], axis=1)
+    return Placed(
+        np.concatenate([frames, middle_frames(frames[a], frames[b])]),
+        np.column_stack([a, b, middle]),
+        placed.lengths,
+        np.concatenate([placed.leaders, middle]),
+        halves.reshape(-1, 2),
+    )

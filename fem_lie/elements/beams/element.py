@@ -49,11 +49,13 @@ class Formulation(ABC):
         degree: Of the nodal interpolation; a cell has ``degree + 1`` nodes.
         bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
             inertia and line loads; otherwise it is the interpolated one.
+        viscous: Whether it has viscous forces.
     """
 
     node_kind: ClassVar[NodeKind] = NodeKind.FRAME
     degree: int
     bows: ClassVar[bool] = False
+    viscous: ClassVar[bool] = True
 
     @property
     def largest_turn(self) -> float:
@@ -71,6 +73,39 @@ class Formulation(ABC):
             relative: Relative motion of the cells' ends, unloaded, shape (m, 6).
         """
         return stiffness
+
+    def check(self, stiffness: Array) -> None:
+        """Raise ``ValueError`` if it has no unknowns for a section stiffness (6, 6)."""
+        return
+
+    def placed(self, frames: Array, stretch: float) -> Array:
+        """Rows of the nodes, shape (n, 4, 3), that lie along a line.
+
+        Args:
+            frames: Places, and axes of which e₁ is the tangent, shape (n, 4, 3).
+            stretch: Length of the line over that of the body, unstretched.
+        """
+        return frames
+
+    def grip(self, node: int) -> Grip | None:
+        """By what joints hold a node: ``None`` if it has a frame."""
+        return None
+
+    def levers(self, ends: Array, lengths: Array) -> Array:
+        """What a unit line force on each cell does on the first vectors of its ends, (m, 2, 3).
+
+        The default is ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a bowed axis, along the axes of A.
+
+        Args:
+            ends: Rows of both ends, shape (m, 2, 4, 3).
+            lengths: Of the cells, shape (m,).
+        """
+        levers = np.zeros((len(lengths), 2, 3))
+        if self.bows:
+            moved = lie.se3_relative(ends[:, 0], ends[:, 1])[:, :3]  # ℓ times the slope
+            along = lengths[:, np.newaxis] * moved / 12
+            levers[:, 0], levers[:, 1] = along, -along
+        return levers
 
     def place(self, nodes: Sequence[int], ξ: float) -> Grip:
         """The frame at ``0 ≤ ξ ≤ 1`` along an element, as it is interpolated.

@@ -27,9 +27,9 @@ from fem_lie.elements.beams.element import (
     with_bending_flexibility,
 )
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frame_map import FrameMap, Pointer, frame_function
+from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.kernels import stack
+from fem_lie.forms.kernels.addresses import Pointer, stack
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import Grip

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import basix.ufl
 import dolfinx
+import numba
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -27,12 +28,52 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.frames import SLOPES, NodalFrames
+from fem_lie.forms.frame_map import FrameMap, frame_function
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.grips.grip import Grip
+from fem_lie.grips.tangent import along_tangent
+from fem_lie.lie.kinds import SLOPE, NodeKind, pull, pull_derivative, push
 
+_ALIKE = 1e-9  # relative, as sections that are meant to be round
 _STRETCH, _BENDING = 0, 4
 """Where they are in a section's stiffness on (Γ, κ)."""
+
+
+@frame_function
+def _pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    r = numba.carray(out, (nodes, 6))
+    for i in range(nodes):
+        pull(SLOPE, H[i], f[i], 1.0, r[i])
+
+
+@frame_function
+def _push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
+    rates = numba.carray(out, (nodes, 4, 3))
+    for i in range(nodes):
+        push(SLOPE, H[i], h[i], rates[i])
+
+
+@frame_function
+def _geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
+    A = numba.carray(out, (nodes, 6, nodes, 6))
+    for i in range(nodes):
+        pull_derivative(SLOPE, H[i], f[i], 1.0, A[i, :, i])
+
+
+_SLOPES = FrameMap(
+    coordinates=None,
+    pull=_pull,
+    push=_push,
+    geometric=_geometric,
+    values=12,
+    unknowns=6,
+)
+"""Flat coordinates are position and slope of each node, the first two of its four rows."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +81,40 @@ class HermiteCable(Formulation):
     """Cable element of two nodes with position and slope."""
 
     node_kind = NodeKind.SLOPE
+    viscous = False
     degree: int = 1
+
+    def check(self, stiffness: Array) -> None:
+        """Refuse what couples stretch and bending, or bends otherwise about other axes."""
+        EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))
+        if abs(EI - other) > _ALIKE * max(EI, other):
+            raise ValueError(
+                "a Cable has no direction across, so its section must bend alike about all axes, "
+                f"got EI = {EI:g} and {other:g}"
+            )
+        coupling = np.abs(stiffness[[0, 0, 4], [4, 5, 5]]).max()
+        if coupling > _ALIKE * max(EI, np.sqrt(EA * EI)):
+            raise ValueError(
+                "a Cable is stretched along its centre: its section must not couple stretch and "
+                f"bending, got the stiffness\n{stiffness}"
+            )
+
+    def placed(self, frames: Array, stretch: float) -> Array:
+        """Slopes are as long as the line over the cable."""
+        rows = frames.copy()
+        rows[:, 1] *= stretch
+        return rows
+
+    def grip(self, node: int) -> Grip:
+        """Place and tangent, without a rotation about it."""
+        return along_tangent(node)
+
+    def levers(self, ends: Array, lengths: Array) -> Array:
+        """On slopes: ``±ℓ²/12``, integrals of their cubics."""
+        levers = np.zeros((len(lengths), 2, 3))
+        levers[:, 0, 0] = lengths**2 / 12
+        levers[:, 1, 0] = -levers[:, 0, 0]
+        return levers
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent; of the stiffness only stretch and bending count."""
@@ -64,7 +138,7 @@ class HermiteCable(Formulation):
             dx=ufl.Measure("dx", mesh, metadata=metadata),
             weight=cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh),
         )
-        return LocalFrameForms(energy, nodal.function, nodal.increment, SLOPES)
+        return LocalFrameForms(energy, nodal.function, nodal.increment, _SLOPES)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """Mass of the interpolated line, ``∫ ρA Nᵢ Nⱼ ds``; the section does not resist turning."""

@@ -16,81 +16,11 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled
 from fem_lie.joints.equations import functions
-from fem_lie.joints.equations.relative_motion import force, relative_motion, variation
+from fem_lie.joints.equations.one_pair import gradient, load, locate, rate_of_term, term, twists
+from fem_lie.joints.equations.relative_motion import force, variation
 from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
-
-
-@inlined
-def _locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
-    """Relative motion of pair j and its functions, and its two frames."""
-    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
-    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
-    relative_motion(A, B, z)
-    if table.curved[j]:
-        functions.values(z, table.angle[j], table.turned[j], f)
-
-
-@inlined
-def _value(table: JointTable, t: int, z: Array, f: Array) -> float:
-    """Of term t, of its rate if ``z`` and ``f`` are rates."""
-    value = 0.0
-    for k in range(12):
-        value += table.selection[t, k] * z[k]
-    for k in range(3):
-        value += table.functions[t, k] * f[k]
-    return value
-
-
-@inlined
-def _gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
-    """``p = ∂(term t)/∂z``."""
-    p[:] = table.selection[t]
-    functions.add_gradients(z, table.angle[j], table.functions[t], p)
-
-
-@inlined
-def _twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
-    """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
-    for side in range(2):
-        node = table.nodes[j, side]
-        twist[side] = 0.0
-        if node < v.shape[0]:
-            lie.apply_adjoint_inverse(table.frames[j, side], v[node], twist[side])
-
-
-@compiled
-def _rate(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
-    """Of term t."""
-    twist, dz, gradient = np.empty((2, 6)), np.empty(12), np.empty(12)
-    _twists(v, table, j, twist)
-    variation(z, twist[0], twist[1], dz)
-    _gradient(table, j, t, z, gradient)
-    return float(gradient @ dz)
-
-
-@inlined
-def _load(
-    v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
-) -> None:
-    """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
-    m = len(table.targets)
-    p[:], c[:] = 0.0, 0.0
-    for t in range(table.first[j], table.first[j + 1]):
-        row = table.rows[t]
-        if row < m:
-            weight = weights[row]
-        else:
-            k, damping, rest = table.springs[row - m]
-            weight = k * (_value(table, t, z, f) - rest)
-            if damping != 0.0:
-                weight += damping * _rate(v, table, j, t, z)
-        for k in range(12):
-            p[k] += weight * table.selection[t, k]
-        for k in range(3):
-            c[k] += weight * table.functions[t, k]
-    functions.add_gradients(z, table.angle[j], c, p)
 
 
 @compiled
@@ -114,12 +44,12 @@ def evaluate(
     for row in range(m):
         r[6 * count + row] = -scale[row] * table.targets[row]
     for j in range(table.nodes.shape[0]):
-        _locate(H, table, j, A, B, z, f)
+        locate(H, table, j, A, B, z, f)
         for t in range(table.first[j], table.first[j + 1]):
             row = table.rows[t]
             if row < m:
-                r[6 * count + row] += scale[row] * _value(table, t, z, f)
-        _load(v, table, j, z, f, weights, p, c)
+                r[6 * count + row] += scale[row] * term(table, t, z, f)
+        load(v, table, j, z, f, weights, p, c)
         force(z, p, sides[0], sides[1])
         for side in range(2):
             node = table.nodes[j, side]
@@ -137,10 +67,10 @@ def violations(H: Array, table: JointTable, out: Array) -> None:
     for row in range(m):
         out[row] = -table.targets[row]
     for j in range(table.nodes.shape[0]):
-        _locate(H, table, j, A, B, z, f)
+        locate(H, table, j, A, B, z, f)
         for t in range(table.first[j], table.first[j + 1]):
             if table.rows[t] < m:
-                out[table.rows[t]] += _value(table, t, z, f)
+                out[table.rows[t]] += term(table, t, z, f)
 
 
 @compiled
@@ -149,7 +79,7 @@ def unwrap(H: Array, table: JointTable) -> None:
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     for j in range(table.nodes.shape[0]):
         if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
-            _locate(H, table, j, A, B, z, f)
+            locate(H, table, j, A, B, z, f)
             table.turned[j] = f[functions.ANGLE]
 
 
@@ -161,9 +91,9 @@ def spring_energy(H: Array, table: JointTable) -> float:
     for j in range(table.nodes.shape[0]):
         for t in range(table.first[j], table.first[j + 1]):
             if table.rows[t] >= m:
-                _locate(H, table, j, A, B, z, f)
+                locate(H, table, j, A, B, z, f)
                 k, _, rest = table.springs[table.rows[t] - m]
-                energy += 0.5 * k * (_value(table, t, z, f) - rest) ** 2
+                energy += 0.5 * k * (term(table, t, z, f) - rest) ** 2
     return energy
 
 
@@ -175,8 +105,8 @@ def damper_loss(H: Array, v: Array, table: JointTable) -> float:
     for j in range(table.nodes.shape[0]):
         for t in range(table.first[j], table.first[j + 1]):
             if table.rows[t] >= m and table.springs[table.rows[t] - m, 1] != 0.0:
-                _locate(H, table, j, A, B, z, f)
-                loss += table.springs[table.rows[t] - m, 1] * _rate(v, table, j, t, z) ** 2
+                locate(H, table, j, A, B, z, f)
+                loss += table.springs[table.rows[t] - m, 1] * rate_of_term(v, table, j, t, z) ** 2
     return loss
 
 
@@ -192,8 +122,8 @@ def wrenches(
     f, c, sides = np.zeros(3), np.empty(3), np.empty((2, 6))
     for i in range(pairs.shape[0]):
         j = pairs[i]
-        _locate(H, table, j, A, B, z, f)
-        _load(v, table, j, z, f, weights, p, c)
+        locate(H, table, j, A, B, z, f)
+        load(v, table, j, z, f, weights, p, c)
         force(z, p, sides[0], sides[1])
         for k in range(6):
             out[i, k] = -sides[side[i], k]
@@ -212,9 +142,9 @@ def jacobian(H: Array, table: JointTable, rows: Array) -> None:
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     p, sides, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
     for j in range(table.nodes.shape[0]):
-        _locate(H, table, j, A, B, z, f)
+        locate(H, table, j, A, B, z, f)
         for t in range(table.first[j], table.first[j + 1]):
-            _gradient(table, j, t, z, p)
+            gradient(table, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):
                 leg = table.legs[t, side]
@@ -236,8 +166,8 @@ def geometric(H: Array, table: JointTable, weights: Array, place: Indices, K: Ar
     dz, dp, sides, bent = np.empty(12), np.empty(12), np.empty((2, 6)), np.empty((2, 6))
     moved = np.empty(6)
     for j in range(table.nodes.shape[0]):
-        _locate(H, table, j, A, B, z, f)
-        _load(rest, table, j, z, f, weights, p, c)
+        locate(H, table, j, A, B, z, f)
+        load(rest, table, j, z, f, weights, p, c)
         for column in range(12):
             source = column // 6
             if place[j, 0, source] < 0 and place[j, 1, source] < 0:
@@ -272,8 +202,8 @@ def add_springs(
             if table.rows[t] < m:
                 continue
             k, c, _ = table.springs[table.rows[t] - m]
-            _locate(H, table, j, A, B, z, f)
-            _gradient(table, j, t, z, p)
+            locate(H, table, j, A, B, z, f)
+            gradient(table, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):
                 lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], b[side])
@@ -292,8 +222,8 @@ def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) ->
     m = len(table.targets)
     first[:m], second[:m] = 0.0, 0.0
     for j in range(table.nodes.shape[0]):
-        _locate(H, table, j, A, B, z, f)
-        _twists(v, table, j, twist)
+        locate(H, table, j, A, B, z, f)
+        twists(v, table, j, twist)
         variation(z, twist[0], twist[1], dz)
         variation(dz, twist[0], twist[1], ddz)
         for k in range(3):
@@ -302,7 +232,7 @@ def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) ->
             row = table.rows[t]
             if row >= m:
                 continue
-            _gradient(table, j, t, z, p)
+            gradient(table, j, t, z, p)
             dp[:] = 0.0
             functions.add_gradient_changes(z, dz, table.angle[j], table.functions[t], dp)
             first[row] += p @ dz

@@ -19,7 +19,8 @@ from fem_lie.solve.conserving.memory import model_of, pieces_of, room_for_step, 
 from fem_lie.solve.conserving.step import stopping
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
-from fem_lie.solve.conserving.step.records import Packed, Scheme, Span
+from fem_lie.solve.conserving.step.packing import Packed
+from fem_lie.solve.conserving.step.records import Scheme, Span
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History

@@ -18,9 +18,9 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.motions import Group, to_local
+from fem_lie.lie.series import blend, tangent_coefficients
 from fem_lie.lie.tuples import (
     Vector,
-    blend,
     combined,
     cross,
     dot,
@@ -34,7 +34,6 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
     store_row,
-    tangent_coefficients,
 )
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.free_records import (

@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -25,7 +26,6 @@ from fem_lie.lie.tuples import (
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.step.cayley import span
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
-from fem_lie.solve.conserving.step.copies import put
 from fem_lie.solve.conserving.step.dissipation import (
     REMEMBERS,
     choose_memory,
@@ -33,18 +33,8 @@ from fem_lie.solve.conserving.step.dissipation import (
     velocity_loss,
 )
 from fem_lie.solve.conserving.step.joints import add_joints
-from fem_lie.solve.conserving.step.records import (
-    Model,
-    PackedModel,
-    Scheme,
-    State,
-    Step,
-    model_of,
-    solution_of,
-    span_of,
-    state_of,
-    step_of,
-)
+from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.records import Model, Scheme, State, Step, solution_of, span_of
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
@@ -52,7 +42,7 @@ from fem_lie.system.nodes.loads import Loads
 
 @linked
 def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
-    """:func:`residual` of :class:`~fem_lie.solve.conserving.step.records.Packed`."""
+    """:func:`residual` of :class:`~fem_lie.solve.conserving.step.packing.Packed`."""
     residual(model_of(model), state_of(state), step_of(step))
 
 

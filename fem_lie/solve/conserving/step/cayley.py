@@ -96,3 +96,12 @@ def advance(q: Array, rest: Array, delta: Array) -> None:
                 part = total - q[i, k, j]
                 rest[i, k, j] = (q[i, k, j] - (total - part)) + (term - part)
                 q[i, k, j] = total
+
+
+@inlined
+def spin(H: Array, V: Array) -> Vector:
+    """Angular velocity of rates of a frame."""
+    twice = (0.0, 0.0, 0.0)
+    for k in range(1, 4):
+        twice = plus(twice, cross(load_row(H, k), load_row(V, k)))
+    return scaled(0.5, twice)

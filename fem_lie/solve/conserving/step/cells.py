@@ -12,6 +12,7 @@ from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.forms.cells import CellTable
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import (
     cross,
     dot,
@@ -26,14 +27,7 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.conserving.step.cayley import follow
-from fem_lie.solve.conserving.step.copies import put
-from fem_lie.solve.conserving.step.discrete_gradient import (
-    Ends,
-    Energies,
-    Path,
-    add_elastic,
-    filtered_forces,
-)
+from fem_lie.solve.conserving.step.discrete_gradient import Energies, add_elastic, filtered_forces
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     ENERGY,
@@ -45,6 +39,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     SQUARES,
     WORKS,
 )
+from fem_lie.solve.conserving.step.mean_forces import Ends, Path
 from fem_lie.solve.conserving.step.records import (
     Leaders,
     Model,

@@ -38,9 +38,9 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
-from fem_lie.solve.conserving.step.copies import put
-from fem_lie.solve.conserving.step.discrete_gradient import solve_symmetric
+from fem_lie.solve.conserving.step.mean_forces import solve_symmetric
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.inertia import Inertia
 

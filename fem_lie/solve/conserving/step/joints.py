@@ -17,12 +17,12 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
 from fem_lie.lie.wrenches import add_wrench
-from fem_lie.solve.conserving.step.copies import put
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""Steps that conserve energy and momenta: prediction, iteration to stagnation, acceptance.
+"""Steps that conserve energy and momenta: prediction, and iteration to stagnation.
 
 One compiled loop goes through the steps and comes back to Python for a new matrix, for results and
 when a step fails.
@@ -12,49 +12,25 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
-from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.joints.equations.terms import unwrap
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import (
     Vector,
     combined,
-    cross,
     dot,
     load,
     load_row,
     minus,
-    plus,
     rotate,
     rotate_back,
-    scaled,
     store,
-    store_row,
 )
-from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.linear.factors import PlainFactors, solve
+from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
-from fem_lie.solve.conserving.step.cayley import advance
-from fem_lie.solve.conserving.step.copies import put
-from fem_lie.solve.conserving.step.dissipation import (
-    ENERGY,
-    LEAK,
-    LIMIT,
-    REMEMBERS,
-    REPAID,
-    remember,
-)
-from fem_lie.solve.conserving.step.records import (
-    Model,
-    PackedModel,
-    Scheme,
-    State,
-    Step,
-    model_of,
-    solution_of,
-    span_of,
-    state_of,
-    step_of,
-)
+from fem_lie.solve.conserving.step.cayley import spin
+from fem_lie.solve.conserving.step.dissipation import REMEMBERS
+from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.records import Model, Scheme, State, Step, solution_of, span_of
 from fem_lie.solve.conserving.step.stopping import (
     ASKED,
     EXCESS,
@@ -74,9 +50,6 @@ from fem_lie.solve.conserving.step.stopping import (
     settled,
     stagnates,
 )
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
-from fem_lie.system.nodes.loads import Loads
 
 DONE, MATRIX, FAILED = 0, 1, 2
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -89,7 +62,7 @@ _ASTRAY = 1e-6
 
 @linked
 def packed_begin(model: PackedModel, state: Indices, step: Indices) -> float:
-    """:func:`begin` of :class:`~fem_lie.solve.conserving.step.records.Packed`."""
+    """:func:`begin` of :class:`~fem_lie.solve.conserving.step.packing.Packed`."""
     m = model_of(model)
     return begin(m.held, m.measure, m.scheme.h, state_of(state), step_of(step))
 
@@ -103,20 +76,11 @@ def begin(held: Flags, measure: Array, h: float, state: State, this: Step) -> fl
     ahead, largest = h * h, 0.0
     for i in range(step.shape[0]):
         u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
-        ψ = combined(h, _spin(H[i], V[i]), ahead, load(trend[i], 3))
+        ψ = combined(h, spin(H[i], V[i]), ahead, load(trend[i], 3))
         _hold(H[i], held[i], u, ψ, step[i])
         for k in range(6):
             largest = max(largest, abs(step[i, k]) * measure[6 * i + k])
     return largest
-
-
-@inlined
-def _spin(H: Array, V: Array) -> Vector:
-    """Angular velocity of rates of a frame."""
-    twice = (0.0, 0.0, 0.0)
-    for k in range(1, 4):
-        twice = plus(twice, cross(load_row(H, k), load_row(V, k)))
-    return scaled(0.5, twice)
 
 
 @inlined
@@ -167,99 +131,6 @@ def correct(held: Flags, scale: Array, scheme: Scheme, state: State, this: Step)
         weights[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]
 
 
-@compiled
-def accept(
-    mass: Inertia,
-    tables: tuple[PackedJoints, PackedJoints],
-    loads: Loads,
-    conservative: Array,
-    scheme: Scheme,
-    state: State,
-    this: Step,
-) -> None:
-    """Make the end of the step the start of the next; ``tables``: of joints and of probes."""
-    H, V, F, lag, trend = state.H, state.V, state.F, state.lag, state.trend
-    w, w_F, books, account = state.w, state.w_F, state.books, state.account
-    step, V1, F1, losses = this.step, this.V1, this.F1, this.losses
-    end, _, middle, delta = span_of(this.rows)
-    n, (h, χ, μ) = step.shape[0], scheme
-    share = 0.5 * (1.0 + χ * lag[REMEMBERS])
-    _keep_what_is_left(middle, step, solution_of(this.r).residual, share, lag, state.carry)
-    if χ > 0.0:
-        # the first step knows of no change before
-        μ = μ if lag[REMEMBERS] > 0.0 else 1.0
-        lag[REMEMBERS] = 1.0
-        remember(lag, μ)
-        w += μ * (V1 - V - w)
-        w_F += μ * (F1 - F - w_F)
-    books[WORK] += losses[WORK] + _work_of_loads(loads, conservative, this.rows, step, losses)
-    books[DAMPING] += losses[DAMPING]
-    books[NUMERICAL] += losses[NUMERICAL]
-    books[BY_LOADS:] += h * losses[BY_LOADS:]
-    advance(H[:n], state.rest, delta[:n])
-    for i in range(n, H.shape[0]):
-        for k in range(4):
-            store_row(H[i], k, load_row(end[i], k))
-    joints, probes = tables
-    unwrap(H, joint_table(joints))
-    unwrap(H, joint_table(probes))
-    put(V1, V)
-    momenta = this.q[1]
-    inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * momenta) + np.sum(this.W1))
-    for i in range(n):
-        for at in (0, 3):
-            later = load_row(V[i], 0) if at == 0 else _spin(H[i], V[i])
-            store(trend[i], at, combined(1.0 / h, later, -1.0 / h**2, load(step[i], at)))
-    put(F1, F)
-    put(this.W1, state.W)
-    for e in range(account.shape[0]):
-        account[e] += this.work[e]
-    sizes, earlier = state.sizes, state.earlier
-    sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
-    for c in range(state.gap.shape[0]):
-        state.gap[c] += this.change[c]
-        earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
-
-
-@compiled
-def _keep_what_is_left(
-    middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
-) -> None:
-    """Forces and energy that the next step makes up for, from the residual ``r``."""
-    gain = square = 0.0
-    for i in range(step.shape[0]):
-        m, left = middle[i], r[6 * i : 6 * i + 6]
-        for at in (0, 3):
-            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(left, at))
-            f = scaled(factor, f)
-            for j in range(3):
-                gain += (f[j] - carry[i, at + j]) * step[i, at + j]
-                square += f[j] * f[j] if at == 0 else 0.0
-            store(carry[i], at, f)
-    lag[LEAK] += gain - lag[REPAID]
-    lag[LIMIT] = sqrt(square)
-
-
-@compiled
-def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, losses: Array) -> float:
-    """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
-    dead, moment, following = loads
-    _, mean, middle, delta = span_of(rows)
-    work = 0.0
-    for i in range(step.shape[0]):
-        for k in range(4):
-            for j in range(3):
-                work += (dead[i, k, j] - constant[i, k, j]) * delta[i, k, j]
-        add_dead(losses, BY_LOADS, 1.0, mean[i], dead[i])
-        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
-        f = rotate(d1, d2, d3, load(following[i], 0))
-        m = plus(load(moment[i], 0), rotate(d1, d2, d3, load(following[i], 3)))
-        work += dot(f, load(step[i], 0)) + dot(m, load(step[i], 3))
-        add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
-    return work
-
-
 @linked
 def run(
     packed: PackedModel,
@@ -274,7 +145,7 @@ def run(
     """Go on until step ``last``, or until a new matrix is wanted, or a step fails.
 
     Args:
-        packed: The model, see :class:`~fem_lie.solve.conserving.step.records.Packed`.
+        packed: The model, see :class:`~fem_lie.solve.conserving.step.packing.Packed`.
         starts: The state.
         steps: The step.
         factors: Of the matrix.

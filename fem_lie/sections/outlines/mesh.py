@@ -83,7 +83,7 @@ class SectionMesh:
             ValueError: gmsh cannot read it, cells are not triangles of degree 1 or 2 or
                 quadrilaterals of degree 1, they do not lie in such a plane or are not connected.
         """
-        from fem_lie.sections.gmsh_outlines import read_surface
+        from fem_lie.sections.outlines.gmsh_outlines import read_surface
 
         raw = read_surface(path, parameters)
         return cls(raw.points, raw.cells, raw.regions, raw.names, raw.cell, raw.degree)

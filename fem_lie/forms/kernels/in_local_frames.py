@@ -1,117 +1,28 @@
 """Compiled kernels with DOLFINx's signature (UFCx) that call FFCx's and move to local frames.
 
 There is one kernel for each thing assembled (energy, residual, tangent, carried stress, local
-fields), the same for all energies and all :class:`FrameMap`. It calls what FFCx made, applies the
-map and condenses element-local fields ``s``. The addresses of FFCx's functions and of the map stand
-in a header of 64-bit integers in front of the form's constants: nothing is compiled again when the
-energy changes, and numba can cache everything, which it could not if a kernel closed over an
-address. :mod:`fem_lie.forms.wrapping` writes that header.
+fields), the same for all energies and every :class:`~fem_lie.forms.frame_map.FrameMap`. It calls
+what FFCx made, applies the map and condenses element-local fields ``s``. The addresses of FFCx's
+functions and of the map stand in a header of 64-bit integers in front of the form's constants:
+nothing is compiled again when the energy changes, and numba can cache everything, which it could
+not if a kernel closed over an address. :mod:`fem_lie.forms.wrapping` writes that header.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
-from fem_lie.forms.frame_map import MAP_SIGNATURE, Pointer, double_pointer
-
-UFCX_SIGNATURE = types.void(
-    double_pointer,
-    double_pointer,
-    double_pointer,
-    double_pointer,
-    types.CPointer(types.int32),
-    types.CPointer(types.uint8),
+from fem_lie.forms.kernels.addresses import (
+    UFCX_SIGNATURE,
+    Pointer,
+    apply,
+    shift,
+    stack,
+    tabulate,
 )
-
-# --- calling by address, memory on the stack ------------------------------------------------------
-
-
-@intrinsic
-def stack(typing_context, size):  # type: ignore[no-untyped-def]
-    """Uninitialised doubles in the caller's stack frame: no allocation per cell."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.alloca(ir.DoubleType(), size=arguments[0])
-
-    return double_pointer(size), generate
-
-
-@intrinsic
-def _shift(typing_context, pointer, offset):  # type: ignore[no-untyped-def]
-    """``pointer + offset``, counted in doubles."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.gep(arguments[0], [arguments[1]])
-
-    return double_pointer(double_pointer, types.intp), generate
-
-
-def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        function_type = ir.FunctionType(ir.VoidType(), argument_types)
-        function = builder.inttoptr(arguments[0], function_type.as_pointer())
-        # The C calling conventions let a callee ignore trailing arguments: null stands for the
-        # `custom_data` that kernels take from DOLFINx 0.11 on, and does no harm before.
-        given = list(arguments[1:])
-        given += [ir.Constant(t, None) for t in argument_types[len(given) :]]
-        builder.call(function, given)
-        return context.get_dummy_value()
-
-    return generate
-
-
-_double_p = ir.DoubleType().as_pointer()
-_byte_p = ir.IntType(8).as_pointer()
-_int_p = ir.IntType(32).as_pointer()
-_tabulate_code = _call_by_address([_double_p] * 4 + [_int_p, _byte_p, _byte_p])
-_map_code = _call_by_address([_double_p] * 4 + [ir.IntType(64)])
-
-
-@intrinsic
-def _tabulate(typing_context, address, A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
-    """Call the UFCx function at ``address``."""
-    return types.void(types.int64, *UFCX_SIGNATURE.args), _tabulate_code
-
-
-@intrinsic
-def pointer(typing_context, address):  # type: ignore[no-untyped-def]
-    """Where doubles stand, from their address."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.inttoptr(arguments[0], _double_p)
-
-    return double_pointer(types.int64), generate
-
-
-@intrinsic
-def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
-    """Where 64-bit integers stand."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
-
-    return types.CPointer(types.int64)(types.int64), generate
-
-
-@intrinsic
-def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped-def]
-    """Call a kernel of this module at ``address``, as DOLFINx calls it for a cell."""
-    return types.void(types.int64, *UFCX_SIGNATURE.args[:4]), _tabulate_code
-
-
-@intrinsic
-def _apply(typing_context, address, state, y, given, out, nodes):  # type: ignore[no-untyped-def]
-    """Call the function of a :class:`FrameMap` at ``address``."""
-    return types.void(types.int64, *MAP_SIGNATURE.args), _map_code
-
 
 # --- the header: 64-bit integers in the form's constants ------------------------------------------
 
@@ -139,21 +50,21 @@ def _inner(
     """Call the FFCx function described at ``head[at]`` with its own layout of coefficients."""
     if head[at] == 0:
         return
-    constants = _shift(c, head[at + 1])
+    constants = shift(c, head[at + 1])
     segments = head[at + 3]
     if segments == 1:
-        _tabulate(head[at], A, _shift(w, head[at + 4]), constants, x, entity, permutation)
+        tabulate(head[at], A, shift(w, head[at + 4]), constants, x, entity, permutation)
         return
     own_pointer = stack(head[at + 2])
     own = numba.carray(own_pointer, (head[at + 2],))
     k = 0
     for segment in range(segments):
         start, length = head[at + 4 + 2 * segment], head[at + 5 + 2 * segment]
-        source = numba.carray(_shift(w, start), (length,))
+        source = numba.carray(shift(w, start), (length,))
         for i in range(length):
             own[k] = source[i]
             k += 1
-    _tabulate(head[at], A, own_pointer, constants, x, entity, permutation)
+    tabulate(head[at], A, own_pointer, constants, x, entity, permutation)
 
 
 @compiled
@@ -198,6 +109,23 @@ def _solve(M: Array, B: Array) -> None:
                     B[i, j] -= factor * B[k, j]
 
 
+@compiled
+def _condense(K: Pointer, R: Pointer, M: Pointer, n_y: int, n_s: int) -> None:
+    """``K −= Rᵀ M⁻¹ R`` of matrices (n_y, n_y), (n_s, n_y), (n_s, n_s); ``M`` is lost."""
+    whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n_y))
+    change = numba.carray(stack(n_s * n_y), (n_s, n_y))
+    for k in range(n_s):
+        for j in range(n_y):
+            change[k, j] = rows[k, j]
+    _solve(numba.carray(M, (n_s, n_s)), change)
+    for k in range(n_s):
+        for i in range(n_y):
+            factor = rows[k, i]
+            if factor != 0.0:
+                for j in range(n_y):
+                    whole[i, j] -= factor * change[k, j]
+
+
 # --- the kernels ----------------------------------------------------------------------------------
 
 
@@ -206,9 +134,9 @@ def _prepare(w: Pointer, c: Pointer) -> tuple[Indices, Pointer, Pointer]:
     """Header, pointers to state and coordinates; the coordinates are written into their slot."""
     # the descriptions follow: the view is longer than its shape says
     head = numba.carray(c, (HEADER_SIZE,)).view(np.int64)
-    state, y = _shift(w, head[AT_STATE]), _shift(w, head[AT_Y])
+    state, y = shift(w, head[AT_STATE]), shift(w, head[AT_Y])
     if head[COORDINATES] != 0:
-        _apply(head[COORDINATES], state, y, y, y, head[NODES])
+        apply(head[COORDINATES], state, y, y, y, head[NODES])
     return head, state, y
 
 
@@ -232,7 +160,7 @@ def residual_kernel(
     head, state, y = _prepare(w, c)
     n_y, n_s = head[N_Y], head[N_S]
     if n_s > 0:
-        z, M = _shift(w, head[AT_Z]), stack(n_s * n_s)
+        z, M = shift(w, head[AT_Z]), stack(n_s * n_s)
         _clear(z, n_s)
         _clear(M, n_s * n_s)
         _inner(head, head[SECOND], z, w, c, x, entity, permutation)
@@ -241,7 +169,7 @@ def residual_kernel(
     f = stack(n_y)
     _clear(f, n_y)
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    _apply(head[PULL], state, y, f, A, head[NODES])
+    apply(head[PULL], state, y, f, A, head[NODES])
 
 
 @callback(UFCX_SIGNATURE)
@@ -262,29 +190,18 @@ def tangent_kernel(
     if head[SECOND] != 0:
         _inner(head, head[SECOND], f, w, c, x, entity, permutation)
         if head[GEOMETRIC] != 0:
-            _apply(head[GEOMETRIC], state, y, f, A, nodes)
+            apply(head[GEOMETRIC], state, y, f, A, nodes)
     if n_s > 0:
-        R, M, B = stack(n_s * n_y), stack(n_s * n_s), stack(n_s * n_y)
+        R, M = stack(n_s * n_y), stack(n_s * n_s)
         _clear(R, n_s * n_y)
         _clear(M, n_s * n_s)
         _inner(head, head[THIRD], R, w, c, x, entity, permutation)
         _inner(head, head[FOURTH], M, w, c, x, entity, permutation)
-        whole, rows = numba.carray(K, (n_y, n_y)), numba.carray(R, (n_s, n_y))
-        change = numba.carray(B, (n_s, n_y))
-        for k in range(n_s):
-            for j in range(n_y):
-                change[k, j] = rows[k, j]
-        _solve(numba.carray(M, (n_s, n_s)), change)
-        for k in range(n_s):
-            for i in range(n_y):
-                factor = rows[k, i]
-                if factor != 0.0:
-                    for j in range(n_y):
-                        whole[i, j] -= factor * change[k, j]
+        _condense(K, R, M, n_y, n_s)
     KL = stack(n_y * n_h)
     _clear(KL, n_y * n_h)
     for i in range(n_y):
-        _apply(head[PULL], state, y, _shift(K, i * n_y), _shift(KL, i * n_h), nodes)
+        apply(head[PULL], state, y, shift(K, i * n_y), shift(KL, i * n_h), nodes)
     columns = numba.carray(KL, (n_y, n_h))
     column, pulled = stack(n_y), stack(n_h)
     column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
@@ -293,7 +210,7 @@ def tangent_kernel(
         for i in range(n_y):
             column_values[i] = columns[i, j]
         _clear(pulled, n_h)
-        _apply(head[PULL], state, y, column, pulled, nodes)
+        apply(head[PULL], state, y, column, pulled, nodes)
         for i in range(n_h):
             out[i, j] += pulled_values[i]
 
@@ -306,9 +223,9 @@ def viscous_kernel(
     head, state, y = _prepare(w, c)
     f = stack(head[N_Y])
     _clear(f, head[N_Y])
-    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), _shift(w, head[AT_DY]), head[NODES])
+    apply(head[PUSH], state, y, shift(w, head[AT_H]), shift(w, head[AT_DY]), head[NODES])
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
-    _apply(head[PULL], state, y, f, A, head[NODES])
+    apply(head[PULL], state, y, f, A, head[NODES])
 
 
 @callback(UFCX_SIGNATURE)
@@ -317,8 +234,8 @@ def stress_kernel(
 ) -> None:
     """Rank 1: the new carried stress, ``σ(ε) + C ε'(y) L h``, times the quadrature weights."""
     head, state, y = _prepare(w, c)
-    dy = _shift(w, head[AT_DY])
-    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
+    dy = shift(w, head[AT_DY])
+    apply(head[PUSH], state, y, shift(w, head[AT_H]), dy, head[NODES])
     _inner(head, head[FIRST], A, w, c, x, entity, permutation)
 
 
@@ -331,11 +248,11 @@ def local_kernel(
     First: the bracket, second: K_ss.
     """
     head, state, y = _prepare(w, c)
-    n_s, dy = head[N_S], _shift(w, head[AT_DY])
+    n_s, dy = head[N_S], shift(w, head[AT_DY])
     f, M = stack(n_s), stack(n_s * n_s)
     _clear(f, n_s)
     _clear(M, n_s * n_s)
-    _apply(head[PUSH], state, y, _shift(w, head[AT_H]), dy, head[NODES])
+    apply(head[PUSH], state, y, shift(w, head[AT_H]), dy, head[NODES])
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     _inner(head, head[SECOND], M, w, c, x, entity, permutation)
     z = numba.carray(f, (n_s, 1))

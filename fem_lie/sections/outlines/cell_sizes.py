@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
-from fem_lie.sections.outline import TOUCH, Part, cross
+from fem_lie.sections.outlines.outline import TOUCH, Part, cross
 
 _WALL_CELL = 0.5  # size of cells in a wall over its thickness
 _CORNER_CELL = 0.01  # the same at a re-entrant corner

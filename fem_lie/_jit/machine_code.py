@@ -1,4 +1,4 @@
-"""Decorators of all compiled code of the package: numba with a disk cache that can be trusted.
+"""Where numba's machine code is kept: in folders that say by their names what went into it.
 
 numba keys the cached machine code of a function by the place and the date of its own file. A
 function that has inlined a helper of another file would therefore survive a change of that helper,
@@ -21,168 +21,15 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache, update_wrapper
+from functools import cache
 from pathlib import Path
-from time import perf_counter
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numba
-from numba.core import config, event
 from numba.core.caching import CacheImpl, _CacheLocator
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.registry import CPUDispatcher
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-_PACKAGE = Path(__file__).parent
+PACKAGE = Path(__file__).parents[1]
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
-
-
-def compiled(function: F) -> F:
-    """Compile ``function`` on its first call, for each new set of argument types, and cache it.
-
-    Division by zero gives inf or nan as in NumPy; no reassociation of sums; no bounds checks.
-    """
-    return _njit(function)
-
-
-def inlined(function: F) -> F:
-    """As :func:`compiled`, and merged into compiled callers whatever its size.
-
-    For small steps of inner loops: a call with array arguments costs as much as 50 operations,
-    because numba counts references to arrays around each call that it cannot see through.
-    """
-    return _njit(function, forceinline=True)
-
-
-def inlined_series(function: F) -> F:
-    """As :func:`inlined`, with multiply and add fused: for Horner's rule, twice as fast.
-
-    Not for anything that relies on ``a b − b a = 0``.
-    """
-    return _njit(function, forceinline=True, fastmath={"contract"})
-
-
-class Compiling(event.Listener):
-    """Says once in a process that machine code of this package is made.
-
-    Attributes:
-        seconds: How long that has taken in this process.
-    """
-
-    def __init__(self) -> None:
-        """Nothing was made yet."""
-        self.seconds, self._depth, self._begin, self._said = 0.0, 0, 0.0, False
-
-    def on_start(self, event: Any) -> None:
-        """A function begins to be compiled, for itself or for another one."""
-        module = str(event.data["dispatcher"].py_func.__module__)
-        if not self._said and module.startswith(f"{_PACKAGE.name}."):
-            self._said = True
-            logging.getLogger(__name__).warning(
-                "%s compiles machine code, which it keeps: once per version and scheme, up to a "
-                "minute or two",
-                _PACKAGE.name,
-            )
-        if self._depth == 0:
-            self._begin = perf_counter()
-        self._depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """It is done."""
-        self._depth -= 1
-        if self._depth == 0:
-            self.seconds += perf_counter() - self._begin
-
-
-compiling = Compiling()
-event.register("numba:compile", compiling)
-
-
-def callback(signature: Any) -> Callable[[F], Any]:
-    """Compile a function at once to a C callback of the numba ``signature``, and cache it.
-
-    The result has the callback's ``.address``; closures over run-time values cannot be cached.
-    """
-
-    def decorate(function: F) -> Any:
-        with _own_cache(function) as cached:
-            return numba.cfunc(signature, error_model="numpy", cache=cached)(function)
-
-    return decorate
-
-
-def linked(function: F) -> F:
-    """As :func:`compiled`, for what mostly calls compiled functions that take most of the time.
-
-    Their code is linked in as it was optimised for itself; doing that anew at each level of calls
-    is what compiling a loop over steps would take longest for.
-    """
-    return _njit(function, _LINKED)
-
-
-_OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
-"""Levels of optimisation; what a user sets for numba is the highest."""
-
-
-def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
-    options |= {"error_model": "numpy", "no_cfunc_wrapper": True}
-    with _own_cache(function, for_callers=True) as cached:
-        inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(function)
-    inner.__class__, inner.level = _Dispatcher, level
-    entrance = _entrance(function, inner)
-    with _own_cache(function) as cached:
-        dispatcher = numba.njit(cache=cached, **options)(entrance)
-    dispatcher.__class__, dispatcher.level = _CalledFromPython, _LINKED
-    dispatcher.for_callers = inner
-    return cast(F, update_wrapper(dispatcher, function))
-
-
-def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
-    """A function that calls ``inner`` and stands in the place of ``function``."""
-    names = ", ".join(inspect.signature(function).parameters)
-    source = f"def entrance({names}):\n    return inner({names})"
-    scope = {"inner": inner}
-    exec(compile(source, function.__code__.co_filename, "exec"), scope)
-    entrance: Any = update_wrapper(scope["entrance"], function)
-    del entrance.__wrapped__  # it has no type hints that numba would read
-    return cast(Callable[..., Any], entrance)
-
-
-class _Dispatcher(CPUDispatcher):
-    """A compiled function.
-
-    Attributes:
-        level: Of optimisation.
-    """
-
-    level: int
-
-    def compile(self, sig: Any) -> Any:
-        """Compile for arguments of these types."""
-        with global_compiler_lock:
-            callers, config.OPT = config.OPT, min(_USERS_LEVEL, config._OptLevel(self.level))
-            try:
-                return super().compile(sig)
-            finally:
-                config.OPT = callers
-
-
-class _CalledFromPython(_Dispatcher):
-    """A compiled function; others that are compiled call what it calls.
-
-    What takes arguments from Python is more code than most functions are: a record of fifty arrays
-    takes 0.7 s to compile. So functions have it only if they are called from Python.
-    """
-
-    for_callers: CPUDispatcher
-
-    @property
-    def _numba_type_(self) -> Any:
-        return numba.types.Dispatcher(self.for_callers)
-
-
-# --- where machine code is kept -------------------------------------------------------------------
 
 
 class _ByContent(_CacheLocator):
@@ -217,7 +64,7 @@ class _ForCallers(_ByContent):
 
 
 @contextmanager
-def _own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Iterator[bool]:
+def own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Iterator[bool]:
     """Let numba cache what is decorated inside in our folders; yields whether it can.
 
     Functions that stand in no file, but were typed in, are not cached.
@@ -252,7 +99,7 @@ def _folder_of(file: Path) -> Path:
 
 def _name_of(file: Path) -> str:
     """Of a file of this package with the names of its rooms: several files have the same stem."""
-    inside = file.relative_to(_PACKAGE) if file.is_relative_to(_PACKAGE) else Path(file.name)
+    inside = file.relative_to(PACKAGE) if file.is_relative_to(PACKAGE) else Path(file.name)
     return ".".join(inside.with_suffix("").parts)
 
 
@@ -295,7 +142,7 @@ def _is_text(statement: Any) -> bool:
 
 
 _IMPORT = re.compile(
-    rf"^(?:from\s+({_PACKAGE.name}[\w.]*)\s+import\s+(\([^)]*\)|.*)|import\s+({_PACKAGE.name}[\w.]*))",
+    rf"^(?:from\s+({PACKAGE.name}[\w.]*)\s+import\s+(\([^)]*\)|.*)|import\s+({PACKAGE.name}[\w.]*))",
     re.MULTILINE,
 )
 
@@ -305,11 +152,11 @@ def _imports(file: Path) -> list[Path]:
     """Files of this package that ``file`` imports when it is loaded; not for type hints alone."""
     files: list[Path] = []
     for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
-        place = _PACKAGE.joinpath(*(package or module).split(".")[1:])
+        place = PACKAGE.joinpath(*(package or module).split(".")[1:])
         inside = [place / name for name in re.findall(r"\w+", names)]
         modules = [path for name in inside for path in _of_module(name) if path.is_file()]
         files += modules
-        if place != _PACKAGE and not modules:
+        if place != PACKAGE and not modules:
             files += _of_module(place)
     return [path for path in files if path.is_file()]
 

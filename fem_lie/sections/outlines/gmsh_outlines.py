@@ -13,8 +13,8 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.gmsh_session import logged, model, opened, physical, session
 from fem_lie.mesh.gmsh_surfaces import cell_block, coordinates_of
-from fem_lie.sections.cell_sizes import GROWTH, CellSizes
-from fem_lie.sections.outline import Loop, Part
+from fem_lie.sections.outlines.cell_sizes import GROWTH, CellSizes
+from fem_lie.sections.outlines.outline import Loop, Part
 
 _DELAUNAY = 5  # gmsh's number; follows sizes that vary strongly
 _FAR = 10.0  # outlines have a diameter of about 2

@@ -1,0 +1,12 @@
+"""The compiler: decorators of compiled code, and a disk cache of it that can be trusted."""
+
+from fem_lie._jit.decorators import (
+    callback,
+    compiled,
+    compiling,
+    inlined,
+    inlined_series,
+    linked,
+)
+
+__all__ = ["callback", "compiled", "compiling", "inlined", "inlined_series", "linked"]

@@ -1,0 +1,163 @@
+"""Decorators of all compiled code of the package."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+from collections.abc import Callable
+from functools import update_wrapper
+from time import perf_counter
+from typing import Any, TypeVar, cast
+
+import numba
+from numba.core import config, event
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher
+
+from fem_lie._jit.machine_code import PACKAGE, own_cache
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def compiled(function: F) -> F:
+    """Compile ``function`` on its first call, for each new set of argument types, and cache it.
+
+    Division by zero gives inf or nan as in NumPy; no reassociation of sums; no bounds checks.
+    """
+    return _njit(function)
+
+
+def inlined(function: F) -> F:
+    """As :func:`compiled`, and merged into compiled callers whatever its size.
+
+    For small steps of inner loops: a call with array arguments costs as much as 50 operations,
+    because numba counts references to arrays around each call that it cannot see through.
+    """
+    return _njit(function, forceinline=True)
+
+
+def inlined_series(function: F) -> F:
+    """As :func:`inlined`, with multiply and add fused: for Horner's rule, twice as fast.
+
+    Not for anything that relies on ``a b − b a = 0``.
+    """
+    return _njit(function, forceinline=True, fastmath={"contract"})
+
+
+class Compiling(event.Listener):
+    """Says once in a process that machine code of this package is made.
+
+    Attributes:
+        seconds: How long that has taken in this process.
+    """
+
+    def __init__(self) -> None:
+        """Nothing was made yet."""
+        self.seconds, self._depth, self._begin, self._said = 0.0, 0, 0.0, False
+
+    def on_start(self, event: Any) -> None:
+        """A function begins to be compiled, for itself or for another one."""
+        module = str(event.data["dispatcher"].py_func.__module__)
+        if not self._said and module.startswith(f"{PACKAGE.name}."):
+            self._said = True
+            logging.getLogger(__name__).warning(
+                "%s compiles machine code, which it keeps: once per version and scheme, up to a "
+                "minute or two",
+                PACKAGE.name,
+            )
+        if self._depth == 0:
+            self._begin = perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """It is done."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += perf_counter() - self._begin
+
+
+compiling = Compiling()
+event.register("numba:compile", compiling)
+
+
+def callback(signature: Any) -> Callable[[F], Any]:
+    """Compile a function at once to a C callback of the numba ``signature``, and cache it.
+
+    The result has the callback's ``.address``; closures over run-time values cannot be cached.
+    """
+
+    def decorate(function: F) -> Any:
+        with own_cache(function) as cached:
+            return numba.cfunc(signature, error_model="numpy", cache=cached)(function)
+
+    return decorate
+
+
+def linked(function: F) -> F:
+    """As :func:`compiled`, for what mostly calls compiled functions that take most of the time.
+
+    Their code is linked in as it was optimised for itself; doing that anew at each level of calls
+    is what compiling a loop over steps would take longest for.
+    """
+    return _njit(function, _LINKED)
+
+
+_OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
+"""Levels of optimisation; what a user sets for numba is the highest."""
+
+
+def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
+    options |= {"error_model": "numpy", "no_cfunc_wrapper": True}
+    with own_cache(function, for_callers=True) as cached:
+        inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(function)
+    inner.__class__, inner.level = _Dispatcher, level
+    entrance = _entrance(function, inner)
+    with own_cache(function) as cached:
+        dispatcher = numba.njit(cache=cached, **options)(entrance)
+    dispatcher.__class__, dispatcher.level = _CalledFromPython, _LINKED
+    dispatcher.for_callers = inner
+    return cast(F, update_wrapper(dispatcher, function))
+
+
+def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
+    """A function that calls ``inner`` and stands in the place of ``function``."""
+    names = ", ".join(inspect.signature(function).parameters)
+    source = f"def entrance({names}):\n    return inner({names})"
+    scope = {"inner": inner}
+    exec(compile(source, function.__code__.co_filename, "exec"), scope)
+    entrance: Any = update_wrapper(scope["entrance"], function)
+    del entrance.__wrapped__  # it has no type hints that numba would read
+    return cast(Callable[..., Any], entrance)
+
+
+class _Dispatcher(CPUDispatcher):
+    """A compiled function.
+
+    Attributes:
+        level: Of optimisation.
+    """
+
+    level: int
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for arguments of these types."""
+        with global_compiler_lock:
+            callers, config.OPT = config.OPT, min(_USERS_LEVEL, config._OptLevel(self.level))
+            try:
+                return super().compile(sig)
+            finally:
+                config.OPT = callers
+
+
+class _CalledFromPython(_Dispatcher):
+    """A compiled function; others that are compiled call what it calls.
+
+    What takes arguments from Python is more code than most functions are: a record of fifty arrays
+    takes 0.7 s to compile. So functions have it only if they are called from Python.
+    """
+
+    for_callers: CPUDispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        return numba.types.Dispatcher(self.for_callers)

@@ -1,0 +1,151 @@
+"""What all bodies along lines have, whatever their nodes are: elements of one formulation."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, log_coincident, text
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.given_sections import outline_of
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.forms.assembly import Assembly
+from fem_lie.grips.grip import Grip
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.section import Section
+
+_SHARES = {1: (1 / 2, 1 / 2), 2: (1 / 6, 1 / 6, 2 / 3)}
+"""Integrals of the shape functions on a cell of unit length, ends first."""
+
+
+class Placed(NamedTuple):
+    """Nodes and elements along a line.
+
+    Attributes:
+        frames: Rows of the nodes, shape (n, 4, 3).
+        elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
+        lengths: Arc length of each element, unloaded, shape (m,).
+        leaders: The node that each node follows, itself if it is free, shape (n,).
+        pairs: Nodes that lines are drawn between, shape (any, 2).
+    """
+
+    frames: Array
+    elements: Indices
+    lengths: Array
+    leaders: Indices
+    pairs: Indices
+
+
+class LineBody(Body):
+    """A body along lines.
+
+    Attributes:
+        elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
+        lengths: Arc length of each element, unloaded, shape (m,).
+        stiffness: Section stiffness of each element, shape (m, 6, 6).
+        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
+        has_mass: Whether all sections have inertia.
+        formulation: The element.
+        damping: Of all elements.
+        sections: Of each element.
+    """
+
+    def __init__(
+        self,
+        mesh: LineMesh,
+        placed: Placed,
+        sections: Sequence[Section],
+        formulation: Formulation,
+        damping: Damping | None,
+        name: str,
+    ) -> None:
+        """Take what is the same for all of them from mesh and sections.
+
+        Args:
+            mesh: The lines, with names of points and groups.
+            placed: The nodes.
+            sections: Of each element.
+            formulation: The element.
+            damping: Default: none.
+            name: For messages and results.
+        """
+        self.elements, self.lengths = placed.elements, placed.lengths
+        self.formulation = formulation
+        self.damping = Damping() if damping is None else damping
+        self.sections = sections
+        self.stiffness = np.array([section.stiffness for section in sections])
+        self.has_mass = all(section.inertia is not None for section in sections)
+        self.density = np.array(
+            [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
+        )
+        self._groups = dict(mesh.groups)
+        named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
+        super().__init__(
+            placed.frames,
+            cells=placed.pairs,
+            outline=outline_of(sections, len(placed.pairs) // len(sections)),
+            size=float(self.lengths.sum()),
+            points=named,
+            leaders=placed.leaders,
+            name=name,
+        )
+        log_coincident(self.label, mesh.points)
+
+    @property
+    def node_kind(self) -> NodeKind:
+        """What the element says."""
+        return self.formulation.node_kind
+
+    @property
+    def kind(self) -> Hashable:
+        """Those of one formulation are assembled together."""
+        return type(self), self.formulation
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+        """All of one :attr:`kind` together."""
+        return BeamAssembly(bodies)
+
+    @property
+    def start(self) -> Point:
+        """The point named "start"."""
+        return self["start"]
+
+    @property
+    def end(self) -> Point:
+        """The point named "end"."""
+        return self["end"]
+
+    def grip_of(self, node: int) -> Grip | None:
+        """As the element says."""
+        return self.formulation.grip(node)
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Elements of a named group (default: all).
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        if group is None:
+            return np.arange(len(self.elements))
+        text(group, f"the name of a group of cells of {self.label}")
+        if group not in self._groups:
+            known = ", ".join(sorted(self._groups)) or "none"
+            raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
+        return self._groups[group]
+
+    def consistent_shares(self) -> tuple[Indices, Array]:
+        """Nodes of each element, and the length that each carries: integrals of their shapes."""
+        shares = np.array(_SHARES[self.formulation.degree])
+        return self.elements, self.lengths[:, np.newaxis] * shares
+
+    def consistent_levers(self) -> Array:
+        """As the element says, shape (m, k, 3)."""
+        levers = np.zeros((*self.elements.shape, 3))
+        ends = self.frames[self.elements[:, :2]]
+        levers[:, :2] = self.formulation.levers(ends, self.lengths)
+        return levers

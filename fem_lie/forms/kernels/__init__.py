@@ -1,0 +1,1 @@
+"""Compiled kernels, which call others by their addresses: the same for all energies and maps."""

@@ -1,0 +1,109 @@
+"""What stands at an address, in compiled code: functions to be called, numbers, stack memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+double_pointer = types.CPointer(types.float64)
+
+Pointer: TypeAlias = Any
+"""Where doubles stand; Python itself has no such thing."""
+
+UFCX_SIGNATURE = types.void(
+    double_pointer,
+    double_pointer,
+    double_pointer,
+    double_pointer,
+    types.CPointer(types.int32),
+    types.CPointer(types.uint8),
+)
+"""Of kernels of DOLFINx (UFCx)."""
+
+MAP_SIGNATURE = types.void(
+    double_pointer, double_pointer, double_pointer, double_pointer, types.intp
+)
+"""Of the functions of a :class:`~fem_lie.forms.frame_map.FrameMap`."""
+
+
+@intrinsic
+def stack(typing_context, size):  # type: ignore[no-untyped-def]
+    """Uninitialised doubles in the caller's stack frame: no allocation per cell."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.alloca(ir.DoubleType(), size=arguments[0])
+
+    return double_pointer(size), generate
+
+
+@intrinsic
+def shift(typing_context, pointer, offset):  # type: ignore[no-untyped-def]
+    """``pointer + offset``, counted in doubles."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return double_pointer(double_pointer, types.intp), generate
+
+
+def _call_by_address(argument_types: Sequence[ir.Type]) -> Callable[..., None]:
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        function_type = ir.FunctionType(ir.VoidType(), argument_types)
+        function = builder.inttoptr(arguments[0], function_type.as_pointer())
+        # The C calling conventions let a callee ignore trailing arguments: null stands for the
+        # `custom_data` that kernels take from DOLFINx 0.11 on, and does no harm before.
+        given = list(arguments[1:])
+        given += [ir.Constant(t, None) for t in argument_types[len(given) :]]
+        builder.call(function, given)
+        return context.get_dummy_value()
+
+    return generate
+
+
+_double_p = ir.DoubleType().as_pointer()
+_byte_p = ir.IntType(8).as_pointer()
+_int_p = ir.IntType(32).as_pointer()
+_tabulate_code = _call_by_address([_double_p] * 4 + [_int_p, _byte_p, _byte_p])
+_map_code = _call_by_address([_double_p] * 4 + [ir.IntType(64)])
+
+
+@intrinsic
+def tabulate(typing_context, address, A, w, c, x, entity, permutation):  # type: ignore[no-untyped-def]
+    """Call the UFCx function at ``address``."""
+    return types.void(types.int64, *UFCX_SIGNATURE.args), _tabulate_code
+
+
+@intrinsic
+def pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    """Where doubles stand, from their address."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(arguments[0], _double_p)
+
+    return double_pointer(types.int64), generate
+
+
+@intrinsic
+def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    """Where 64-bit integers stand."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(arguments[0], ir.IntType(64).as_pointer())
+
+    return types.CPointer(types.int64)(types.int64), generate
+
+
+@intrinsic
+def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped-def]
+    """Call a kernel at ``address``, as DOLFINx calls it for a cell."""
+    return types.void(types.int64, *UFCX_SIGNATURE.args[:4]), _tabulate_code
+
+
+@intrinsic
+def apply(typing_context, address, state, y, given, out, nodes):  # type: ignore[no-untyped-def]
+    """Call the function of a frame map at ``address``."""
+    return types.void(types.int64, *MAP_SIGNATURE.args), _map_code

@@ -1,0 +1,86 @@
+"""One pair of frames of a joint: its relative motion, its terms, their rates and loads; compiled.
+
+See :mod:`fem_lie.joints.equations.terms`, which sums over pairs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined
+from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.relative_motion import relative_motion, variation
+from fem_lie.joints.equations.table import JointTable
+
+
+@inlined
+def locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
+    """Relative motion of pair j and its functions, and its two frames."""
+    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
+    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
+    relative_motion(A, B, z)
+    if table.curved[j]:
+        functions.values(z, table.angle[j], table.turned[j], f)
+
+
+@inlined
+def term(table: JointTable, t: int, z: Array, f: Array) -> float:
+    """Value of term t, or its rate if ``z`` and ``f`` are rates."""
+    value = 0.0
+    for k in range(12):
+        value += table.selection[t, k] * z[k]
+    for k in range(3):
+        value += table.functions[t, k] * f[k]
+    return value
+
+
+@inlined
+def gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
+    """``p = ∂(term t)/∂z``."""
+    p[:] = table.selection[t]
+    functions.add_gradients(z, table.angle[j], table.functions[t], p)
+
+
+@inlined
+def twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
+    """Twists (2, 6) of the frames of pair j; what is beyond the rows of ``v`` is at rest."""
+    for side in range(2):
+        node = table.nodes[j, side]
+        twist[side] = 0.0
+        if node < v.shape[0]:
+            lie.apply_adjoint_inverse(table.frames[j, side], v[node], twist[side])
+
+
+@compiled
+def rate_of_term(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
+    """Rate of term t of pair j at twists ``v``."""
+    twist, dz, p = np.empty((2, 6)), np.empty(12), np.empty(12)
+    twists(v, table, j, twist)
+    variation(z, twist[0], twist[1], dz)
+    gradient(table, j, t, z, p)
+    return float(p @ dz)
+
+
+@inlined
+def load(
+    v: Array, table: JointTable, j: int, z: Array, f: Array, weights: Array, p: Array, c: Array
+) -> None:
+    """``p``: what pair j does on ``δz``; ``c``: its factors of the functions' gradients in that."""
+    m = len(table.targets)
+    p[:], c[:] = 0.0, 0.0
+    for t in range(table.first[j], table.first[j + 1]):
+        row = table.rows[t]
+        if row < m:
+            weight = weights[row]
+        else:
+            k, damping, rest = table.springs[row - m]
+            weight = k * (term(table, t, z, f) - rest)
+            if damping != 0.0:
+                weight += damping * rate_of_term(v, table, j, t, z)
+        for k in range(12):
+            p[k] += weight * table.selection[t, k]
+        for k in range(3):
+            c[k] += weight * table.functions[t, k]
+    functions.add_gradients(z, table.angle[j], c, p)

@@ -1,0 +1,162 @@
+"""What :mod:`.motion` and :mod:`.forces` do with one node, for all nodes of any kinds: compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
+from fem_lie.lie import motions
+from fem_lie.lie.kinds.forces import pull, push
+from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.kinds.motion import (
+    bend,
+    follow,
+    from_group,
+    from_local,
+    move,
+    rigid,
+    settle,
+    shown,
+    tangent,
+    to_group,
+    turn,
+    turn_back,
+)
+from fem_lie.lie.tuples import store_rows
+
+
+@compiled
+def all_axes(kinds: Indices, H: Array) -> Array:
+    """:func:`axes` of nodes (n,) as rows, shape (n, 3, 3)."""
+    out = np.empty((kinds.shape[0], 3, 3))
+    for i in range(kinds.shape[0]):
+        d1, d2, d3 = axes(kinds[i], H[i])
+        store_rows(out[i], 0, d1, d2, d3)
+    return out
+
+
+@compiled
+def move_all(kinds: Indices, H: Array, d: Array, out: Array) -> None:
+    """:func:`move` for nodes (n,)."""
+    for i in range(kinds.shape[0]):
+        move(kinds[i], H[i], d[i], out[i])
+
+
+@compiled
+def follow_all(kinds: Indices, H: Array, h: Array, out: Array) -> None:
+    """:func:`follow` for nodes (n,)."""
+    for i in range(kinds.shape[0]):
+        follow(kinds[i], H[i], h[i], out[i])
+
+
+@compiled
+def twists(kinds: Indices, d: Array, x: Array, out: Array) -> None:
+    """``T(d) x`` of all nodes, shapes (n, 6)."""
+    T = np.empty((6, 6))
+    for i in range(kinds.shape[0]):
+        tangent(kinds[i], d[i], T)
+        for k in range(6):
+            out[i, k] = 0.0
+            for n in range(6):
+                out[i, k] += T[k, n] * x[i, n]
+
+
+@compiled
+def all_from_local(
+    kinds: Indices, H: Array, twist: Array, rate: Array, v: Array, vdot: Array
+) -> None:
+    """:func:`from_local` for nodes (n,)."""
+    for i in range(kinds.shape[0]):
+        from_local(kinds[i], H[i], twist[i], rate[i], v[i], vdot[i])
+
+
+@compiled
+def all_to_group(kinds: Indices, H: Array, x: Array) -> None:
+    """:func:`to_group` for nodes (n,), shape (n, 6), in place."""
+    for i in range(kinds.shape[0]):
+        to_group(kinds[i], H[i], x[i])
+
+
+@compiled
+def all_from_group(kinds: Indices, H: Array, x: Array) -> None:
+    """:func:`from_group` for nodes (n,), shape (n, 6), in place."""
+    for i in range(kinds.shape[0]):
+        from_group(kinds[i], H[i], x[i])
+
+
+@compiled
+def bend_all(kinds: Indices, v: Array, vdot: Array, out: Array) -> None:
+    """:func:`bend` for nodes (n,), shapes (n, 6)."""
+    for i in range(kinds.shape[0]):
+        bend(kinds[i], v[i], vdot[i], out[i])
+
+
+@compiled
+def turn_all(kinds: Indices, H: Array, r: Array) -> None:
+    """:func:`turn` for the rows (6 n,) of nodes (n,) at the head of ``r``."""
+    for i in range(kinds.shape[0]):
+        turn(kinds[i], H[i], r[6 * i : 6 * i + 6])
+
+
+@compiled
+def turn_all_back(kinds: Indices, H: Array, r: Array) -> None:
+    """:func:`turn_back` for the rows (6 n,) of nodes (n,) at the head of ``r``."""
+    for i in range(kinds.shape[0]):
+        turn_back(kinds[i], H[i], r[6 * i : 6 * i + 6])
+
+
+@compiled
+def rigid_motions(kinds: Indices, H: Array, about: Array) -> Array:
+    """:func:`rigid` for nodes (n,), turning about a place (3,), shape (n, 6, 6)."""
+    out, node = np.empty((kinds.shape[0], 6, 6)), np.empty((4, 3))
+    for i in range(kinds.shape[0]):
+        node[:] = H[i]
+        node[0] -= about
+        rigid(kinds[i], node, out[i])
+    return out
+
+
+@compiled
+def shown_all(kinds: Indices, H: Array, v: Array, out: Array) -> None:
+    """:func:`shown` for nodes (n,), shapes (n, 6)."""
+    for i in range(kinds.shape[0]):
+        shown(kinds[i], H[i], v[i], out[i])
+
+
+@compiled
+def push_all(kinds: Indices, H: Array, v: Array, out: Array) -> None:
+    """:func:`push` for nodes (n,), shape (n, 4, 3)."""
+    for i in range(kinds.shape[0]):
+        push(kinds[i], H[i], v[i], out[i])
+
+
+@compiled
+def pull_all(kinds: Indices, H: Array, f: Array, sign: float, r: Array) -> None:
+    """:func:`pull` for nodes (n,), shapes (n, 4, 3) and (6 n,)."""
+    for i in range(kinds.shape[0]):
+        pull(kinds[i], H[i], f[i], sign, r[6 * i : 6 * i + 6])
+
+
+@compiled
+def advance(
+    kinds: Indices, H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float
+) -> float:
+    """Move the nodes by ``−dx`` in their axes; returns the largest increment over ``size``.
+
+    Frames by ``H exp(−dx)``, or where they are uncoupled by :func:`fem_lie.lie.motions.retract`.
+    """
+    largest, h = 0.0, np.empty((1, 6))
+    for i in range(held.shape[0]):
+        if not held[i].all():
+            for k in range(6):
+                h[0, k] = -dx[6 * i + k]
+                step = abs(h[0, k]) / (size if k < 3 else 1.0)
+                if step > largest or step != step:  # nan stays
+                    largest = step
+            if uncoupled[i]:
+                motions.retract(H[i : i + 1], h)
+            else:
+                follow(kinds[i], H[i], h[0], H[i])
+                settle(kinds[i], H[i])
+    return largest

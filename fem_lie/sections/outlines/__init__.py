@@ -1,0 +1,1 @@
+"""Outlines of sections of beams, and their meshes."""

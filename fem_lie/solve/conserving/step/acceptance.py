@@ -1,0 +1,128 @@
+"""The end of a step of a conserving scheme becomes the start of the next one."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined
+from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
+from fem_lie.forms.fixed_arrays import put
+from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.terms import unwrap
+from fem_lie.lie.tuples import combined, dot, load, load_row, plus, rotate, scaled, store, store_row
+from fem_lie.lie.wrenches import add_dead, add_wrench
+from fem_lie.solve.conserving.step.cayley import advance, spin
+from fem_lie.solve.conserving.step.dissipation import (
+    ENERGY,
+    LEAK,
+    LIMIT,
+    REMEMBERS,
+    REPAID,
+    remember,
+)
+from fem_lie.solve.conserving.step.records import Scheme, State, Step, solution_of, span_of
+from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.loads import Loads
+
+
+@compiled
+def accept(
+    mass: Inertia,
+    tables: tuple[PackedJoints, PackedJoints],
+    loads: Loads,
+    conservative: Array,
+    scheme: Scheme,
+    state: State,
+    this: Step,
+) -> None:
+    """Make the end of the step the start of the next; ``tables``: of joints and of probes."""
+    H, V, F, lag, trend = state.H, state.V, state.F, state.lag, state.trend
+    w, w_F, books, account = state.w, state.w_F, state.books, state.account
+    step, V1, F1, losses = this.step, this.V1, this.F1, this.losses
+    end, _, middle, delta = span_of(this.rows)
+    n, (h, χ, μ) = step.shape[0], scheme
+    share = 0.5 * (1.0 + χ * lag[REMEMBERS])
+    _keep_what_is_left(middle, step, solution_of(this.r).residual, share, lag, state.carry)
+    if χ > 0.0:
+        # the first step knows of no change before
+        μ = μ if lag[REMEMBERS] > 0.0 else 1.0
+        lag[REMEMBERS] = 1.0
+        remember(lag, μ)
+        w += μ * (V1 - V - w)
+        w_F += μ * (F1 - F - w_F)
+    books[WORK] += losses[WORK] + _work_of_loads(loads, conservative, this.rows, step, losses)
+    books[DAMPING] += losses[DAMPING]
+    books[NUMERICAL] += losses[NUMERICAL]
+    books[BY_LOADS:] += h * losses[BY_LOADS:]
+    advance(H[:n], state.rest, delta[:n])
+    for i in range(n, H.shape[0]):
+        for k in range(4):
+            store_row(H[i], k, load_row(end[i], k))
+    joints, probes = tables
+    unwrap(H, joint_table(joints))
+    unwrap(H, joint_table(probes))
+    put(V1, V)
+    momenta = this.q[1]
+    inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
+    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * momenta) + np.sum(this.W1))
+    _keep_trend(H, V, h, step, trend)
+    put(F1, F)
+    put(this.W1, state.W)
+    for e in range(account.shape[0]):
+        account[e] += this.work[e]
+    sizes, earlier = state.sizes, state.earlier
+    sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
+    for c in range(state.gap.shape[0]):
+        state.gap[c] += this.change[c]
+        earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
+
+
+@inlined
+def _keep_trend(H: Array, V: Array, h: float, step: Array, trend: Array) -> None:
+    """Half the change of the nodes' velocities in the step, per time."""
+    for i in range(step.shape[0]):
+        for at in (0, 3):
+            later = load_row(V[i], 0) if at == 0 else spin(H[i], V[i])
+            store(trend[i], at, combined(1.0 / h, later, -1.0 / h**2, load(step[i], at)))
+
+
+@compiled
+def _keep_what_is_left(
+    middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
+) -> None:
+    """Forces and energy that the next step makes up for, from the residual ``r``."""
+    gain = square = 0.0
+    for i in range(step.shape[0]):
+        m, left = middle[i], r[6 * i : 6 * i + 6]
+        for at in (0, 3):
+            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(left, at))
+            f = scaled(factor, f)
+            for j in range(3):
+                gain += (f[j] - carry[i, at + j]) * step[i, at + j]
+                square += f[j] * f[j] if at == 0 else 0.0
+            store(carry[i], at, f)
+    lag[LEAK] += gain - lag[REPAID]
+    lag[LIMIT] = sqrt(square)
+
+
+@compiled
+def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, losses: Array) -> float:
+    """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
+    dead, moment, following = loads
+    _, mean, middle, delta = span_of(rows)
+    work = 0.0
+    for i in range(step.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                work += (dead[i, k, j] - constant[i, k, j]) * delta[i, k, j]
+        add_dead(losses, BY_LOADS, 1.0, mean[i], dead[i])
+        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        f = rotate(d1, d2, d3, load(following[i], 0))
+        m = plus(load(moment[i], 0), rotate(d1, d2, d3, load(following[i], 3)))
+        work += dot(f, load(step[i], 0)) + dot(m, load(step[i], 3))
+        add_wrench(losses, BY_LOADS, load_row(mean[i], 0), f, m)
+    return work

@@ -1,0 +1,223 @@
+"""An element's step without its rigid part, and the balanced mean of its forces at both ends.
+
+Points 1 and 2 of :mod:`fem_lie.solve.conserving.step.discrete_gradient`.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined
+from fem_lie.lie.tuples import (
+    Vector,
+    combined,
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    scaled,
+    store,
+)
+from fem_lie.solve.conserving.step.cayley import half, turned
+
+
+class Ends(NamedTuple):
+    """Both ends of a step.
+
+    Attributes:
+        H0: Frames of all nodes at the start, (N, 4, 3).
+        H1: At the end.
+        F0: Forces of all elements at the start, in the frames of their nodes, (places, 6).
+        F1: At the end.
+    """
+
+    H0: Array
+    H1: Array
+    F0: Array
+    F1: Array
+
+
+class Path(NamedTuple):
+    """What is between the ends, of all nodes.
+
+    Attributes:
+        mean: Means of (x, d₁, d₂, d₃), (N, 4, 3).
+        delta: Increments of them.
+        step: Spatial translations and rotations ψ, (N, 6).
+    """
+
+    mean: Array
+    delta: Array
+    step: Array
+
+
+class RigidPart(NamedTuple):
+    """Of an element's step.
+
+    Attributes:
+        centre: Mean of its nodes.
+        ρ2: Their mean square distance from it: what rotations are measured by.
+        shift: Translation.
+        ω: Rotation, as a vector of Cayley's map.
+    """
+
+    centre: Vector
+    ρ2: float
+    shift: Vector
+    ω: Vector
+
+
+@inlined
+def _add_to(A: Array, s: float, v: Vector) -> None:
+    """``A += s (|v|² I − v vᵀ)``."""
+    square = dot(v, v)
+    for i in range(3):
+        A[i, i] += s * square
+        for j in range(3):
+            A[i, j] -= s * v[i] * v[j]
+
+
+@inlined
+def solve_symmetric(A: Array, b: Vector) -> Vector:
+    """``A⁻¹ b`` of a symmetric positive definite matrix (3, 3)."""
+    c00 = A[1, 1] * A[2, 2] - A[1, 2] * A[1, 2]
+    c01 = A[0, 2] * A[1, 2] - A[0, 1] * A[2, 2]
+    c02 = A[0, 1] * A[1, 2] - A[0, 2] * A[1, 1]
+    c11 = A[0, 0] * A[2, 2] - A[0, 2] * A[0, 2]
+    c12 = A[0, 1] * A[0, 2] - A[0, 0] * A[1, 2]
+    c22 = A[0, 0] * A[1, 1] - A[0, 1] * A[0, 1]
+    s = 1.0 / (A[0, 0] * c00 + A[0, 1] * c01 + A[0, 2] * c02)
+    return (
+        s * (c00 * b[0] + c01 * b[1] + c02 * b[2]),
+        s * (c01 * b[0] + c11 * b[1] + c12 * b[2]),
+        s * (c02 * b[0] + c12 * b[1] + c22 * b[2]),
+    )
+
+
+@inlined
+def _resisting(director: bool, ρ2: float, t: Vector, w: Vector) -> Vector:
+    """The metric on rotations: ``ρ² w``, or ``ρ² t×(w×t)`` for a node that is a director."""
+    return scaled(ρ2, cross(t, cross(w, t))) if director else scaled(ρ2, w)
+
+
+@inlined
+def _shrunk(ω: Vector, v: Vector) -> Vector:
+    """``C v`` with ``C`` the mean of ``cay(ω)^½`` and its transpose."""
+    k = sqrt(1.0 + 0.25 * dot(ω, ω))
+    return combined(1.0 / k, v, 0.25 * dot(ω, v) / (k * (1.0 + k)), ω)
+
+
+@inlined
+def _unshrunk(ω: Vector, v: Vector) -> Vector:
+    """``C⁻¹ v``."""
+    k = sqrt(1.0 + 0.25 * dot(ω, ω))
+    return combined(k, v, -0.25 * dot(ω, v) / (1.0 + k), ω)
+
+
+@inlined
+def metric_and_fit(nodes: Indices, director: bool, path: Path, A: Array) -> RigidPart:
+    """The rigid part of an element's step; ``A`` (3, 3) gets the metric of rotations about it."""
+    mean, delta, step = path
+    share = 1.0 / nodes.shape[0]
+    centre, shift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for i in nodes:
+        centre = plus(centre, scaled(share, load_row(mean[i], 0)))
+        shift = plus(shift, scaled(share, load_row(delta[i], 0)))
+    A[:] = 0.0
+    b, ρ2 = (0.0, 0.0, 0.0), 0.0
+    for i in nodes:
+        r = minus(load_row(mean[i], 0), centre)
+        _add_to(A, 1.0, r)
+        ρ2 += share * dot(r, r)
+        b = plus(b, cross(r, minus(load_row(delta[i], 0), shift)))
+    for i in nodes:
+        t, ψ = load_row(mean[i], 3), load(step[i], 3)
+        b = plus(b, _resisting(director, ρ2, t, ψ))
+        if director:
+            _add_to(A, ρ2, t)
+        else:
+            for k in range(3):
+                A[k, k] += ρ2
+    return RigidPart(centre, ρ2, shift, solve_symmetric(A, b))
+
+
+@inlined
+def _half_way(H0: Array, H1: Array, f0: Vector, f1: Vector, φ: Vector) -> Vector:
+    """``½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames."""
+    a = rotate(load_row(H0, 1), load_row(H0, 2), load_row(H0, 3), f0)
+    b = rotate(load_row(H1, 1), load_row(H1, 2), load_row(H1, 3), f1)
+    back = scaled(-1.0, φ)
+    return combined(0.5, turned(φ, a), 0.5, turned(back, b))
+
+
+@inlined
+def _on_director(f: Array) -> Vector:
+    """Force along the frame's axes on its third director that is the moment ``f[3:5]``."""
+    return f[4], -f[3], 0.0
+
+
+@inlined
+def mean_forces(
+    nodes: Indices,
+    director: bool,
+    ends: Ends,
+    mean: Array,
+    fit: RigidPart,
+    A: Array,
+    out: Array,
+) -> None:
+    """Mean of the forces (k, 6) at both ends, freed of its net force and moment; into ``out``.
+
+    The forces in ``ends`` are those of the element alone.
+    """
+    H0, H1, F0, F1 = ends
+    centre, ρ2, ω = fit.centre, fit.ρ2, fit.ω
+    φ = half(ω)
+    force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for a in range(nodes.shape[0]):
+        i = nodes[a]
+        t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
+        f = _shrunk(ω, _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ))
+        if director:
+            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), φ)
+            m = cross(t, _shrunk(ω, g))
+        else:
+            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), φ)
+            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), _unshrunk(ω, g))
+        store(out[a], 0, f)
+        store(out[a], 3, m)
+        force = plus(force, f)
+        moment = plus(moment, plus(cross(r, f), m))
+    c, w = scaled(1.0 / nodes.shape[0], force), solve_symmetric(A, moment)
+    for a in range(nodes.shape[0]):
+        i = nodes[a]
+        t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
+        store(out[a], 0, minus(load(out[a], 0), plus(c, cross(w, r))))
+        store(out[a], 3, minus(load(out[a], 3), _resisting(director, ρ2, t, w)))
+
+
+@inlined
+def deformation(
+    nodes: Indices, director: bool, path: Path, fit: RigidPart, s: Array, Ms: Array
+) -> float:
+    """The step without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
+    mean, delta, step = path
+    centre, ρ2, shift, ω = fit
+    square = 0.0
+    for a in range(nodes.shape[0]):
+        i = nodes[a]
+        t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
+        u = minus(minus(load_row(delta[i], 0), shift), cross(ω, r))
+        w = minus(load(step[i], 3), ω)
+        m = _resisting(director, ρ2, t, w)
+        store(s[a], 0, u)
+        store(s[a], 3, w)
+        store(Ms[a], 0, u)
+        store(Ms[a], 3, m)
+        square += dot(u, u) + dot(w, m)
+    return square
