@@ -88,7 +88,7 @@ class Formulation(ABC):
         return frames
 
     def grip(self, node: int) -> Grip | None:
-        """By what joints hold a node: ``None`` if it has a frame."""
+        """By what joints hold a node: ``None`` for the frame of its rows."""
         return None
 
     def levers(self, ends: Array, lengths: Array) -> Array:

@@ -16,7 +16,7 @@ of the group  see :mod:`fem_lie.lie.motions`    ``(ẋ, ẋ')``, ``(ẍ, ẍ')``
 ============  ================================  ================================  ==============
 
 The axes of a slope are carried along by the smallest rotation, without any about the tangent; those
-of a point do not turn.
+of a point do not turn, so that what a joint holds of its directions it holds in space.
 
 :mod:`.kind` is what a kind is, and what one has to write for a new one; :mod:`.motion` and
 :mod:`.forces` are what all do with one node, and :mod:`.all_nodes` loops over these.
