@@ -35,8 +35,8 @@ def called_back(x):
     return helper(x) + 2.0
 
 assert numba.config.CACHE_DIR == "/users/own"
-print(caller(1.0), called_back.ctypes(1.0))
-print(sum(caller.stats.cache_hits.values()) + called_back.cache_hits)
+print(caller(1.0), called_back.made.ctypes(1.0))
+print(sum(caller.stats.cache_hits.values()) + called_back.made.cache_hits)
 """
 
 
@@ -92,6 +92,22 @@ def test_what_compiled_functions_call_takes_nothing_from_python(run, tmp_path):
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
     )
     assert done.stdout == "6.0 True\n"
+
+
+def test_nothing_is_made_before_it_is_called(run, tmp_path):
+    run(3.0)
+    code = (
+        "from small.helper import helper\n"
+        "from small._jit import callback\n"
+        "print('overloads' in vars(helper), helper(x=2.0), 'overloads' in vars(helper))\n"
+        "back = callback('float64(float64)')(helper.function)\n"
+        "print('made' in vars(back), back.address > 0, 'made' in vars(back))"
+    )
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache"), "PYTHONPATH": tmp_path}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "6.0", "True", "False", "True", "True"]
 
 
 def test_compiling_is_not_in_the_seconds_of_a_run():

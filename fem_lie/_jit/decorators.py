@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import logging
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cached_property, update_wrapper
 from time import perf_counter
 from typing import Any, TypeVar, cast
 
@@ -80,15 +80,35 @@ compiling = Compiling()
 event.register("numba:compile", compiling)
 
 
-def callback(signature: Any) -> Callable[[F], Any]:
-    """Compile a function at once to a C callback of the numba ``signature``, and cache it.
+class Callback:
+    """A C callback, compiled or loaded when its address is first asked for."""
 
-    The result has the callback's ``.address``; closures over run-time values cannot be cached.
+    def __init__(self, function: Callable[..., Any], signature: Any) -> None:
+        """Nothing is compiled yet."""
+        self._function, self._signature = function, signature
+        update_wrapper(cast(Any, self), function)
+
+    @cached_property
+    def made(self) -> Any:
+        """The callback of numba, which it keeps in its cache."""
+        with own_cache(self._function) as cached:
+            make = numba.cfunc(self._signature, error_model="numpy", cache=cached)
+            return make(self._function)
+
+    @property
+    def address(self) -> int:
+        """Where it is; it is there as long as this object."""
+        return int(self.made.address)
+
+
+def callback(signature: Any) -> Callable[[Callable[..., Any]], Callback]:
+    """Make a function a C callback of the numba ``signature``, compiled when it is first needed.
+
+    Closures over run-time values cannot be cached.
     """
 
-    def decorate(function: F) -> Any:
-        with own_cache(function) as cached:
-            return numba.cfunc(signature, error_model="numpy", cache=cached)(function)
+    def decorate(function: Callable[..., Any]) -> Callback:
+        return Callback(function, signature)
 
     return decorate
 
@@ -107,27 +127,12 @@ _OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
 
 
 def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
-    options |= {"error_model": "numpy", "no_cfunc_wrapper": True}
-    with own_cache(function, for_callers=True) as cached:
-        inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(function)
-    inner.__class__, inner.level = _Dispatcher, level
-    entrance = _entrance(function, inner)
-    with own_cache(function) as cached:
-        dispatcher = numba.njit(cache=cached, **options)(entrance)
-    dispatcher.__class__, dispatcher.level = _CalledFromPython, _LINKED
-    dispatcher.for_callers = inner
-    return cast(F, update_wrapper(dispatcher, function))
+    unmade = _Unmade.__new__(_Unmade)
+    unmade.function, unmade.options, unmade.level_for_callers = function, options, level
+    return cast(F, update_wrapper(cast(Any, unmade), function))
 
 
-def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
-    """A function that calls ``inner`` and stands in the place of ``function``."""
-    names = ", ".join(inspect.signature(function).parameters)
-    source = f"def entrance({names}):\n    return inner({names})"
-    scope = {"inner": inner}
-    exec(compile(source, function.__code__.co_filename, "exec"), scope)
-    entrance: Any = update_wrapper(scope["entrance"], function)
-    del entrance.__wrapped__  # it has no type hints that numba would read
-    return cast(Callable[..., Any], entrance)
+_OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 class _Dispatcher(CPUDispatcher):
@@ -154,10 +159,68 @@ class _CalledFromPython(_Dispatcher):
 
     What takes arguments from Python is more code than most functions are: a record of fifty arrays
     takes 0.7 s to compile. So functions have it only if they are called from Python.
+
+    Attributes:
+        function: What is compiled.
+        options: Of numba.
+        level_for_callers: Of optimisation, of what compiled functions call.
     """
 
-    for_callers: CPUDispatcher
+    function: Callable[..., Any]
+    options: dict[str, Any]
+    level_for_callers: int
+    level = _LINKED
+
+    @cached_property
+    def for_callers(self) -> CPUDispatcher:
+        """What compiled functions call."""
+        options = _OPTIONS | self.options
+        with own_cache(self.function, for_callers=True) as cached:
+            inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(self.function)
+        inner.__class__, inner.level = _Dispatcher, self.level_for_callers
+        return inner
 
     @property
     def _numba_type_(self) -> Any:
         return numba.types.Dispatcher(self.for_callers)
+
+
+class _Unmade(_CalledFromPython):
+    """A function that was not called from Python yet; what numba knows of it is made then.
+
+    Most functions are called by compiled ones, whose machine code is loaded, or not at all, and
+    what numba keeps of one takes half a millisecond to make.
+    """
+
+    def __call__(self, *args: Any, **named: Any) -> Any:
+        """Call it, for the first time."""
+        self._make()
+        return self(*args, **named)
+
+    def __getattr__(self, name: str) -> Any:
+        """What numba knows of it."""
+        self._make()
+        return getattr(self, name)
+
+    def _make(self) -> None:
+        with global_compiler_lock:
+            if type(self) is not _Unmade:  # another thread was faster
+                return
+            self.__class__ = _CalledFromPython
+            options = {"nopython": True, "boundscheck": None} | _OPTIONS | self.options
+            CPUDispatcher.__init__(self, _entrance(self.function, self), targetoptions=options)
+            update_wrapper(self, self.function)
+            with own_cache(self.function) as cached:
+                if cached:
+                    self.enable_caching()
+
+
+def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
+    """A function that calls ``inner`` and stands in the place of ``function``."""
+    names = ", ".join(inspect.signature(function).parameters)
+    source = f"def entrance({names}):\n    return inner({names})"
+    scope = {"inner": inner}
+    exec(compile(source, function.__code__.co_filename, "exec"), scope)
+    entrance: Any = update_wrapper(scope["entrance"], function)
+    del entrance.__wrapped__  # it has no type hints that numba would read
+    return cast(Callable[..., Any], entrance)
