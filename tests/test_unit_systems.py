@@ -7,8 +7,9 @@ import pytest
 
 import fem_lie as fl
 from fem_lie.linear.direct import MOTION, DirectSolver
+from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.system import System
-from fem_lie.system.equations.consistent import accelerations
+from fem_lie.system.equations import Equations
 from tests.closed_loop import closed_loop
 from tests.unit_systems import METRES, MILLIMETRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
@@ -37,13 +38,11 @@ def test_there_and_back(u):
 
 def first_accelerations(u: UnitSystem, step: float) -> tuple[np.ndarray, np.ndarray]:
     """At the start of the closed loop; in metres, kilograms and seconds."""
-    system = System(closed_loop(u), dynamics=True)
-    solver = DirectSolver(system.kkt, "test_units_", MOTION)
-    vdot, weights = accelerations(
-        system, solver, system.frames, system.velocities, 0.0, u.time(step)
-    )
+    equations = Equations(closed_loop(u), dynamics=True)
+    solver = DirectSolver(equations.matrix, "test_units_", MOTION)
+    vdot, weights = accelerations(equations, solver, *equations.start, 0.0, u.time(step))
     vdot = np.concatenate([u.inverse.acceleration(vdot[:, :3]), u.inverse.of(vdot[:, 3:], time=-2)])
-    wrench = np.where(system.connections.angular, u.moment(1.0), u.force(1.0))
+    wrench = np.where(equations.unknowns.angular, u.moment(1.0), u.force(1.0))
     return vdot, weights / wrench
 
 
@@ -92,9 +91,9 @@ class Careless:
 )
 def test_each_factorisation_is_checked_once(error, refined, package):
     """What is not accurate is refined once, or else solved by the next method."""
-    system = System(closed_loop(), dynamics=True)
-    solver = DirectSolver(system.kkt, "test_careless_", MOTION)
-    state = system, solver, system.frames, system.velocities, 0.0, 1e-3
+    equations = Equations(closed_loop(), dynamics=True)
+    solver = DirectSolver(equations.matrix, "test_careless_", MOTION)
+    state = equations, solver, *equations.start, 0.0, 1e-3
     expected = accelerations(*state)[0]
     method = MOTION[0]
     solver._solvers[method] = Careless(solver._solver(method), error)

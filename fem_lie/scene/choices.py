@@ -42,6 +42,12 @@ class Choices:
             if getattr(self, name) is not None:
                 flag(getattr(self, name), f"Choices: {name}")
 
+    def __str__(self) -> str:
+        """In one line for the log."""
+        names = "gyroscopic terms in the matrix", "geometric stiffness"
+        chosen = zip(names, (self.gyroscopic, self.geometric), strict=True)
+        return "; ".join(f"{name}: {'yes' if value else 'no'}" for name, value in chosen)
+
     def resolve(self, spin_per_step: float) -> Choices:
         """The same with nothing left open, for the largest rotation in a step, rad."""
         gyroscopic, geometric = self.gyroscopic, self.geometric

@@ -44,11 +44,11 @@ def methods_for(equations: Equations) -> tuple[Method, ...]:
     """What is fastest for the static equations of a scene."""
     if not equations.unknowns.uncoupled.any():
         return CHAINS
-    if not equations.symmetric:
+    if not equations.unknowns.symmetric:
         return SURFACES
     return SYMMETRIC if equations.unknowns.m == 0 else INDEFINITE
 
 
 def methods_on_paths(equations: Equations) -> tuple[Method, ...]:
     """Those whose factors tell the number of negative pivots, where the matrix is symmetric."""
-    return INDEFINITE if equations.symmetric else methods_for(equations)
+    return INDEFINITE if equations.unknowns.symmetric else methods_for(equations)

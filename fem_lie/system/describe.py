@@ -7,19 +7,12 @@ import numpy as np
 from fem_lie._arrays import Indices
 from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
 from fem_lie.lie.kinds import SLOPE, on_r3
-from fem_lie.scene.choices import Choices
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.terms.all_terms import Terms
 
 
 def in_one_line(
-    numbering: Numbering,
-    terms: Terms,
-    kinds: Indices,
-    m: int,
-    choices: Choices,
-    *,
-    time_dependent: bool,
+    numbering: Numbering, terms: Terms, kinds: Indices, m: int, *, time_dependent: bool
 ) -> str:
     """For the log.
 
@@ -28,7 +21,6 @@ def in_one_line(
         terms: All of them.
         kinds: Of the nodes that lead.
         m: Number of constraints.
-        choices: Of what the matrix takes in.
         time_dependent: Whether loads or motions are.
     """
     total, n = numbering.total, numbering.count
@@ -40,11 +32,9 @@ def in_one_line(
         f"{others} that are no frames",
         f"shells with five parameters: {[b.label for b, six in shells if not six]}, with six: "
         f"{[b.label for b, six in shells if six]}",
-        f"gyroscopic terms in the matrix: {_yes(choices.gyroscopic)}",
-        f"geometric stiffness: {_yes(choices.geometric)}",
         "terms: " + (", ".join(dict.fromkeys(term.label for term in terms)) or "none"),
         "viscous: " + (", ".join(terms.viscous_labels) or "none"),
-        f"loads or motions in time: {_yes(time_dependent)}",
+        f"loads or motions in time: {'yes' if time_dependent else 'no'}",
     ]
     return "; ".join(parts)
 
@@ -65,7 +55,3 @@ def catalogue(
     rows = np.searchsorted(supported, attachment.leader[nodes])
     supports = SupportInfo(attachment.leaders[supported], nodes, rows)
     return SceneInfo(numbering.bodies(), joints, mass, supports)
-
-
-def _yes(chosen: bool | None) -> str:
-    return "yes" if chosen else "no"

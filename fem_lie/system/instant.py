@@ -9,6 +9,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.scene.choices import Choices
+
+ALL = Choices(gyroscopic=True, geometric=True)
+"""Nothing is left out."""
 
 
 class Instant(NamedTuple):
@@ -32,21 +36,31 @@ class Plan(NamedTuple):
 
     Attributes:
         d: Increments that led to the frames, shape (n, 6).
-        scale: Factor of each constraint, shape (m,).
+        scale: Factor of each constraint, shape (m,); default: what suits the rest of the matrix
+            with the Jacobian that is taken.
         mass: ∂a/∂d.
         damping: ∂v/∂d.
         joint_frames: Where the constraints' Jacobian is taken; default: at the state.
         forces_at: Where it is for their forces; default: the same.
         inertial: Whether components are along fixed axes, not along those of the nodes.
+        stressed: Frames whose stress it has; default: the stress that is carried.
+        choices: What is taken in, nothing left open.
+        border_only: Whether all but the constraints stays what it was made last.
+        steady: Whether it is the stiffness in a frame in which all nodes move steadily; nothing of
+            this plan counts then but the scale, which must be given.
     """
 
     d: Array
-    scale: Array
+    scale: Array | None = None
     mass: float = 0.0
     damping: float = 0.0
     joint_frames: Array | None = None
     forces_at: Array | None = None
     inertial: bool = False
+    stressed: Array | None = None
+    choices: Choices = ALL
+    border_only: bool = False
+    steady: bool = False
 
 
 class Forces:

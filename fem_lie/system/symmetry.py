@@ -20,14 +20,16 @@ def has_potential(system: System) -> bool:
     return not system.load_cases.turning and _conserve(system)
 
 
-def symmetric(system: System) -> bool:
+def symmetric(system: System, *, potential: bool) -> bool:
     """Whether the static equations have a symmetric matrix in every state.
 
-    The parts of the system's matrix are overwritten.
+    Args:
+        system: The equations.
+        potential: Whether all loads have one.
     """
     table = system.table
     bound = bool(table.selection[:, 3:].any() or table.functions.any())
-    return not bound and bool(system.uncoupled.all()) and has_potential(system)
+    return not bound and bool(system.uncoupled.all()) and potential
 
 
 def _conserve(system: System) -> bool:

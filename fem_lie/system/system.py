@@ -18,7 +18,7 @@ from fem_lie._arrays import Array
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import Choices, Redundant
+from fem_lie.scene.choices import Redundant
 from fem_lie.system.constraints import Connections, refuse
 from fem_lie.system.frame_rows import FrameRows
 from fem_lie.system.instant import Forces, Instant, Plan
@@ -58,7 +58,6 @@ class System:
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
         velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
             the matrix are like those of positions.
-        choices: What :meth:`fill_matrix` takes in.
         turns: How far elements turn from end to end.
         length: Largest distance of two nodes, or a body's size: the length of tolerances.
     """
@@ -129,7 +128,7 @@ class System:
         self._any_uncoupled = bool(self.uncoupled.any())
         self._some_apart, self._viscous = not self.terms.all_in_tables, self.terms.viscous
         self._found = self.room()
-        self.choices, self.velocity_factor = Choices(gyroscopic=True, geometric=True), 1.0
+        self.velocity_factor = 1.0
         self._plain_inertia = self.inertia.plain
         self.set_time(0.0, 1.0)
 
@@ -251,28 +250,31 @@ class System:
             total = np.where(self.rows.turning, forces.outer + forces.inner, 0.0)
             self.tangent.add_turnings(total, self.uncoupled)
 
-    def fill_matrix(self, state: Instant, forces: Forces, plan: Plan) -> None:
+    def fill_matrix(self, state: Instant, forces: Forces, plan: Plan) -> Array:
         """Derivative of :meth:`residual` in the increments that led to a state, into the KKT.
 
         Args:
             state: Where.
             forces: That the residual has found there.
-            plan: What the matrix is to be.
+            plan: What the matrix is to be, all of it.
+
+        Returns:
+            The scale of the constraints in it, (m,).
         """
         H, v, _, weights = state
         tangent, damping = self.tangent, plan.damping
         loads, factors = (forces.on_rows, self.loads.moment), (plan.mass, damping)
-        if not self.choices.gyroscopic:
+        if not plan.choices.gyroscopic:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()
         tangent.add_inertia(state, self.kinds, loads, factors)
         tangent.add_terms(H, forces.own)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
-        if self.choices.geometric:
+        if plan.choices.geometric:
             tangent.add_geometric(H, weights)
         self.follow_motion(forces)
-        tangent.fill_increments(H, self.kinds, plan)
+        return tangent.fill_increments(H, self.kinds, plan)
 
     def report(self, H: Array, v: Array, invariants: Array) -> float:
         """Set kinetic energy, momentum and angular momentum, (7,).

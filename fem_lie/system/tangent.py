@@ -96,13 +96,14 @@ class Tangent:
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
-        self._connections.jacobian(H, self._rows)
-        self.supports.turn_border(H, self._rows)
+        rows = np.empty_like(self._rows)
+        self._connections.jacobian(H, rows)
+        self.supports.turn_border(H, rows)
         border, held = self._border, self._held
         free = ~held[border.nodes].all(axis=1)
         node = border.nodes[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
-        values = np.where(held[node], 0.0, self._rows[free]).ravel()
+        values = np.where(held[node], 0.0, rows[free]).ravel()
         shape = (len(border.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
@@ -229,18 +230,30 @@ class Tangent:
             self.supports.turn_border(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
 
-    def refill_border(self, H: Array, kinds: Indices, d: Array, scale: Array) -> None:
-        """What :meth:`fill_increments` filled, with the constraints anew at ``H``."""
-        self._connections.jacobian(H, self._rows)
+    def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
+        """What :meth:`fill_increments` filled, with the constraints anew."""
+        ahead = H if plan.joint_frames is None else plan.joint_frames
+        scale = self.constraint_scale(ahead) if plan.scale is None else plan.scale
+        self._connections.jacobian(ahead, self._rows)
         columns = self._rows.copy()
-        combine_rows(self._rows, kinds, d, self._border.nodes)
+        combine_rows(self._rows, kinds, plan.d, self._border.nodes)
         if self.supports:
-            self.supports.turn_border(H, columns)
-            self.supports.turn_border(H, self._rows)
+            self.supports.turn_border(ahead, columns)
+            self.supports.turn_border(ahead, self._rows)
         self.kkt.fill(self.A, columns, self._rows, scale)
+        return scale
 
-    def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> None:
-        """``A + K T(d)``, bordered by the constraints, into the KKT; ``H``: frames of the state."""
+    def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> Array:
+        """``A + K T(d)``, bordered by the constraints, into the KKT.
+
+        Args:
+            H: Frames of the state.
+            kinds: Of the nodes.
+            plan: What it is to be.
+
+        Returns:
+            The scale of the constraints in it, (m,).
+        """
         d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
         self._connections.jacobian(ahead, self._rows)
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
@@ -257,4 +270,6 @@ class Tangent:
             self.supports.turn_border(ahead, self._rows)
         if plan.inertial:
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
-        self.kkt.fill(self.A, columns, self._rows, plan.scale)
+        scale = self.constraint_scale(ahead) if plan.scale is None else plan.scale
+        self.kkt.fill(self.A, columns, self._rows, scale)
+        return scale

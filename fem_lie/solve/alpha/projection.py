@@ -41,14 +41,15 @@ def project(
     n, velocities = equations.unknowns.moving, np.zeros((len(s.H1), 6))
     drive: Array = np.zeros(1)
     if equations.unknowns.time_dependent:
-        driven = equations.driven(time, step)
-        velocities[n + 1 :], drive = driven.velocities, driven.targets
-    B = equations.jacobian(s.H1)
+        driven = equations.prescribed(time, step)
+        velocities[n + 1 :], drive = driven.velocities, driven.target_rates[0]
+    constraints = equations.constraints(s.H1)
+    B = constraints.jacobian
     impulse = np.zeros(equations.unknowns.m)
     change, largest = np.zeros(equations.unknowns.size), np.inf
     for _ in range(_ITERATIONS):
         velocities[:n] = s.twist1
-        first = equations.constraint_rates(s.H1, velocities) - drive
+        first = constraints.rates(velocities)[0] - drive
         violation = float(np.abs(first).max(initial=0.0))
         speed = float(np.abs(velocities).max(initial=0.0))
         # it falls by the turn since the matrix was made each time, until round-off

@@ -23,6 +23,7 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY, State, accept, correct, predict
 from fem_lie.solve.methods import methods_in_time
+from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import (
     DIVERGED,
     ROTATION,
@@ -110,7 +111,7 @@ class Run(Integration[Recorder]):
     def start(self) -> None:
         """Consistent accelerations and multipliers; scaling of the constraints."""
         equations, p, s = self.equations, self.p, self.s
-        equations.check_velocities(p.h)
+        check_velocities(equations, p.h)
         self.weights[:] = set_start(equations, self.solver, p, s)
         equations.set_time(0.0)
         equations.residual(self._accepted, self.scale, self.r, self.forces)
@@ -131,7 +132,8 @@ class Run(Integration[Recorder]):
         estimate(1.0, np.inf, 1.0)
         # the first iteration makes the matrix that counts
         s, d, turned = self.s, copy.d, self._turned
-        plan = Plan(d, self.scale, self.p.mass, self.p.damping, self._ahead(), inertial=turned)
+        given = self._ahead(), None, turned, None, self.choices
+        plan = Plan(d, self.scale, self.p.mass, self.p.damping, *given)
         self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
             turn_all(s.kinds, s.H, zero)
@@ -155,7 +157,7 @@ class Run(Integration[Recorder]):
         """Loads, targets and prescribed frames at the end of the step."""
         if self._changing:
             self.equations.set_time(time)
-            self.s.H1[self._moving + 1 :] = self.equations.prescribed_frames(time)
+            self.s.H1[self._moving + 1 :] = self.equations.prescribed(time).frames
 
     def _book(self, end: float) -> None:
         self.books.add(self.h, end, *self._accepted)
@@ -210,7 +212,7 @@ class Run(Integration[Recorder]):
             _log.info("step %d: kept matrix diverges, full iteration", self._index)
             self.weights[:] = weights
             # the predicted end of the step may be far off: its stress is no start
-            self.equations.reset_stress(self.s.H)
+            self.equations.carry(self.s.H)
             count = self._iterate(EveryIteration().begin(bound=False), carried=True)
             count += in_vain if count else 0
         return count
@@ -270,7 +272,7 @@ class Run(Integration[Recorder]):
         allowed = tolerance if stagnant else max(tolerance, self._increment)
         if not contradicts(values, self.measure, allowed):
             return False
-        self.reason = self.equations.contradiction(self.s.H1, values)
+        self.reason = self.equations.constraints(self.s.H1).contradiction(values)
         return True
 
     def _staleness(self) -> float:
@@ -311,8 +313,9 @@ class Run(Integration[Recorder]):
 
     def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
         p = self.p
-        plan = Plan(self.s.d, self.scale, p.mass, p.damping, joint_frames, inertial=turned)
-        self.equations.fill(self._end_instant, self.forces, plan, stressed=stressed)
+        given = joint_frames, None, turned, stressed, self.choices
+        plan = Plan(self.s.d, self.scale, p.mass, p.damping, *given)
+        self.equations.fill(self._end_instant, self.forces, plan)
 
     def _ahead(self) -> Array:
         """Frames in the middle of the time for which the matrix is likely to be kept.

@@ -64,7 +64,7 @@ def staleness(
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)
     values, columns, pointers = equations.matrix.csr
-    equations.to_unknowns(state.H1, x)
+    equations.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
     solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()

@@ -9,6 +9,7 @@ from fem_lie.lie.kinds import all_from_group, all_to_group, bend_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State, extrapolate
+from fem_lie.solve.motion.consistent import accelerations, across_joints
 from fem_lie.system.equations import Equations
 
 
@@ -44,11 +45,11 @@ def set_start(
     h, n = scheme.h, equations.unknowns.moving
     ahead = scheme.ahead
     v = (equations.start.velocities if twist is None else twist).copy()
-    vdot, weights = equations.accelerations(solver, s.H, v, time, h)
+    vdot, weights = accelerations(equations, solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
     later = State.start(s.H, s.kinds)
     extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
-    later.set_start(v[:n], equations.accelerations(solver, later.H, v, time + ahead, h)[0])
+    later.set_start(v[:n], accelerations(equations, solver, later.H, v, time + ahead, h)[0])
     jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
     s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(equations, solver, scheme, s, jerk)
@@ -77,11 +78,11 @@ def velocity_defect(
     bend_all(s.kinds, s.v, s.vdot, defect)
     all_from_group(s.kinds, s.H, local)
     c = 1 / 6 - scheme.beta + 0.5 * (scheme.af - scheme.am)
-    left = h**2 * (c * local + defect / 12).ravel()
-    equations.to_unknowns(s.H, left)
-    rates = equations.jacobian(s.H) @ left
+    left = h**2 * (c * local + defect / 12)
+    equations.supports.turn(s.H, left)
+    rates = equations.constraints(s.H).jacobian @ left.ravel()
     # what binds velocities asks for nothing
     rates[len(rates) - equations.unknowns.of_velocities :] = 0.0
-    across = equations.across_joints(solver, s.H, rates, h)
+    across = across_joints(equations, solver, s.H, rates, h)
     all_to_group(s.kinds, s.H, across)
     return across

@@ -30,7 +30,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.lie.kinds import bend, from_group, push_all
-from fem_lie.solve.motion.step_error import StepError, largest
+from fem_lie.solve.motion.step_error import StepError, add_inertia_forces, largest
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
@@ -97,8 +97,8 @@ class TimeError:
         push_all(self._kinds, H1, self.defect, self._q)
         r[:] = 0.0
         forces = r[: 6 * n].reshape(n, 6)
-        self._equations.add_inertia_forces(H1, self._q, mass, forces)
-        self._equations.to_unknowns(H1, r)
+        add_inertia_forces(self._equations, H1, self._q, mass, forces)
+        self._equations.supports.turn(H1, forces)
         if self._held is not None:
             forces[self._held] = 0.0
 

@@ -2,7 +2,7 @@
 
 What a step hands to the next belongs to its size: ``a`` stands for ``v̇`` at ``(α_f − α_m) h``
 before its end, and velocities carry what is of the order h² across the joints
-(:mod:`fem_lie.system.equations.consistent`). When h becomes ``r h``::
+(:func:`fem_lie.solve.alpha.start.velocity_defect`). When h becomes ``r h``::
 
     a ← v̇ + r (a − v̇)          v ← v − (1 − r²) N B v
 
@@ -29,6 +29,7 @@ from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.time_error import TimeError
+from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.convergence import ROTATION, ROUND_OFF
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingRecorder
@@ -115,7 +116,7 @@ class AlphaSteps(Run):
         """Start at time 0 with steps of size ``h``, with consistent accelerations."""
         s = self.s
         equations, frames = self.equations, self.equations.start.frames
-        equations.check_velocities(h)
+        check_velocities(equations, h)
         s.H[:], s.H1[:], s.motion[:] = frames, frames, 0.0
         self._set_parameters(h)
         self.weights[:] = set_start(equations, self._starter, self.p, s)
@@ -151,13 +152,13 @@ class AlphaSteps(Run):
         With the kept matrix, whose Jacobian is old: by iteration.
         """
         equations, s, n = self.equations, self.s, self._moving
-        driven, v = equations.driven(time, self.h), equations.start.velocities.copy()
+        driven, v = equations.prescribed(time, self.h), equations.start.velocities.copy()
         v[:n], v[n + 1 :] = s.twist1, driven.velocities
-        wanted = equations.constraint_rates(s.H, v) - driven.targets
-        across = np.zeros_like(v)
+        constraints, across = equations.constraints(s.H), np.zeros_like(v)
+        wanted = constraints.rates(v)[0] - driven.target_rates[0]
         self.r[: 6 * n] = 0.0
         for _ in range(SWEEPS):
-            found = equations.constraint_rates(s.H, across)
+            found, _ = constraints.rates(across)
             # the rows of the kept matrix are scaled as they were when it was made
             scale = self.factors.levels.scale() * self.factors.levels.factor
             self.r[6 * n :] = scale * (share * wanted - found)
@@ -174,10 +175,10 @@ class AlphaSteps(Run):
 
     def _make_consistent(self, time: float) -> None:
         equations, s = self.equations, self.s
-        s.H[self._moving + 1 :] = equations.prescribed_frames(time)
+        s.H[self._moving + 1 :] = equations.prescribed(time).frames
         v = equations.start.velocities.copy()
         v[: self._moving] = s.twist1
-        v = equations.allowed_velocities(self._starter, s.H, v, time, self.h)
+        v = allowed_velocities(equations, self._starter, s.H, v, time, self.h)
         self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
         equations.set_time(time)
 

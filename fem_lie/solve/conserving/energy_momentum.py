@@ -106,7 +106,7 @@ def _refuse(equations: Equations) -> None:
     apart = [term.label for term in equations.tables.terms if not term.conserved]
     drilling = ", ".join(unknowns.drilling)
     reasons = dict.fromkeys(unknowns.other_constraints, True) | {
-        "supports along axes fixed in space (Shell.guide)": unknowns.guided,
+        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "nodes with places and slopes (Cable)": bool((unknowns.kinds >= SLOPE).any()),
         f"shells with six parameters ({drilling})": bool(drilling),

@@ -32,7 +32,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.frames import pull
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back
-from fem_lie.solve.motion.step_error import StepError, largest
+from fem_lie.solve.motion.step_error import StepError, add_inertia_forces, largest
 from fem_lie.system.equations import Instant
 from fem_lie.system.nodes import inertia
 
@@ -64,6 +64,8 @@ class MeanError:
         self._q = np.zeros((n, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
+        start = Instant(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
+        self._found = equations.residual(start, self._ones, self._r)
 
     def load(
         self, h: float, start: End, end: End, delta: Array, weights: Array, mass: float, r: Array
@@ -86,7 +88,7 @@ class MeanError:
         forces = r[:size].reshape(-1, 6)
         _compare(start.H, end.H, before.reshape(-1, 6), h * h / 12.0 * mass, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
-        equations.add_inertia_forces(end.H, self._q, -mass, forces)
+        add_inertia_forces(equations, end.H, self._q, -mass, forces)
         forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
@@ -98,10 +100,12 @@ class MeanError:
         twist[:] = 0.0
         pull(at.H, at.V, 1.0, twist)
         twist[:, 3:] *= 0.5
-        equations.residual(Instant(at.H, twist, self._still, weights), self._ones, self._r)
+        now = Instant(at.H, twist, self._still, weights)
+        equations.residual(now, self._ones, self._r, self._found)
         inertia.accelerations(equations.unknowns.kinds, at.H, twist, self._still, self._q)
         self._q[:] = A - self._q
-        equations.add_inertia_forces(at.H, self._q, 1.0, self._r[: self._size].reshape(-1, 6))
+        forces = self._r[: self._size].reshape(-1, 6)
+        add_inertia_forces(equations, at.H, self._q, 1.0, forces)
         return self._r
 
     def of(self, dx: Array) -> StepError:

@@ -25,11 +25,11 @@ from fem_lie.solve.conserving.end_rates import local_rates
 from fem_lie.solve.conserving.run_state import PREFIX, RunState, local
 from fem_lie.solve.conserving.step import loop, stopping
 from fem_lie.solve.conserving.step.records import Solution
+from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.equations import Instant
 
 _log = logging.getLogger(__name__)
 
@@ -265,7 +265,7 @@ class Run(RunState):
         v, matrix = equations.start.velocities.copy(), equations.matrix.csr[0].copy()
         v[:n] = local(s.H[:n], s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        _, weights = equations.accelerations(solver, s.H, v, self._end, self.h)
+        _, weights = accelerations(equations, solver, s.H, v, self._end, self.h)
         # the kept factors are those of this matrix
         equations.matrix.csr[0][:] = matrix
         return weights
@@ -275,8 +275,7 @@ class Run(RunState):
         s, n = self.s, self.moving
         v = local(s.H, s.V)
         rates = local_rates(s.H[:n], v[:n], self.rates.end())
-        now = Instant(s.H, v, rates, weights)
-        return self.equations.reactions(now, carried=False)
+        return self.equations.report(s.H, v, rates, weights, carried=False).reactions
 
     # --- checkpoints ---
 

@@ -21,6 +21,7 @@ from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span
+from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
@@ -82,7 +83,10 @@ class RunState(Integration[History]):
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
-        self._filled, self._found = ResultRow(equations), equations.room()
+        self._filled = ResultRow(equations)
+        self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
+        now = Instant(*equations.start, still, self.s.weights)
+        self._found = equations.residual(now, self.model.scale, self._r)
         self.rates, self._end = EndRates.at(np.zeros((self.moving, 6))), 0.0
 
     @property
@@ -96,23 +100,22 @@ class RunState(Integration[History]):
         """Velocities, multipliers, energies and constraints at the start; scaling."""
         equations, s, n = self.equations, self.s, self.moving
         frames, v = equations.start
-        equations.check_velocities(self.h)
+        check_velocities(equations, self.h)
         push(frames[:n], v[:n], s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        vdot, s.weights[:] = equations.accelerations(solver, s.H, v, 0.0, self.h)
+        vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
-        r = np.empty(equations.unknowns.size)
-        equations.residual(Instant(s.H, v, vdot, s.weights), np.ones(len(s.weights)), r)
-        s.gap[:] = r[6 * n :]
-        self._fill(s.H, v[:n], vdot)
-        self.model.scale[:] = equations.constraint_scale(s.H)
+        now = Instant(s.H, v, vdot, s.weights)
+        equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
+        s.gap[:] = self._r[6 * n :]
+        self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
         self.numbers[stopping.EXCESS] = np.inf
 
     def _evaluate_start(self) -> Array:
         """Forces and energies of the cells at the start of a step; returns the energies."""
-        frames = self.equations.all_frames(self.s.H)
+        frames = self.equations.report(self.s.H).frames
         evaluate(self.cells.table, frames, np.zeros_like(frames), self.s.F, self.s.W)
         return self.s.W
 
@@ -140,9 +143,10 @@ class RunState(Integration[History]):
         equations, rows, n = self.equations, Span(*self.this.rows), self.moving
         self._set_loads(0.5 * (start + end))
         if equations.unknowns.driven:
-            self.model.driven[:] = equations.targets(end) - equations.targets(start)
+            targets = [equations.prescribed(time).targets for time in (start, end)]
+            self.model.driven[:] = targets[1] - targets[0]
         if len(rows.end) > n + 1:
-            before, after = self.s.H[n + 1 :], equations.prescribed_frames(end)
+            before, after = self.s.H[n + 1 :], equations.prescribed(end).frames
             rows.end[n + 1 :], rows.middle[n + 1 :] = after, after
             rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
 
@@ -166,17 +170,23 @@ class RunState(Integration[History]):
 
     def _factorise(self) -> None:
         """New matrix for the present step."""
-        self._fill_here()
+        self._fill_here(self.model.scale)
         self._factors = factorise(self.equations.matrix)
         self.counts[:] = self.counts[0] + 1, self.index
         within = self.counters[stopping.ITERATION] > 1
         self.counters[stopping.BEST] = stopping.NEW if within else stopping.UNKNOWN
         self.numbers[stopping.EXCESS] = 0.0
 
-    def _fill_here(self) -> None:
+    def _fill_here(self, scale: Array | None) -> Array:
         """The matrix, not yet factorised: in the middle of the step as it is, or at its start.
 
         An end that is only predicted has stresses that are not there.
+
+        Args:
+            scale: Of the constraints; without one they are taken where the step starts.
+
+        Returns:
+            The scale of the constraints in it.
         """
         s, this, n = self.s, self.this, self.moving
         if self.counters[stopping.ITERATION] > 1:
@@ -190,8 +200,9 @@ class RunState(Integration[History]):
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         # the constraints in the middle of the matrix's likely life: as old as the last one became
         age = (self.index - self.counts[1]) // 2
-        joints_at = self._moved(end, v, ahead + age)
-        self._fill(H, v, a, joints_at, self._moved(H, v, 0.5 * ahead + age))
+        joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
+        forces_at = self._moved(H, v, 0.5 * ahead + age)
+        return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
         """Frames so many steps later."""
@@ -206,20 +217,23 @@ class RunState(Integration[History]):
         a: Array,
         joints_at: Array | None = None,
         forces_at: Array | None = None,
-    ) -> None:
-        """The matrix at frames ``H``.
+        *,
+        scale: Array | None,
+    ) -> Array:
+        """The matrix at frames ``H``; returns the scale of its constraints.
 
         Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
         """
         equations, n = self.equations, self.moving
         twists = np.zeros_like(equations.start.velocities)
         twists[:n] = v
-        scale, now = self.model.scale, Instant(H, twists, a, self.s.weights)
-        equations.residual(now, scale, np.empty(equations.unknowns.size), self._found)
+        now = Instant(H, twists, a, self.s.weights)
+        equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
-        plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
-        equations.fill(now, self._found, plan, stressed=H)
+        given = joints_at, forces_at, False, H, self.choices
+        plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, *given)
+        return equations.fill(now, self._found, plan)
 
 
 def half_way(H: Array, end: Array, count: int) -> Array:

@@ -29,6 +29,7 @@ from fem_lie.solve.conserving.run_state import PREFIX, Options, local
 from fem_lie.solve.conserving.step import stopping
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
+from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.step_control import Control, StepChoice
@@ -67,7 +68,7 @@ class _Saved(NamedTuple):
     Attributes:
         s: See :class:`~fem_lie.solve.conserving.step.records.State`.
         counters: Of the loop, likewise ``numbers``.
-        joints: Memory of the connections.
+        carried: What the equations carry on.
         fields: Of the cells.
         rates: Accelerations of the last steps.
         told: How steps were made.
@@ -76,7 +77,7 @@ class _Saved(NamedTuple):
     s: State
     counters: Indices
     numbers: Array
-    joints: Array
+    carried: dict[str, Array]
     fields: list[Array]
     rates: EndRates
     told: Indices
@@ -134,8 +135,7 @@ class ConservingSteps(Run):
     def _factorise(self) -> None:
         level = self.control.level
         if level not in self._scales:
-            self._fill_here()
-            self._scales[level] = self.equations.constraint_scale(self.s.H)
+            self._scales[level] = self._fill_here(None)
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
@@ -158,7 +158,7 @@ class ConservingSteps(Run):
         self._end, v = time, equations.start.velocities.copy()
         v[:n] = local(s.H[:n], s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        found = equations.accelerations(solver, s.H, v, time, self.h)[0]
+        found = accelerations(equations, solver, s.H, v, time, self.h)[0]
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
 
     def _kick(self, time: float) -> None:
@@ -167,7 +167,7 @@ class ConservingSteps(Run):
         v, change = equations.start.velocities.copy(), np.empty_like(s.V)
         v[:n] = local(s.H[:n], s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        after = equations.allowed_velocities(solver, s.H, v, time, self.h)
+        after = allowed_velocities(equations, solver, s.H, v, time, self.h)
         push(s.H[:n], after[:n] - v[:n], change)
         before = self._invariants()
         s.V[:] += change
@@ -201,9 +201,9 @@ class ConservingSteps(Run):
     def saved(self) -> _Saved:
         """See the protocol."""
         s = State(*(array.copy() for array in self.s))
-        joints, fields = self.equations.memory, self.cells.local_fields
+        carried, fields = self.equations.saved(), self.cells.local_fields
         counts = self.counters.copy(), self.numbers.copy()
-        return _Saved(s, *counts, joints.copy(), fields, self.rates, self.told.copy())
+        return _Saved(s, *counts, carried, fields, self.rates, self.told.copy())
 
     def take_back(self, state: _Saved) -> None:
         """See the protocol."""
@@ -213,7 +213,7 @@ class ConservingSteps(Run):
             self.counters[counter] = state.counters[counter]
         self.counters[stopping.ITERATION] = self.counters[stopping.ASKED] = 0
         self.numbers[stopping.MOTION] = state.numbers[stopping.MOTION]
-        self.equations.memory = state.joints
+        self.equations.restore(state.carried)
         self.cells.restore(state.fields)
         self.rates, self.told[:] = state.rates, state.told
 

@@ -5,9 +5,12 @@ What all schemes have in common: the clock, results, checkpoints. How a step is 
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Generic, TypeVar
+
+import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
@@ -20,6 +23,8 @@ from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.equations import Equations
 
+_log = logging.getLogger(__name__)
+
 Kept = TypeVar("Kept", bound=History)
 
 
@@ -31,6 +36,7 @@ class Integration(ABC, Generic[Kept]):
         h: Step size.
         decisions: When to factorise.
         reason: Why the last step failed, where more is known than that it did not converge.
+        choices: What the matrix takes in.
     """
 
     def __init__(
@@ -46,7 +52,10 @@ class Integration(ABC, Generic[Kept]):
         """
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
         self.reason = ""
-        equations.settle_choices(step, type(policy).__name__)
+        spin = float(np.abs(equations.start.velocities[:, 3:]).max())
+        self.choices = equations.scene.choices.resolve(spin * step)
+        told = equations.unknowns.told, self.choices, type(policy).__name__
+        _log.info("%s; %s; matrix: %s", *told)
 
     @abstractmethod
     def history(
@@ -114,7 +123,7 @@ class Integration(ABC, Generic[Kept]):
         """All that the next steps depend on."""
         learned = self.decisions.memory()
         policy = {f"policy.{name}": value for name, value in learned.items()}
-        return self.equations.kept() | policy
+        return self.equations.saved(matrix=True) | policy
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""

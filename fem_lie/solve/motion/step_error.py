@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
+from fem_lie.lie.kinds import pull_all
 from fem_lie.lie.tuples import dot, load
+from fem_lie.system.nodes import inertia
+
+if TYPE_CHECKING:
+    from fem_lie.system.equations import Equations
 
 
 class StepError(NamedTuple):
@@ -40,6 +45,16 @@ def largest(e: Array) -> tuple[float, float, int, int]:
         if angle > rotation or angle != angle:
             rotation, second = angle, i
     return np.sqrt(translation), np.sqrt(rotation), first, second
+
+
+def add_inertia_forces(
+    equations: Equations, H: Array, q: Array, factor: float, forces: Array
+) -> None:
+    """Add ``factor Lᵀ G q`` at frames ``H``: ``q`` (n, 4, 3), ``forces`` (n, 6)."""
+    work = np.empty_like(q)
+    indptr, indices, blocks = equations.tables.inertia
+    inertia.multiply(indptr, indices, blocks, q, work)
+    pull_all(equations.unknowns.kinds, H, work, factor, forces.reshape(-1))
 
 
 def largest_gaps(H: Array, other: Array) -> tuple[float, float]:

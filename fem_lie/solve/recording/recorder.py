@@ -17,7 +17,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.recording.window import Window
-from fem_lie.system.equations import Equations, Instant
+from fem_lie.system.equations import Equations
 
 
 class History(Window):
@@ -200,9 +200,10 @@ class Recorder(History):
         """Fill in the next row, for which there is room."""
         equations, row = self._equations, self.row
         self._filled.by_twists(self, H, v, multipliers, booked)
+        told = equations.report(H, v, a, multipliers)
         if self._held:
-            self.reactions[row] = equations.reactions(Instant(H, v, a, multipliers))
-        self.elastic[row] += equations.energy(H)
+            self.reactions[row] = told.reactions
+        self.elastic[row] += told.elastic
         self.times[row], self.iterations[row] = time, self._count
         self.row += 1
 

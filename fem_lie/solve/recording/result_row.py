@@ -80,9 +80,9 @@ class ResultRow:
         rows.potential[row], rows.elastic[row], element, share = found
         rows.turn = element, share
         if not self._complete:
-            forces, coordinates, violations = self._equations.report_joints(H, v, weights)
-            rows.joint_forces[row], rows.joint_coordinates[row] = forces, coordinates
-            rows.joint_violations[row] = violations
+            told = self._equations.report(H, v, weights=weights).joints
+            rows.joint_forces[row], rows.joint_coordinates[row] = told.forces, told.coordinates
+            rows.joint_violations[row] = told.violations
 
 
 class Given(NamedTuple):

@@ -53,7 +53,7 @@ class StableEquilibrium(SceneEquilibrium):
         """Make the tangent ready, and count its negative eigenvalues."""
         if not self._carried_stress:
             self._forces_known = False
-            self.equations.reset_stress(self._H)
+            self.equations.carry(self._H)
         super().factorise(factor)
 
     def solve_raw(self, b: Array) -> Array:
@@ -106,7 +106,7 @@ class StableEquilibrium(SceneEquilibrium):
 
         Under loads without potential it is one, of least absolute value, and its right vector.
         """
-        if not self.equations.has_potential:
+        if not self.equations.unknowns.has_potential:
             value, x = self.smallest(factor)
             return np.array([value]), self.increments(x)[np.newaxis]
         self._fill(factor)
@@ -153,8 +153,9 @@ class StableEquilibrium(SceneEquilibrium):
         """Local increments of the nodes, (n, 6), of a vector of free unknowns in their units."""
         h = np.zeros(6 * self._moving)
         h[self._free] = self.weight[self._free] * vector
-        self.equations.to_frames(self._H, h)
-        return h.reshape(-1, 6)
+        found = h.reshape(-1, 6)
+        self.equations.supports.turn_back(self._H, found)
+        return found
 
     def stress(self, dx: Array) -> None:
         """Carry the stress on along an increment, and multipliers, but leave the nodes."""
@@ -166,7 +167,7 @@ class StableEquilibrium(SceneEquilibrium):
         """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
         unknowns = self.equations.unknowns
         lengths = node_lengths(unknowns.bodies)
-        found = [scaled(self.equations.all_twists(self._H, shape), lengths) for shape in shapes]
+        found = [scaled(self.equations.report(self._H, shape).twists, lengths) for shape in shapes]
         moved = np.array([shape for shape, _ in found]).reshape(-1, unknowns.total, 6)
         return moved, np.array([turns for _, turns in found], dtype=np.bool_)
 

@@ -154,7 +154,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         factor=extremum(factors) if first.sign != last.sign else sum(factors) / 2,
         bracket=factors,
         negative_pivots=(first.negative, last.negative),
-        has_potential=model.equations.has_potential,
+        has_potential=model.equations.unknowns.has_potential,
         eigenvalues=values,
         shapes=moved,
         turns_only=turns_only,

@@ -12,6 +12,7 @@ from math import acos, inf, sqrt
 
 import numpy as np
 
+from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
@@ -47,7 +48,6 @@ class Pursuit:
 
     Attributes:
         model: What is loaded.
-        all_frames: Frames of all nodes from those of the equations.
         initial: Frames of all nodes, unloaded, shape (n, 4, 3).
         info: Bodies and joints.
         found: What has been found so far.
@@ -65,8 +65,7 @@ class Pursuit:
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
-        self.all_frames, self.info = equations.all_frames, equations.info
-        self.initial = self.all_frames(equations.start.frames).copy()
+        self.initial, self.info = self.all_frames(equations.start.frames), equations.info
         self._places = equations.start.frames[: unknowns.moving, 0].copy()
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
@@ -276,8 +275,12 @@ class Pursuit:
 
     def observed(self, station: Station) -> PathState:
         """A state as it is shown to functions of the user."""
-        frames = self.all_frames(station.state.frames).copy()
+        frames = self.all_frames(station.state.frames)
         return PathState(station.factor, frames, self.initial, station.negative, self.info)
+
+    def all_frames(self, H: Array) -> Array:
+        """A copy of the frames of all nodes, from those of the equations."""
+        return self.model.equations.report(H).frames.copy()
 
 
 def _flattest(rates: tuple[float, float], mean: float) -> float:

@@ -92,7 +92,7 @@ def vibrations(
         eigenvalues=s,
         shapes=np.array([shape if turns else unknowns.length * shape for shape, turns in found]),
         turns_only=np.array([turns for _, turns in found], dtype=np.bool_),
-        frames=equations.all_frames(state.H).copy(),
+        frames=equations.report(state.H).frames.copy(),
         size=unknowns.length,
         residuals=residuals,
         info=equations.info,

@@ -17,6 +17,7 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.methods import methods_for
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
+from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
 from fem_lie.solve.stopwatch import Stopwatch
@@ -97,7 +98,7 @@ def check_proportion(scene: Scene) -> None:
 class _State(NamedTuple):
     frames: Array
     multipliers: Array
-    carried: list[Array]
+    saved: dict[str, Array]
 
 
 class SceneEquilibrium:
@@ -126,17 +127,18 @@ class SceneEquilibrium:
         self.diameter, self._moving = unknowns.length, unknowns.moving
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
-        self._scale = np.ones(unknowns.m)
+        self._scale: Array = np.ones(unknowns.m)
         self._solver = DirectSolver(equations.matrix, prefix, methods(equations))
-        equations.reset_stress(self._H)
+        equations.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known = False
-        self._scratch, self._found = np.empty(unknowns.size), equations.room()
+        self._scratch = np.empty(unknowns.size)
+        self._found = equations.residual(self._now, self._scale, self._scratch, carried=True)
         self.forces()
         if not self._load.any():
             raise ValueError("the arc length needs a load that is not zero on what can move")
-        self._fill(0.0)
-        self._scale[:] = equations.constraint_scale(self._H)
+        self._find(0.0)
+        self._scale = equations.fill(self._now, self._found, Plan(self._zero))
 
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the present state."""
@@ -144,7 +146,7 @@ class SceneEquilibrium:
         equations.set_time(0.0, 0.0)
         equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
         equations.set_time(1.0, 1.0)
-        self._load[: 6 * self._moving] = equations.outer_forces(self._H)
+        self._load[: 6 * self._moving] = equations.loads(self._H)
         self._forces_known = True
         return self._internal.copy(), self._load.copy()
 
@@ -163,17 +165,22 @@ class SceneEquilibrium:
         self._solver.factorise()
 
     def _fill(self, factor: float) -> None:
-        equations, now, given = self.equations, self._now, (self._scratch, self._found)
-        equations.set_time(factor, factor)
-        equations.residual(now, self._scale, *given, carried=True, known=self._forces_known)
-        equations.fill(now, self._found, Plan(self._zero, self._scale))
+        self._find(factor)
+        self.equations.fill(self._now, self._found, Plan(self._zero, self._scale))
+
+    def _find(self, factor: float) -> None:
+        """The forces of the present state, of which those of nodes may be known."""
+        given, known = (self._scale, self._scratch, self._found), self._forces_known
+        self.equations.set_time(factor, factor)
+        self.equations.residual(self._now, *given, carried=True, known=known)
 
     def solve(self, b: Array) -> Array:
         """Solve with the last tangent."""
         self._solver.right_hand_side[:] = b
         self._solver.solve()
         x = self._solver.solution.copy()
-        self.equations.to_frames(self._H, x)
+        nodes = x[: 6 * self._moving].reshape(-1, 6)
+        self.equations.supports.turn_back(self._H, nodes)
         return x
 
     def negative_pivots(self) -> int:
@@ -183,18 +190,18 @@ class SceneEquilibrium:
     def move(self, dx: Array) -> None:
         """Carry the stress on by ``dx``, then move nodes and multipliers."""
         self._forces_known = False
-        self.equations.move(self._H, -dx, carried=True)
+        move(self.equations, self._H, -dx, carried=True)
         self._multipliers += self._scale * dx[6 * self._moving :]
 
     def reactions(self, state: _State, factor: float) -> Array:
-        """Of supports in a state that is restored, see :meth:`~.Equations.reactions`."""
+        """Of supports in a state that is restored, see :class:`~.report.Report`."""
         self.restore(state)
         self.equations.set_time(factor, factor)
-        return self.equations.reactions(self._now)
+        return self.equations.report(*self._now).reactions
 
     def joint_forces(self, state: _State) -> Array:
         """Force and moment of each joint on its point ``a``, in its axes, shape (j, 6)."""
-        return self.equations.report_joints(state.frames, self._zero, state.multipliers)[0]
+        return self.equations.report(state.frames, weights=state.multipliers).joints.forces
 
     def positions(self) -> Array:
         """Of the nodes, shape (n, 3)."""
@@ -214,23 +221,22 @@ class SceneEquilibrium:
 
     def check_turns(self, factor: float) -> None:
         """Raise ``FoldedElementError`` if an element turns too far for one state to be meant."""
-        self.equations.check_turns(self._H, f"at load factor {factor:g}")
+        self.equations.report(self._H).check_turns(f"at load factor {factor:g}")
 
     def turn_hint(self) -> str:
         """Which element turns far, if that may be why it does not go on."""
-        return self.equations.turn_hint(self._H)
+        return self.equations.report(self._H).turn_hint
 
     def state(self) -> _State:
         """A copy of the present state; angles of joints are counted on from here."""
         self.equations.accept(self._H)
-        return _State(self._H.copy(), self._multipliers.copy(), self.equations.carried)
+        return _State(self._H.copy(), self._multipliers.copy(), self.equations.saved())
 
     def restore(self, state: _State) -> None:
         """Return to a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
-        self.equations.accept(self._H)
-        self.equations.carried = state.carried
+        self.equations.restore(state.saved)
 
 
 def _result(
@@ -240,7 +246,7 @@ def _result(
     unknowns, counts = equations.unknowns, np.cumsum([0, *path.iterations])
     ends = [0] + [1 + path.factors.index(level) for level in reached]
     states: list[_State] = path.states
-    frames = [equations.all_frames(state.frames).copy() for state in states]
+    frames = [equations.report(state.frames).frames.copy() for state in states]
     forces = [model.joint_forces(state) for state in states]
     reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
     return PathResult(
@@ -250,7 +256,7 @@ def _result(
         iterations=np.diff(counts[ends]),
         failed_iterations=path.failed_iterations,
         info=equations.info,
-        initial=equations.all_frames(equations.start.frames).copy(),
+        initial=equations.report(equations.start.frames).frames.copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         reactions=np.array(reactions).reshape(len(states), len(unknowns.supported), 6),
         load_steps=len(path.iterations),

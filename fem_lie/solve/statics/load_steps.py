@@ -15,6 +15,7 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.methods import methods_for
+from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.stopwatch import Stopwatch
@@ -46,16 +47,16 @@ class LoadSteps:
         self.multipliers: Array = np.zeros(unknowns.m)
         self._moving = unknowns.moving
         self._zero = np.zeros((unknowns.moving, 6))
-        self._scale, self._found = np.ones(unknowns.m), equations.room()
         self._solver = DirectSolver(equations.matrix, prefix, methods_for(equations))
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
         self._folded = ""
-        equations.reset_stress(self.H)
-        self._fill()
-        self._scale[:] = equations.constraint_scale(self.H)
+        equations.carry(self.H)
+        now = Instant(self.H, self._zero, self._zero, self.multipliers)
+        self._scale = equations.fill(now, None, Plan(self._zero))
+        self._found = equations.residual(now, self._scale, self._r, carried=True)
 
         self._factors: list[float] = []
         self._frames: list[Array] = []
@@ -76,7 +77,7 @@ class LoadSteps:
             np.array(self._counts, dtype=np.int64),
             self._failed,
             equations.info,
-            equations.all_frames(equations.start.frames).copy(),
+            equations.report(equations.start.frames).frames.copy(),
             self._rotation,
             self._watch.seconds,
             np.array(self._reactions).reshape(k, len(unknowns.supported), 6),
@@ -121,7 +122,7 @@ class LoadSteps:
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
             f"{self.last:.2e} (tolerance {self._options.tolerance:g}). {self.advice()}"
-            f"{self._folded or self.equations.turn_hint(self.H)}"
+            f"{self._folded or self.equations.report(self.H).turn_hint}"
         )
 
     def advice(self) -> str:
@@ -143,7 +144,7 @@ class LoadSteps:
         equations = self.equations
         H, multipliers = self.H.copy(), self.multipliers.copy()
         equations.set_time(factor, factor)
-        self.H[self._moving + 1 :] = equations.prescribed_frames(factor)
+        self.H[self._moving + 1 :] = equations.prescribed(factor).frames
         previous = np.inf
         self.iterations, self._folded = 0, ""
         while self.iterations < self._options.max_iterations:
@@ -157,19 +158,17 @@ class LoadSteps:
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
             # quadratic convergence: the next increment is this one times the ratio squared
             if self.last * ratio**2 <= self._options.tolerance:
+                v = self._rotation.velocities(equations.unknowns.kinds, self.H, np.sqrt(factor))
+                told = equations.report(self.H, v, self._zero, self.multipliers)
                 try:
-                    equations.check_turns(self.H, f"at load factor {factor:g}")
+                    told.check_turns(f"at load factor {factor:g}")
                 except FoldedElementError as error:
                     self._folded = f" It folds: {error}."
                     break
                 self._factors.append(factor)
-                self._frames.append(equations.all_frames(self.H).copy())
-                told = equations.report_joints(self.H, self._zero, self.multipliers)
-                self._forces.append(told[0])
-                kinds = equations.unknowns.kinds
-                v = self._rotation.velocities(kinds, self.H, np.sqrt(factor))
-                state = Instant(self.H, v, self._zero, self.multipliers)
-                self._reactions.append(equations.reactions(state))
+                self._frames.append(told.frames.copy())
+                self._forces.append(told.joints.forces)
+                self._reactions.append(told.reactions)
                 self._counts.append(self.iterations)
                 self._pivots.append(self._negative_pivots(factor))
                 equations.accept(self.H)
@@ -177,7 +176,7 @@ class LoadSteps:
             previous = self.last
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
-        equations.reset_stress(H)
+        equations.carry(H)
         return False
 
     def _negative_pivots(self, factor: float) -> int:
@@ -192,25 +191,20 @@ class LoadSteps:
         """Residual and matrix of the present state."""
         equations, H, zero = self.equations, self.H, self._zero
         if not self._options.carried_stress:
-            equations.reset_stress(H)
+            equations.carry(H)
         # centrifugal forces grow as the loads do
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = Instant(H, v, zero, self.multipliers)
         equations.residual(now, self._scale, self._r, self._found, carried=True)
         self.residual = float(np.abs(self._r).max(initial=0.0))
-        if self._rotation:
-            equations.fill_steady(H, v, self.multipliers, self._scale)
-        else:
-            self._fill()
+        plan = Plan(zero, self._scale, steady=bool(self._rotation))
+        equations.fill(now, self._found, plan)
         self._solver.factorise()
 
     def _iterate(self, factor: float) -> None:
         self._factorise(factor)
         self._solver.solve()
-        self.equations.to_frames(self.H, self._dx)
-        self.last = self.equations.move(self.H, self._dx, carried=self._options.carried_stress)
+        nodes = self._dx[: 6 * self._moving].reshape(-1, 6)
+        self.equations.supports.turn_back(self.H, nodes)
+        self.last = move(self.equations, self.H, self._dx, carried=self._options.carried_stress)
         self.multipliers -= self._scale * self._dx[6 * self._moving :]
-
-    def _fill(self) -> None:
-        now = Instant(self.H, self._zero, self._zero, self.multipliers)
-        self.equations.fill(now, self._found, Plan(self._zero, self._scale))

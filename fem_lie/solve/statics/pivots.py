@@ -25,15 +25,15 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
     For loads without potential: 1 if their number is odd, 0 if it is even. It is −1 if the matrix
     cannot be factorised.
     """
-    m, n = equations.unknowns.m, 6 * equations.unknowns.moving
-    redundant = m > 0 and equations.unknowns.may_be_redundant
+    unknowns = equations.unknowns
+    m, n, redundant = unknowns.m, 6 * unknowns.moving, unknowns.m > 0 and unknowns.may_be_redundant
     try:
         found = None if redundant else solver.negative_pivots()
-        if found is None or not equations.has_potential:
+        if found is None or not unknowns.has_potential:
             A = tangent(equations)
             if redundant:
                 A = _softened(A, n)
-            if not equations.has_potential:
+            if not unknowns.has_potential:
                 return int(negative_determinant(A) != bool(m % 2))
             found = inertia((0.5 * (A + A.T)).tocsr())[0]
     except SingularMatrixError:

@@ -11,6 +11,7 @@ from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.scene.choices import Redundant
+from fem_lie.system import describe, symmetry
 from fem_lie.system.balance.acting import supported
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
@@ -44,6 +45,9 @@ class Unknowns(NamedTuple):
         may_be_redundant: Whether constraints may follow from others.
         other_constraints: What constraints are called that no pair of frames has.
         drilling: Shells whose nodes turn about their third directors.
+        has_potential: Whether all loads have one.
+        symmetric: Whether the static equations have a symmetric matrix in every state.
+        told: What there is, in one line for the log.
     """
 
     moving: int
@@ -69,11 +73,16 @@ class Unknowns(NamedTuple):
     may_be_redundant: bool
     other_constraints: Sequence[str]
     drilling: Sequence[str]
+    has_potential: bool
+    symmetric: bool
+    told: str
 
     @classmethod
     def of(cls, system: System) -> Unknowns:
         """Those of a system."""
         numbering, connections = system.numbering, system.connections
+        shown = numbering, system.terms, system.kinds, system.m
+        potential = symmetry.has_potential(system)
         return cls(
             moving=system.count,
             m=system.m,
@@ -98,6 +107,9 @@ class Unknowns(NamedTuple):
             may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
             other_constraints=connections.others,
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
+            has_potential=potential,
+            symmetric=symmetry.symmetric(system, potential=potential),
+            told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 
 

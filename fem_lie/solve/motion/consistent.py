@@ -1,0 +1,194 @@
+"""Consistent initial values: velocities that joints allow, accelerations and joint forces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
+from fem_lie.system.equations import Instant
+
+if TYPE_CHECKING:
+    from fem_lie.linear.direct import DirectSolver
+    from fem_lie.system.equations import Equations
+
+_LARGEST = 1e150  # the square of more is no number
+
+
+def check_velocities(equations: Equations, step: float) -> None:
+    """Check the initial velocities of the bodies against clamps and joints.
+
+    Args:
+        equations: Of the scene.
+        step: Step size; velocities may be wrong by what is not felt in one.
+
+    Raises:
+        ValueError: They break a clamp or a joint; the message names it.
+    """
+    unknowns, leader = equations.unknowns, equations.tables.leader
+    for clamp in equations.scene.clamps:
+        body, node = clamp.point.body, clamp.point.node
+        assert body is not None
+        v = equations.start.velocities[leader[unknowns.bodies[body][node]]]
+        if v.any():
+            raise ValueError(
+                f"{clamp.point.label} is clamped, but has the initial velocity {v} (translation, "
+                "rotation, in its frame); it must be zero"
+            )
+    velocities, first = _rates_at_start(equations, step)
+    _, finer = _rates_at_start(equations, 0.5 * step)
+    speed = max(np.abs(velocities[:, :3]).max() / unknowns.length, np.abs(velocities[:, 3:]).max())
+    # below the second bound the error of a whole step is less than 1e-9 of the size
+    bound = max(1e-6 * speed, 1e-9 / step)
+    _check_held(equations, bound)
+    # rates of drives and motions are differences, which are wrong by about what half a step changes
+    left = np.maximum(np.abs(finer) - np.abs(first - finer), 0.0)
+    rates = left / np.where(unknowns.angular, 1.0, unknowns.length)
+    if (rates > bound).any():
+        c = int(rates.argmax())
+        joint = equations.info.joints[int(equations.tables.owner[c])]
+        raise ValueError(
+            f"the initial velocities break {joint.name}: its constraint changes at the rate "
+            f"{first[c]:g}; give both bodies velocities that the joint allows"
+        )
+
+
+def _rates_at_start(equations: Equations, step: float) -> tuple[Array, Array]:
+    """Velocities with those of motions, and rates of all constraints less those of their drives."""
+    frames, given = equations.start
+    prescribed = equations.prescribed(0.0, step)
+    velocities = _moved(equations, given, prescribed.velocities)
+    first, _ = equations.constraints(frames).rates(velocities)
+    return velocities, np.asarray(first - prescribed.target_rates[0])
+
+
+def _check_held(equations: Equations, bound: float) -> None:
+    """Check the velocities of what bodies hold; shells of five parameters may be said to drill."""
+    unknowns, (frames, given) = equations.unknowns, equations.start
+    v = given[: unknowns.moving].copy()
+    equations.supports.turn(frames, v)
+    wrong = unknowns.held & (np.abs(v) > bound * np.repeat([unknowns.length, 1.0], 3))
+    wrong[:, 5] = False
+    if wrong.any():
+        node = int(np.flatnonzero(wrong.any(axis=1))[0])
+        which, bodies = int(unknowns.leaders[node]), unknowns.bodies.items()
+        body, own = next((b, np.flatnonzero(n == which)) for b, n in bodies if which in n)
+        raise ValueError(
+            f"node {own[0]} of {body.label} is held, but has the initial velocity {v[node]} "
+            "(translation, rotation) along what is held; it must be zero"
+        )
+
+
+def _moved(equations: Equations, velocities: Array, prescribed: Array) -> Array:
+    """Velocities of all rows with those of the prescribed motions, (p, 6)."""
+    v = velocities.copy()
+    v[equations.unknowns.moving + 1 :] = prescribed
+    return v
+
+
+def accelerations(
+    equations: Equations, solver: DirectSolver, H: Array, v: Array, time: float, step: float
+) -> tuple[Array, Array]:
+    """``v̇`` and multipliers from the equations of motion and twice differentiated constraints.
+
+    ::
+
+        M v̇ + Bᵀ λ = f(H, v, t)          B v̇ = −Ḃ v
+
+    Args:
+        equations: Of the scene; their matrix and loads are overwritten.
+        solver: For that matrix.
+        H: Frames of all rows.
+        v: Local velocities of all rows; those of prescribed motions are found here.
+        time: The time.
+        step: Over which prescribed motions are differentiated.
+
+    Returns:
+        Shapes (n, 6) and (m,).
+
+    Raises:
+        ValueError: The mass matrix is singular, forces are beyond the range of numbers, or no
+            solver could solve the equations.
+    """
+    n, m = equations.unknowns.moving, equations.unknowns.m
+    prescribed = equations.prescribed(time, step)
+    v = _moved(equations, v, prescribed.velocities)
+    equations.set_time(time)
+    H = np.concatenate([H[: n + 1], prescribed.frames])
+    r, supports = solver.right_hand_side, equations.supports
+    rate = np.zeros_like(v)
+    rate[n + 1 :] = prescribed.accelerations
+    # ẍ = R (u̇ + ω × u) = 0, of which supports hold a part
+    guided = supports.nodes
+    rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
+    equations.residual(Instant(H, v, rate[:n], np.zeros(m)), np.ones(m), r, carried=True)
+    constraints = equations.constraints(H)
+    _, second = constraints.rates(v)
+    drive, _ = constraints.rates(rate)
+    r[6 * n :] = second + drive - prescribed.target_rates[1]
+    scale = equations.fill_at_rest(H, step)
+    r[6 * n :] *= scale
+    largest = float(np.abs(r).max(initial=0.0))
+    if not largest < _LARGEST:
+        raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
+    try:
+        solver.factorise()
+        solver.solve()
+    except InaccurateSolutionError as error:
+        raise ValueError(f"initial accelerations cannot be computed: {error}") from error
+    except SingularMatrixError as error:
+        raise ValueError(
+            "the mass matrix is singular: a body or section lacks (rotary) inertia"
+        ) from error
+    supports.turn_back(H, solver.solution[: 6 * n].reshape(n, 6))
+    return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -scale * solver.solution[6 * n :]
+
+
+def allowed_velocities(
+    equations: Equations, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
+) -> Array:
+    """Velocities ``twist`` (≥ n, 6) without what joints and motions forbid, by an impulse in them.
+
+    Args:
+        equations: Of the scene; their matrix is overwritten.
+        solver: For that matrix.
+        H: Frames of all rows.
+        twist: Local velocities.
+        time: The time.
+        step: As in :func:`accelerations`.
+    """
+    prescribed = equations.prescribed(time, step)
+    v = _moved(equations, twist, prescribed.velocities)
+    if equations.unknowns.m == 0:
+        return v
+    rates, _ = equations.constraints(H).rates(v)
+    rates -= prescribed.target_rates[0]
+    v[: equations.unknowns.moving] -= across_joints(equations, solver, H, rates, step)
+    return v
+
+
+def across_joints(
+    equations: Equations, solver: DirectSolver, H: Array, rates: Array, step: float
+) -> Array:
+    """Velocities that change constraints at given rates, the nearest to rest in them.
+
+    Args:
+        equations: Of the scene; their matrix is overwritten.
+        solver: For that matrix.
+        H: Frames of all rows.
+        rates: Of the constraints, shape (m,).
+        step: As in :func:`accelerations`.
+
+    Returns:
+        Twists of the moving nodes, shape (n, 6).
+    """
+    n = equations.unknowns.moving
+    solver.right_hand_side[: 6 * n] = 0.0
+    solver.right_hand_side[6 * n :] = rates * equations.fill_at_rest(H, step)
+    solver.factorise()
+    solver.solve()
+    v = solver.solution[: 6 * n].reshape(n, 6).copy()
+    equations.supports.turn_back(H, v)
+    return v

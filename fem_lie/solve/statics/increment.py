@@ -1,0 +1,31 @@
+"""Moving the nodes in statics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fem_lie._arrays import Array
+from fem_lie.lie.kinds import advance
+
+if TYPE_CHECKING:
+    from fem_lie.system.equations import Equations
+
+
+def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
+    """Move nodes by ``−x``.
+
+    Args:
+        equations: Of the scene.
+        H: Frames of all rows, changed.
+        x: Solution of the equations, in the nodes' frames, (≥ 6 n,).
+        carried: Whether the stress is carried along.
+
+    Returns:
+        The largest increment, translations over the length of the model.
+    """
+    unknowns = equations.unknowns
+    if carried:
+        equations.carry(H, -x[: 6 * unknowns.moving])
+    largest = advance(unknowns.kinds, H, x, unknowns.held, unknowns.uncoupled, unknowns.length)
+    equations.turn_drills(H)
+    return largest

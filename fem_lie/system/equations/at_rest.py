@@ -1,0 +1,33 @@
+"""The matrix that finds accelerations, and impulses in joints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.system.system import System
+
+
+def fill_at_rest(system: System, H: Array, step: float) -> Array:
+    """``M + h² K/4`` bordered by the constraints, into the KKT; returns their scale, (m,).
+
+    Modes that the step does not resolve would start with accelerations that mean nothing to it.
+
+    Args:
+        system: The equations; the stress that is carried becomes the true one.
+        H: Frames of all rows.
+        step: ``h``.
+    """
+    tangent = system.tangent
+    terms, still = system.terms, np.zeros((system.count, 6))
+    kept = terms.room()
+    tangent.clear()
+    terms.reset_stress(H)
+    terms.add_forces(H, np.zeros(system.size), kept)
+    tangent.add_terms(H, kept)
+    tangent.add_viscosity(H, still, 0.5 * step, lambda term: not (term.of_bodies or term.in_space))
+    tangent.add_mass(H, system.kinds)
+    tangent.A += 0.25 * step**2 * tangent.K
+    scale = tangent.constraint_scale(H)
+    tangent.fill(tangent.A, H, scale)
+    return scale
