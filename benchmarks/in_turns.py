@@ -5,8 +5,8 @@
 OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``; schemes are
 ``alpha``, ``conserving`` and ``decaying``, by default all. Each checkout has a process, and they
 run one after the other, again and again. What other work on the machine adds is in no step for
-long: the least mean of 20 steps in a row is that of steps without a new matrix; the mean over whole
-runs has matrices, too. All states are kept.
+long: the least mean of 20 steps in a row, or of those between two matrices, is that of steps
+without a new matrix; the mean over whole runs has matrices, too. All states are kept.
 """
 
 from __future__ import annotations
@@ -40,25 +40,33 @@ def measure() -> None:
     # before there were rooms, files had other names
     rooms = Path("fem_lie/solve/alpha").is_dir()
     names = ("alpha.run", "conserving.run") if rooms else ("alpha_run", "conserving_run")
-    stamps: list[float] = []
+    stamps: list[tuple[float, int]] = []
     for kind in (import_module(solve + name).Run for name in names):
-        kind._advance = _stamped(kind._advance, stamps)  # type: ignore[method-assign]
+        for name in ("_advance", "_factorise", "_refresh"):
+            if hasattr(kind, name):
+                setattr(kind, name, _stamped(getattr(kind, name), stamps))
     for line in sys.stdin:
         case, scheme = line.split()
         stamps.clear()
         run = eval(SCHEMES[scheme], vars(fl)).run
         h = STEP[int(case)]
         result = run(pendulum(int(case))[0], step=h, duration=STEPS * h, progress=False)
-        times = 1e6 * np.array(stamps)
-        least = (times[IN_A_ROW:] - times[:-IN_A_ROW]).min() / IN_A_ROW
+        times, steps = np.array(stamps).T
+        # loops that make many steps come back after as many
+        later = np.minimum(np.searchsorted(steps, steps + IN_A_ROW), len(steps) - 1)
+        made = steps[later] - steps
+        long = made >= IN_A_ROW
+        least = 1e6 * ((times[later] - times)[long] / made[long]).min()
         each = result.iterations[-1] / STEPS
         print("=", least, 1e6 * result.seconds / STEPS, each, result.factorisations, flush=True)
 
 
-def _stamped(advance, stamps):  # type: ignore[no-untyped-def]
-    def stamped(run, history):  # type: ignore[no-untyped-def]
-        stamps.append(perf_counter())
-        return advance(run, history)
+def _stamped(function, stamps):  # type: ignore[no-untyped-def]
+    def stamped(run, *arguments):  # type: ignore[no-untyped-def]
+        stamps.append((perf_counter(), run.index))
+        result = function(run, *arguments)
+        stamps.append((perf_counter(), run.index))
+        return result
 
     return stamped
 

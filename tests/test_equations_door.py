@@ -30,15 +30,15 @@ VERBS = {
 IMPORTED = {"equations.Equations", "equations.Instant", "equations.Plan"}
 
 COMPILED = {
-    "nodes.attachment.expand",
-    "nodes.attachment.expand_twists",
+    "nodes.attachment.expand_motion",
     "nodes.element_turns.nearest",
     "nodes.inertia",
     "nodes.inertia.Inertia",
-    "nodes.inertia.PlainInertia",
     "nodes.loads.Loads",
     "nodes.shared_setup.numbered",
     "nodes.sums.report_rates",
+    "nodes.sums.residual",
+    "outer_forces.look_and_sum_up",
 }
 """What compiled steps and rows take of compiled sums over nodes, and free bodies of numbers."""
 

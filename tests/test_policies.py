@@ -10,8 +10,9 @@ from fem_lie.linear.direct import CHAINS, MOTION
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.methods import methods_in_time
-from fem_lie.solve.motion.policies import AutomaticDecisions, Update
-from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.motion.policies import Ruled
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.renewal import Update
 from fem_lie.system.equations import Equations, Instant
 
 NONE, CONSTRAINTS, ALL = Update
@@ -143,11 +144,9 @@ class Deaf(fl.Automatic):
     """As without asking: all is made anew when new constraints no longer bring back the best."""
 
     def begin(self, bound: bool) -> fl.Decisions:
-        return DeafDecisions(self, bound)
-
-
-class DeafDecisions(AutomaticDecisions):
-    asks = False
+        rule = super().begin(bound).rule
+        assert rule is not None and rule.asks
+        return Ruled(rule._replace(asks=False))
 
 
 def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
@@ -209,14 +208,14 @@ def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path, monkeypat
         scheme = fl.GeneralisedAlpha(policy=fl.Automatic(cost=5, refresh=5))
         return scheme.run(ladder(), duration=0.4, step=2e-3, **options)
 
-    whole, record = run(), Recorder.record
+    whole, write = run(), History.write_checkpoint
 
-    def interrupted(self, index, *state) -> None:
-        if index == 120:
+    def interrupted(self, index, memory) -> None:
+        write(self, index, memory)
+        if index == 100:
             raise KeyboardInterrupt
-        record(self, index, *state)
 
-    monkeypatch.setattr(Recorder, "record", interrupted)
+    monkeypatch.setattr(History, "write_checkpoint", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(file=tmp_path / "run.h5", checkpoint_every=50)
     monkeypatch.undo()

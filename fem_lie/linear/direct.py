@@ -18,6 +18,7 @@ from fem_lie.linear.equilibrated import (
     InaccurateSolutionError,
     SingularMatrixError,
 )
+from fem_lie.linear.factors import Solution, addresses
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
@@ -105,7 +106,8 @@ class DirectSolver:
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
         self._idle: IdleMultipliers | None = None
-        self._checked = self._refines = False
+        self._checked, self._refines = False, False
+        self._by_call: Solution | None = None
         size = len(kkt.units)
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
         self._scaled, self._found, self._left = np.zeros((3, size))
@@ -138,7 +140,7 @@ class DirectSolver:
 
     def _set_up(self) -> None:
         """Factorise by the first method that can."""
-        self._checked = self._refines = False
+        self._checked, self._refines, self._by_call = False, False, None
         for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
@@ -209,6 +211,20 @@ class DirectSolver:
             multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
             multipliers[:] = self._idle.remove(multipliers)
         np.multiply(self._found, self._own.right, self.solution)
+
+    @property
+    def by_call(self) -> Solution:
+        """:meth:`solve` with the last factorisation for compiled loops.
+
+        It is none before the first solution, which is checked, and where something is done to them.
+        """
+        if self._by_call is None:
+            if self._idle is not None or self._refines or not self._checked:
+                return Solution.none()
+            call = addresses(self._ksp, self._b, self._x)
+            scales = self._own.left, self._own.right
+            self._by_call = Solution(call, *scales, self._scaled, self._found)
+        return self._by_call
 
     def _check(self) -> None:
         """Make sure that what was found is a solution."""

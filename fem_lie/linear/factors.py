@@ -1,17 +1,26 @@
-"""Sparse factors for compiled loops: factorised by SuperLU, solved with by a few lines of our own.
+"""Sparse factors for compiled loops, without Python between them and a solution.
 
-A step of a small scene takes a hundred microseconds; a call of a library from Python for each
-solution would be a good part of that.
+A step of a small scene takes some tens of microseconds, and a call of a library from Python for
+each solution would be a good part of that. Either PETSc's own function is called by its address,
+with the factors that :class:`~fem_lie.linear.direct.DirectSolver` keeps, or SuperLU's factors are
+solved with by a few lines of our own.
 """
 
 from __future__ import annotations
 
+import ctypes
 import logging
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from petsc4py import PETSc
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
@@ -135,3 +144,86 @@ def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
         y[j] = total
     for j in range(n):
         x[j] = right[j] * y[row[j]]
+
+
+# --- by the function of a library -----------------------------------------------------------------
+
+PlainSolution: TypeAlias = tuple[Indices, Array, Array, Array, Array]
+"""A :class:`Solution` at the door from Python."""
+
+
+class Solution(NamedTuple):
+    """Solves with factors that PETSc keeps.
+
+    Attributes:
+        call: Addresses of the function, of what it solves with, and of its vectors ``b`` and ``x``,
+            shape (4,).
+        left: By which the equations are multiplied, shape (n,).
+        right: By which the solution is.
+        b: What is in the vector of that name.
+        x: Likewise.
+    """
+
+    call: Indices
+    left: Array
+    right: Array
+    b: Array
+    x: Array
+
+    @property
+    def plain(self) -> PlainSolution:
+        """As compiled functions are quicker to call with."""
+        return (*self,)
+
+    @classmethod
+    def none(cls) -> Solution:
+        """Which solves nothing: :func:`solve_by_call` says so."""
+        return cls(np.zeros(4, dtype=np.int64), *np.empty((4, 0)))
+
+
+def addresses(ksp: PETSc.KSP, b: PETSc.Vec, x: PETSc.Vec) -> Indices:
+    """What is called to solve, see :attr:`Solution.call`.
+
+    Without anything around the factors they are solved with at once.
+    """
+    pc = ksp.getPC()
+    direct = ksp.getType() == PETSc.KSP.Type.PREONLY
+    direct &= pc.getType() in (PETSc.PC.Type.LU, PETSc.PC.Type.CHOLESKY)
+    name, holder = ("MatSolve", pc.getFactorMatrix()) if direct else ("KSPSolve", ksp)
+    found = _address(name), holder.handle, b.handle, x.handle
+    return np.array(found, dtype=np.int64)
+
+
+@cache
+def _address(name: str) -> int | None:
+    """Of a function of PETSc's."""
+    function = getattr(ctypes.CDLL(PETSc.__file__), name)
+    return ctypes.cast(function, ctypes.c_void_p).value
+
+
+@intrinsic
+def _call(typing_context: Any, function: Any, holder: Any, b: Any, x: Any) -> Any:
+    """Call ``int function(holder, b, x)``, all of them addresses."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(number, [place] * 3).as_pointer()
+        given = [builder.inttoptr(argument, place) for argument in arguments[1:]]
+        return builder.call(builder.inttoptr(arguments[0], kind), given)
+
+    return types.int32(*[types.int64] * 4), generate
+
+
+@compiled
+def solve_by_call(solution: PlainSolution, r: Array, dx: Array) -> bool:
+    """Solve for ``r`` into ``dx``, shape (n,); returns whether that could be done."""
+    call, left, right, b, x = solution
+    if call[0] == 0:
+        return False
+    for k in range(r.shape[0]):
+        b[k] = r[k] * left[k]
+    if _call(call[0], call[1], call[2], call[3]) != 0:
+        return False
+    for k in range(r.shape[0]):
+        dx[k] = x[k] * right[k]
+    return True

@@ -16,6 +16,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.factors import Solution
 
 Kept = TypeVar("Kept")
 
@@ -137,6 +138,12 @@ class KeptFactors(DirectSolver):
         solver.right_hand_side[:] = self.right_hand_side
         solver.solve()
         self.solution[:] = solver.solution
+
+    @property
+    def by_call(self) -> Solution:
+        """See the base class; not yet scaled, either."""
+        solver = self.levels.present
+        return Solution.none() if solver is None else solver.by_call
 
     def times(self, x: Array) -> Array:
         """The matrix that is in use times ``x``."""

@@ -58,6 +58,8 @@ class System:
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
         velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
             the matrix are like those of positions.
+        in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
+            for what is held.
         turns: How far elements turn from end to end.
         length: Largest distance of two nodes, or a body's size: the length of tolerances.
     """
@@ -127,6 +129,9 @@ class System:
         self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))
         self._any_uncoupled = bool(self.uncoupled.any())
         self._some_apart, self._viscous = not self.terms.all_in_tables, self.terms.viscous
+        apart = self._others or self._any_uncoupled or self._some_apart
+        settles = any(term.settles for term in self.terms)
+        self.in_one_sum = not (apart or self._viscous or self._guided or settles)
         self._found = self.room()
         self.velocity_factor = 1.0
         self._plain_inertia = self.inertia.plain

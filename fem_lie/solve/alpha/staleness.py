@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie.lie.kinds import all_from_group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
@@ -31,7 +31,7 @@ def staleness(
     scheme: PlainScheme,
     state: State,
     weights: Array,
-    sizes: tuple[Array, Array, Flags],
+    sizes: tuple[Array, Array, Indices],
     direction: Array,
 ) -> float:
     """Rate at which the iteration would converge if only mass and stiffness were old.
@@ -76,10 +76,10 @@ def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
     all_from_group(kinds, H, x[: 6 * len(kinds)].reshape(-1, 6))
 
 
-def _size(length: float, x: Array, nodes: int, measure: Array, joined: Flags) -> float:
+def _size(length: float, x: Array, nodes: int, measure: Array, joined: Indices) -> float:
     """The size of a correction as :func:`~.nodes.correct` has it."""
     parts = x[:nodes].reshape(-1, 6)
     moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
-    group = np.cumsum(~joined) - 1
+    group = np.cumsum(joined == 0) - 1
     held = np.sqrt(np.bincount(group, (x[nodes:] * measure) ** 2)).max(initial=0.0)
     return float(max(moved / length, ROTATION * turned, held))

@@ -28,12 +28,12 @@ from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
+from fem_lie.solve.alpha.step.records import INCREMENT, MOTION, STEP
 from fem_lie.solve.alpha.time_error import TimeError
 from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
-from fem_lie.solve.motion.convergence import ROTATION, ROUND_OFF
+from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.solve.motion.events import events
 from fem_lie.solve.motion.growing import GrowingRecorder
-from fem_lie.solve.motion.policies import Decisions
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
@@ -91,7 +91,6 @@ class AlphaSteps(Run):
         self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
-        self.decisions = OrMissing(self.decisions, self.factors)
         self._speed, self._scales = 0.0, dict[int, Array]()
         self._error, self._warm = TimeError(equations), False
 
@@ -103,7 +102,7 @@ class AlphaSteps(Run):
     @property
     def increment(self) -> float:
         """Of the last iteration, as convergence is measured."""
-        return self._increment
+        return float(self.numbers[INCREMENT])
 
     @property
     def factorisations(self) -> int:
@@ -193,14 +192,14 @@ class AlphaSteps(Run):
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """Make step ``index``; its iterations, 0 if it failed."""
-        self._index, self._end = index, end
+        self.counters[STEP], self._end = index - 1, end
         seen = end - side(end, self.h) if lands else end
         self._go_to_time(seen)
-        self._motion = self._speed * self.h
+        self.numbers[MOTION] = self._speed * self.h
         iterations = self._step()
         if iterations:
-            self._speed = max(self._speed, self._motion / self.h)
-            self._book(seen)
+            self._speed = max(self._speed, float(self.numbers[MOTION]) / self.h)
+            self.books.add(self.h, seen, *self._accepted)
         return iterations
 
     def saved(self) -> _Saved:
@@ -218,7 +217,7 @@ class AlphaSteps(Run):
     def follow(self, other: AlphaSteps, state: _Saved) -> None:
         """Be as another one was when it saved ``state``."""
         self.take_back(state)
-        self.h, self._index, self._speed = other.h, other._index, other._speed
+        self.h, self._speed, self.counters[STEP] = other.h, other._speed, other.index
 
     def estimate(self, before: _Saved, start: float, end: float) -> StepError:
         """The error of the step that was made from the state ``before``."""
@@ -233,16 +232,25 @@ class AlphaSteps(Run):
 
     # --- what changes in a step ---
 
-    def _tolerance(self) -> float:
+    @property
+    def _finest(self) -> float:
         control = self.control
         length = self.equations.unknowns.length
         allowed = min(control.tolerance / length, ROTATION * control.rotation_tolerance)
-        return max(min(super()._tolerance(), ITERATION * self.h * allowed), ROUND_OFF)
+        return ITERATION * self.h * allowed
+
+    @property
+    def _factor(self) -> float:
+        return self.factors.levels.factor
+
+    @property
+    def _missing(self) -> bool:
+        return not self.factors.usable
 
     def _solve(self) -> None:
         super()._solve()
-        if self.factors.levels.factor != 1.0:
-            self.dx *= self.factors.levels.factor
+        if self._factor != 1.0:
+            self.dx *= self._factor
 
     def _refresh(self) -> None:
         """The matrix may belong to another level: it is made whole."""
@@ -259,19 +267,3 @@ class AlphaSteps(Run):
         self.scale[:] = scale
         self._fill(stressed, self._ahead(), turned=self._turned)
         self.factors.keep(scale)
-
-
-class OrMissing(Decisions):
-    """Those of a policy, and a matrix where none serves."""
-
-    def __init__(self, inner: Decisions, factors: KeptFactors) -> None:
-        """Ask ``inner`` where ``factors`` has one."""
-        self._inner, self._factors = inner, factors
-
-    def before_iteration(self, iteration: int) -> bool:
-        """When one of both wants it."""
-        return bool(self._inner.before_iteration(iteration)) or not self._factors.usable
-
-    def after_step(self, iterations: int) -> None:
-        """Pass it on."""
-        self._inner.after_step(iterations)

@@ -75,5 +75,5 @@ class GrowingRecorder(Growing, Recorder):
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
         """Whether a row is due, see :meth:`Growing.due`; iterations are counted in any case."""
-        self._count += iterations
+        self.count += iterations
         return super().due(time, ahead, index, iterations, event)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from math import inf, log
-from typing import ClassVar
+from typing import ClassVar, final
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.solve.renewal import BASE, LOST, SIZE, Rule, Update, due, learn
 
 NEVER = 2**31
 """More iterations than any step is given."""
@@ -25,23 +25,19 @@ GAIN = 1.0
 """Iterations per step, of which new mass and stiffness must be expected to save more."""
 
 
-class Update(IntEnum):
-    """What of the iteration matrix is made anew.
-
-    ``CONSTRAINTS``: their Jacobian Φ_q, which turns with the bodies, while mass and stiffness,
-    which hardly change in local frames, stay with their factorisation. ``ALL``: both.
-    """
-
-    NONE = 0
-    CONSTRAINTS = 1
-    ALL = 2
-
-
 class Decisions(ABC):
     """Those of a policy in one run: what it has learned there is here, and nowhere else.
 
     The numbers and arrays among the attributes are its memory, which goes into checkpoints.
+
+    Attributes:
+        rule: By which they are made, with ``known``, if it is one: compiled loops decide by it.
+            Otherwise each has to be asked for.
+        known: What was learned, see :mod:`fem_lie.solve.renewal`.
     """
+
+    rule: Rule | None = None
+    known: Array
 
     @abstractmethod
     def before_iteration(self, iteration: int) -> Update | bool:
@@ -104,24 +100,38 @@ class Policy(ABC):
         return None
 
 
-class _Always(Decisions):
-    """The same before any iteration."""
+@final
+class Ruled(Decisions):
+    """Those of a rule, see :mod:`fem_lie.solve.renewal`."""
 
-    def __init__(self, update: Update) -> None:
-        self._update = update
-
-    def before_iteration(self, iteration: int) -> Update:
-        return self._update
-
-
-class _Patient(Decisions):
-    """Each time that a step took as many more iterations, and at most ``most``."""
-
-    def __init__(self, iterations: int, bound: bool, most: Update) -> None:
-        self._iterations, self._bound, self._most = iterations, bound, most
+    def __init__(self, rule: Rule) -> None:
+        """Nothing was learned yet."""
+        self.rule, self.known = rule, np.zeros(SIZE)
+        self._plain, self._asks = rule.plain, False
 
     def before_iteration(self, iteration: int) -> Update:
-        return min(_within_step(iteration, self._iterations, self._bound), self._most)
+        """What the rule says."""
+        return Update(due(self._plain, self.known, iteration))
+
+    def after_step(self, iterations: int) -> None:
+        """Add up what the kept matrix costs."""
+        self._asks = learn(self._plain, self.known, iterations)
+
+    @property
+    def asks(self) -> bool:
+        """When it would make all anew at the next step, and might do with the constraints."""
+        return self._asks
+
+    def answer(self, iterations: int, rate: float, staleness: float) -> None:
+        """Keep all, and be content with the iterations of late, if age is not to blame.
+
+        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
+        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
+        """
+        fresh = max(rate - staleness, rate**2)
+        saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
+        if saved <= GAIN:
+            self.known[BASE] = self.known[LOST] = 0.0
 
 
 @dataclass(frozen=True)
@@ -130,7 +140,7 @@ class EveryIteration(Policy):
 
     def begin(self, bound: bool) -> Decisions:
         """Always all."""
-        return _Always(Update.ALL)
+        return Ruled(Rule(1, 0.0, inf, Update.ALL, bound=False, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """Always due."""
@@ -157,7 +167,7 @@ class Limit(Policy):
 
     def begin(self, bound: bool) -> Decisions:
         """New matrices after so many iterations of a step."""
-        return _Patient(self.iterations, bound, Update.ALL)
+        return Ruled(Rule(self.iterations, inf, inf, Update.ALL, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """Only within a step."""
@@ -172,7 +182,7 @@ class ConstraintsOnly(Limit):
 
     def begin(self, bound: bool) -> Decisions:
         """Never more than the constraints."""
-        return _Patient(self.iterations, bound, Update.CONSTRAINTS)
+        return Ruled(Rule(self.iterations, inf, inf, Update.CONSTRAINTS, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """At the start of the run only: loops that ask have no constraints."""
@@ -187,7 +197,7 @@ class Never(Policy):
 
     def begin(self, bound: bool) -> Decisions:
         """Always nothing."""
-        return _Always(Update.NONE)
+        return Ruled(Rule(NEVER, inf, inf, Update.NONE, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
         """At the start of the run only."""
@@ -202,7 +212,7 @@ class Automatic(Policy):
     when they reach the cost of a refreshment, that is made at the start of the next step. What is
     lost in spite of fresh constraints adds up likewise, until it is asked what new mass and
     stiffness would bring: they are made anew if they are to blame, see
-    :meth:`AutomaticDecisions.answer`. Within a step that converges badly the constraints are
+    :meth:`Ruled.answer`. Within a step that converges badly the constraints are
     refreshed, and if that does not help all is made anew.
 
     Attributes:
@@ -225,67 +235,9 @@ class Automatic(Policy):
 
     def begin(self, bound: bool) -> Decisions:
         """New matrices when they are worth their cost."""
-        return AutomaticDecisions(self, bound)
+        cost, refresh = float(self.cost), float(self.refresh)
+        return Ruled(Rule(self.patience, cost, refresh, Update.ALL, bound, asks=True))
 
     def rule(self) -> tuple[int, float]:
         """Its own."""
         return self.patience, self.cost
-
-
-class AutomaticDecisions(Decisions):
-    """Those of :class:`Automatic`."""
-
-    def __init__(self, policy: Automatic, bound: bool) -> None:
-        """Nothing was lost yet."""
-        self._policy, self._bound = policy, bound
-        self._best = self._base = 0
-        self._excess = self._lost = 0.0
-
-    def before_iteration(self, iteration: int) -> Update:
-        """At the start of a step if it pays, or in the middle of a bad one."""
-        policy = self._policy
-        if iteration > 1:
-            due = _within_step(iteration, policy.patience, self._bound)
-        elif not self._bound:
-            due = Update.ALL if self._excess >= policy.cost else Update.NONE
-        elif self._lost >= policy.cost:
-            due = Update.ALL
-        else:
-            due = Update.CONSTRAINTS if self._excess >= policy.refresh else Update.NONE
-        if due:
-            self._best, self._excess = 0, 0.0
-        if due is Update.ALL:
-            self._base, self._lost = 0, 0.0
-        return due
-
-    def after_step(self, iterations: int) -> None:
-        """Add up what the kept matrix costs."""
-        # one iteration is luck of the prediction, and says nothing of the matrix
-        counted = max(iterations, 2)
-        self._best = counted if self._best == 0 else min(self._best, counted)
-        self._base = self._best if self._base == 0 else min(self._base, self._best)
-        self._excess += counted - self._best
-        self._lost += self._best - self._base
-
-    @property
-    def asks(self) -> bool:
-        """When it would make all anew at the next step, and might do with the constraints."""
-        return self._bound and self._lost >= self._policy.cost
-
-    def answer(self, iterations: int, rate: float, staleness: float) -> None:
-        """Keep all, and be content with the iterations of late, if age is not to blame.
-
-        Iterations of linear convergence are as the inverse of the logarithm of its rate; without
-        what is old that falls by ``staleness``, and Newton's is not taken for better than squared.
-        """
-        fresh = max(rate - staleness, rate**2)
-        saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
-        if saved <= GAIN:
-            self._base, self._lost = 0, 0.0
-
-
-def _within_step(iteration: int, patience: int, bound: bool) -> Update:
-    """Constraints first, if there are any, then all each time that patience is at an end."""
-    if iteration == 1 or (iteration - 1) % patience:
-        return Update.NONE
-    return Update.CONSTRAINTS if bound and iteration - 1 == patience else Update.ALL

@@ -102,16 +102,47 @@ class History(Window):
 
     def next_stop(self, index: int) -> int:
         """The next step after ``index`` at which there is something to do."""
-        stops = [self.steps]
-        if self._chosen is None:
-            stops.append((index // self.every + 1) * self.every)
-        else:
-            stops.extend(self._chosen[np.searchsorted(self._chosen, index, side="right") :][:1])
+        stop = self._next_halt(index)
+        return int(min([stop, *self._wanted_until(stop, index)[:1]]))
+
+    def stretch(self, index: int, most: int) -> tuple[int, Indices]:
+        """Steps after ``index`` in which there is nothing to do but to fill in rows.
+
+        Args:
+            index: Steps made.
+            most: How many there are at most.
+
+        Returns:
+            The last one, and those up to it whose rows are wanted, for which there is room.
+        """
+        last = min(index + most, self._next_halt(index))
+        wanted = self._wanted_until(last, index)
+        if len(wanted):
+            self.make_room()
+            room = len(self.times) - self.row
+            if room < len(wanted):
+                wanted = wanted[:room]
+                last = int(wanted[-1])
+        return last, wanted
+
+    def _next_halt(self, index: int) -> int:
+        """The next step after ``index`` at which there is more to do than to fill in a row."""
+        halts = [self.steps]
         if self.show:
-            stops.append(index + self.refresh)
+            halts.append((index // self.refresh + 1) * self.refresh)
         if self._store is not None:
-            stops.append((index // self._store.every + 1) * self._store.every)
-        return int(min(stops))
+            halts.append((index // self._store.every + 1) * self._store.every)
+        return min(halts)
+
+    def _wanted_until(self, last: int, index: int) -> Indices:
+        """Steps after ``index``, and up to ``last``, whose rows are wanted."""
+        if self._chosen is not None:
+            first, end = np.searchsorted(self._chosen, [index, last], side="right")
+            return self._chosen[first:end]
+        every = self.every
+        wanted = np.arange((index // every + 1) * every, last + 1, every, dtype=np.int64)
+        ends = last == self.steps and last % every > 0
+        return np.append(wanted, last) if ends else wanted
 
     def checkpoint_due(self, index: int) -> bool:
         """Whether the state after step ``index`` is to be written."""
@@ -154,7 +185,13 @@ class History(Window):
 
 
 class Recorder(History):
-    """Takes what it keeps from the equations of a scene."""
+    """Takes what it keeps from the equations of a scene.
+
+    Attributes:
+        count: Iterations so far.
+        scene: Table for :func:`~fem_lie.solve.recording.result_row.fill_whole`.
+        whole: Whether that fills in all there is, but for energy that is not in cells.
+    """
 
     def __init__(
         self,
@@ -169,7 +206,9 @@ class Recorder(History):
         super().__init__(equations.info, steps, step, saving, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
         self._held = len(equations.unknowns.supported) > 0
-        self._count = 0 if store is None or not store.memory else int(store.memory["count"])
+        self.count = 0 if store is None or not store.memory else int(store.memory["count"])
+        self.scene = self._filled.scene
+        self.whole = not self._held and equations.tables.complete
 
     def record(
         self,
@@ -178,7 +217,6 @@ class Recorder(History):
         v: Array,
         a: Array,
         multipliers: Array,
-        iterations: int,
         booked: Array,
     ) -> bool:
         """Fill step ``index`` in if it is one that is wanted; ``booked``: balance and impulses.
@@ -186,13 +224,16 @@ class Recorder(History):
         Returns:
             Whether it was.
         """
-        self._count += iterations
-        if self.show and index and index % self.refresh == 0:
-            self.update_bar(index, self._count)
+        self.show_progress(index)
         wanted = self.wants(index)
         if wanted:
             self.fill(index * self._h, H, v, a, multipliers, booked)
         return wanted
+
+    def show_progress(self, index: int) -> None:
+        """Show that step ``index`` is reached, if that is due."""
+        if self.show and index and index % self.refresh == 0:
+            self.update_bar(index, self.count)
 
     def fill(
         self, time: float, H: Array, v: Array, a: Array, multipliers: Array, booked: Array
@@ -204,9 +245,9 @@ class Recorder(History):
         if self._held:
             self.reactions[row] = told.reactions
         self.elastic[row] += told.elastic
-        self.times[row], self.iterations[row] = time, self._count
+        self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 
     def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
         """Write all that the next steps depend on, and how many iterations there were."""
-        super().write_checkpoint(index, memory | {"count": np.array(self._count)})
+        super().write_checkpoint(index, memory | {"count": np.array(self.count)})

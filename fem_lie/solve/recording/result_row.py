@@ -12,6 +12,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import COLUMNS
+from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import (
     FixedArrays,
     integers1,
@@ -25,9 +26,8 @@ from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import push_all, shown_all
 from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.attachment import expand, expand_twists
+from fem_lie.system.nodes.attachment import expand_motion
 from fem_lie.system.nodes.element_turns import nearest
-from fem_lie.system.nodes.inertia import PlainInertia
 from fem_lie.system.nodes.sums import report_rates
 
 if TYPE_CHECKING:
@@ -36,7 +36,11 @@ if TYPE_CHECKING:
 
 
 class ResultRow:
-    """Fills all of a row but its time, reactions, and what elements and supports have in it."""
+    """Fills all of a row but its time, reactions, and what elements and supports have in it.
+
+    Attributes:
+        scene: What of the scene is in it, see :class:`Given`.
+    """
 
     def __init__(self, equations: Equations) -> None:
         """Of equations."""
@@ -44,7 +48,8 @@ class ResultRow:
         nodes = known.kinds, known.leader, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
-        self._scene = FixedArrays([*nodes, *joints, known.limits, known.ends, known.whole])
+        self._fixed = FixedArrays([*nodes, *joints, known.limits, known.ends, known.whole])
+        self.scene = self._fixed.table
 
     def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
         """Fill the next row of ``rows``, elastic energy with that of springs alone.
@@ -57,15 +62,13 @@ class ResultRow:
             booked: Balance and impulses, shape (15,).
         """
         row = rows.row
-        found = fill_by_twists(H, v, weights, booked, self._scene.table, rows.arrays.table, row)
+        found = fill_by_twists(H, v, weights, booked, self.scene, rows.arrays.table, row)
         self._fill_rest(rows, H, v, weights, found)
 
     def by_rates(self, rows: Window, H: Array, V: Array, weights: Array, booked: Array) -> None:
         """Fill the next row by :meth:`by_twists` from rates of (x, d₁, d₂, d₃), shape (n, 4, 3)."""
         v = np.empty((len(V), 6))
-        found = fill_by_rates(
-            H, V, v, weights, booked, self._scene.table, rows.arrays.table, rows.row
-        )
+        found = fill_by_rates(H, V, v, weights, booked, self.scene, rows.arrays.table, rows.row)
         self._fill_rest(rows, H, v, weights, found)
 
     def _fill_rest(
@@ -74,11 +77,11 @@ class ResultRow:
         H: Array,
         v: Array,
         weights: Array,
-        found: tuple[float, float, int, float],
+        found: tuple[float, float, int, float, bool],
     ) -> None:
         row = rows.row
-        rows.potential[row], rows.elastic[row], element, share = found
-        rows.turn = element, share
+        rows.potential[row], rows.elastic[row], element, angle, near = found
+        rows.turn = element, angle, near
         if not self._complete:
             told = self._equations.report(H, v, weights=weights).joints
             rows.joint_forces[row], rows.joint_coordinates[row] = told.forces, told.coordinates
@@ -107,7 +110,7 @@ class Given(NamedTuple):
     kinds: Indices
     leader: Indices
     offset: Array
-    inertia: PlainInertia
+    inertia: inertia.Inertia
     dead: Array
     joints: PackedJoints
     probes: PackedJoints
@@ -150,7 +153,7 @@ def _given(table: Indices) -> Given:
         integers1(table, 0),
         integers1(table, 1),
         numbers3(table, 2),
-        (integers1(table, 3), integers1(table, 4), numbers3(table, 5)),
+        inertia.Inertia(integers1(table, 3), integers1(table, 4), numbers3(table, 5)),
         numbers3(table, 6),
         (numbers1(table, 7), integers1(table, 8)),
         (numbers1(table, 9), integers1(table, 10)),
@@ -187,7 +190,7 @@ def fill_by_twists(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float]:
+) -> tuple[float, float, int, float, bool]:
     """Fill row ``row`` of the arrays.
 
     Args:
@@ -200,12 +203,51 @@ def fill_by_twists(
         row: Number of the row.
 
     Returns:
-        The potential of loads, the energy of springs, and of the element that is nearest to its
-        limit its number and its turn.
+        The potential of loads, the energy of springs, and what
+        :func:`~fem_lie.system.nodes.element_turns.nearest` says.
     """
     q = np.empty((v.shape[0], 4, 3))
     push_all(_given(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, booked, scene, rows, row)
+
+
+@linked
+def fill_whole(
+    H: Array,
+    v: Array,
+    weights: Array,
+    booked: Array,
+    scene: Indices,
+    rows: Indices,
+    cells: tuple[Indices, Indices],
+    row: int,
+    iterations: int,
+    time: float,
+) -> tuple[int, float, bool]:
+    """:func:`fill_by_twists` and all the rest, where cells of a table have all other energy.
+
+    Args:
+        H: See there, and so on.
+        v: See there.
+        weights: See there.
+        booked: See there.
+        scene: See there.
+        rows: See there.
+        cells: Table of their energy, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        row: Number of the row.
+        iterations: So far.
+        time: Of the state.
+
+    Returns:
+        What :func:`~fem_lie.system.nodes.element_turns.nearest` says.
+    """
+    found = fill_by_twists(H, v, weights, booked, scene, rows, row)
+    potential, springs, element, turn, near = found
+    energy = np.zeros(1)
+    add_cells(H, cells, 0, energy)
+    numbers1(rows, 8)[row], numbers1(rows, 9)[row] = potential, springs + energy[0]
+    numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
+    return element, turn, near
 
 
 @compiled
@@ -218,7 +260,7 @@ def fill_by_rates(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float]:
+) -> tuple[float, float, int, float, bool]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
     inertia.local_twists(H, V, v)
     return _fill(H, v, V, weights, booked, scene, rows, row)
@@ -234,7 +276,7 @@ def _fill(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float]:
+) -> tuple[float, float, int, float, bool]:
     given, kept = _given(scene), _kept(rows)
     frames, velocities = kept.frames[row], kept.velocities[row]
     if given.leader.shape[0] == V.shape[0]:
@@ -243,8 +285,7 @@ def _fill(
     else:
         own = np.empty_like(v)
         shown_all(given.kinds, H, v, own)
-        expand(H, given.leader, given.offset, frames)
-        expand_twists(own, given.leader, given.offset, velocities)
+        expand_motion(H, own, given.leader, given.offset, frames, velocities)
     work = np.empty((1, V.shape[0], 4, 3))
     potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
@@ -252,8 +293,8 @@ def _fill(
     balance[:] = booked[:COLUMNS]
     for k in range(6):
         impulses[0, k], impulses[1, k] = booked[COLUMNS + k], booked[COLUMNS + 6 + k]
-    element, angle = nearest(frames, given.ends, given.limits, given.whole)
-    return potential, springs, element, angle
+    element, angle, near = nearest(frames, given.ends, given.limits, given.whole)
+    return potential, springs, element, angle, near
 
 
 @compiled

@@ -76,7 +76,7 @@ class Window:
         for array in (self.elastic, self.balance, self.impulses):
             array[:] = 0.0
         self.row, self._parts = 0, list[dict[str, Array]]()
-        self.turn = 0, 0.0
+        self.turn = 0, 0.0, False
         self._collect_arrays()
         self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
         self._last_gap = 0.0
@@ -109,7 +109,8 @@ class Window:
     def _collect_arrays(self) -> None:
         joints = self.joint_forces, self.joint_coordinates, self.joint_violations
         others = self.invariants, self.balance, self.impulses
-        self.arrays = FixedArrays([self.frames, self.velocities, *joints, *others])
+        numbers = self.potential, self.elastic, self.times, self.iterations
+        self.arrays = FixedArrays([self.frames, self.velocities, *joints, *others, *numbers])
 
     @property
     def gap(self) -> float:

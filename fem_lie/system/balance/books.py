@@ -25,6 +25,10 @@ class Books:
     Attributes:
         total: Work, damping, numerical loss (unknown: 0), impulses of loads and of reactions,
             shape (15,).
+        empty: Whether there is never anything to book.
+        compiled: Whether :meth:`add` is :func:`~fem_lie.system.outer_forces.look_and_sum_up` alone.
+        looks: Whether that looks at loads, and whether at joints.
+        table: What it is given.
     """
 
     def __init__(self, system: System) -> None:
@@ -42,6 +46,8 @@ class Books:
         )
         self._start = self._seen.plain
         self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
+        self.empty, self.compiled = not self._acting, self._acting.plain
+        self.looks, self.table = self._acting.looks, self._fixed.table
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)
         self._stored, self._time = z(1), z(1)
@@ -65,7 +71,7 @@ class Books:
             return
         seen = self._seen
         self._acting.look(H, v, a, weights, seen.row, seen.wrenches)
-        seen.H[:], seen.v[:], seen.weights[:], seen.targets[:] = H, v, weights, self._targets
+        seen.H[:], seen.v[:], seen.weights[:], seen.targets[:] = H, v, weights, self.targets
         self._note(time, H)
 
     def _note(self, time: float, H: Array) -> None:
@@ -74,7 +80,7 @@ class Books:
             self._stored[0] = self._system.elastic.energy(H)
 
     @property
-    def _targets(self) -> Array:
+    def targets(self) -> Array:
         """Of all constraints, shape (m,)."""
         connections = self._system.connections
         if not connections.driven:
@@ -97,9 +103,9 @@ class Books:
         acting, total = self._acting, self.total
         if not acting:
             return
-        end = H, v, weights, self._targets
-        if acting.plain:
-            look_and_sum_up(h, end, *acting.looks, self._fixed.table)
+        end = H, v, weights, self.targets
+        if self.compiled:
+            look_and_sum_up(h, end, *self.looks, self.table)
             return
         if acting.strained:
             total[POWER] += self._strain_work(time, H)

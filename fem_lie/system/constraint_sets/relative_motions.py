@@ -46,6 +46,7 @@ class RelativeMotions(ConstraintSet):
         probes: A table whose constraints are the coordinates that results report;
             ``packed_probes``: the same.
         tied: Items with pairs of frames, in increasing order.
+        turns: Whether any angle is counted beyond a turn.
         reported: The pair of each of them whose force results report, and its side.
     """
 
@@ -98,7 +99,7 @@ class RelativeMotions(ConstraintSet):
         self.packed_probes: PackedJoints = _packed(rows, probes, len(probes), [], None, 0)
         self.probes = views(self.packed_probes)
         self._place: Indices = np.array([at for _, at in ties], dtype=np.int64)
-        self._turns = bool(self.table.functions.any() or self.probes.functions.any())
+        self.turns = bool(self.table.functions.any() or self.probes.functions.any())
 
     def _angles(self) -> Flags:
         table, angular = self.table, np.ones(self.m, dtype=bool)
@@ -175,7 +176,7 @@ class RelativeMotions(ConstraintSet):
 
     def accept(self, H: Array) -> None:
         """See the base class."""
-        if self._turns:
+        if self.turns:
             terms.unwrap_both(H, self.packed, self.packed_probes)
 
     @property

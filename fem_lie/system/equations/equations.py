@@ -294,7 +294,7 @@ class Equations:
         """Turn components (≥ 6 n,) along :attr:`supports` into those in the nodes' frames."""
         self.supports.turn_back(H, x[: 6 * self.unknowns.moving].reshape(-1, 6))
 
-    def judge_turn(self, found: tuple[int, float], time: float) -> None:
+    def judge_turn(self, found: tuple[int, float, bool], time: float) -> None:
         """:meth:`check_turns` for the element and the turn that a row of results has found."""
         self._system.turns.judge(found, time)
 

@@ -148,6 +148,12 @@ class Tables(NamedTuple):
         assemblies: Those of elements, with their part of all nodes.
         terms: All that adds forces.
         complete: Whether forces of joints follow from these tables and the multipliers alone.
+        in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.table`, but for what is
+            held.
+        stored: Cells whose energy is all that bodies have, as two arrays, see
+            :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
+        turns: Whether joints count their turns.
+        drills: Whether frames follow a mid-surface and are turned after each step.
     """
 
     kinds: Indices
@@ -169,6 +175,10 @@ class Tables(NamedTuple):
     assemblies: Sequence[tuple[slice, Assembly]]
     terms: Sequence[Term]
     complete: bool
+    in_one_sum: bool
+    stored: tuple[Indices, Indices] | None
+    turns: bool
+    drills: bool
 
     @classmethod
     def of(cls, system: System) -> Tables:
@@ -192,4 +202,8 @@ class Tables(NamedTuple):
             system.numbering.assemblies,
             list(system.terms),
             complete=connections.of_joints_only and all_felt,
+            in_one_sum=system.in_one_sum,
+            stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
+            turns=connections.first.turns,
+            drills=bool(system.carried_drilling),
         )

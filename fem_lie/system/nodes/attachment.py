@@ -31,6 +31,15 @@ def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
 
 
 @compiled
+def expand_motion(
+    H: Array, v: Array, leader: Indices, C: Array, frames: Array, twists: Array
+) -> None:
+    """Both."""
+    expand(H, leader, C, frames)
+    expand_twists(v, leader, C, twists)
+
+
+@compiled
 def collect(f: Array, leader: Indices, C: Array, out: Array) -> None:
     """Add forces on all nodes, in their frames, to those on their leaders, ``out``."""
     moved = np.empty(6)

@@ -15,7 +15,7 @@ the beam or shell. Logarithms of relative motions end at π.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering
 
 _NEAR, _SUSPECT = 0.9, 0.7  # of the limit
+
+
+Found: TypeAlias = tuple[int, float, bool]
+"""What :func:`nearest` finds."""
 
 
 class CoarseElementsWarning(UserWarning):
@@ -90,7 +94,8 @@ class ElementTurns:
         """The element nearest to its limit at frames of all nodes, (n, 4, 3); none if none turn."""
         if not self._any:
             return None
-        return self._turn(*nearest(frames, self._nodes, self._limits, self._whole))
+        row, angle, _ = nearest(frames, self._nodes, self._limits, self._whole)
+        return self._turn(row, angle)
 
     def _turn(self, row: int, angle: float) -> Turn:
         return Turn(self._bodies[row], int(self._numbers[row]), angle, float(self._limits[row]))
@@ -114,10 +119,10 @@ class ElementTurns:
         """
         self.judge(nearest(frames, self._nodes, self._limits, self._whole), when)
 
-    def judge(self, found: tuple[int, float], when: str | float) -> None:
+    def judge(self, found: Found, when: str | float) -> None:
         """:meth:`check` for what :func:`nearest` has found."""
-        row, angle = found
-        if not self._any or angle <= _NEAR * self._limits[row]:
+        row, angle, near = found
+        if not near:
             return
         turn, state = self._turn(row, angle), when if isinstance(when, str) else f"at time {when:g}"
         if turn.angle > turn.limit:
@@ -128,8 +133,11 @@ class ElementTurns:
 
 
 @compiled
-def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> tuple[int, float]:
-    """Row whose turn is the largest part of its limit, and that turn; 0 if there is none."""
+def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
+    """Row whose turn is the largest part of its limit, that turn, and whether it is to be judged.
+
+    0, 0 and not if there is none.
+    """
     worst, row, angle = -1.0, 0, 0.0
     for w in range(nodes.shape[0]):
         turn = 0.0
@@ -146,4 +154,5 @@ def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> tuple[in
             turn += np.arccos(min(1.0, max(-1.0, cosine)))
         if turn > worst * limits[w]:
             worst, row, angle = turn / limits[w], w, turn
-    return row, angle
+    # what is not a number is judged, too
+    return row, angle, limits.shape[0] > 0 and not angle <= _NEAR * limits[row]

@@ -21,6 +21,7 @@ class Terms:
         viscous_labels: What those are called that have such forces.
         loads: Those that act from outside.
         all_in_tables: Whether the forces of all are in the tables or in the sum over joints.
+        energy_in_tables: Whether the energy of all is.
     """
 
     def __init__(self, terms: Sequence[Term], count: int, *, moving: bool) -> None:
@@ -50,6 +51,8 @@ class Terms:
         self._carrying = [t for t in self._terms if t.carries]
         self._settling = [t for t in self._terms if t.settles]
         self.all_in_tables = not self._by_themselves
+        within = [term.within_joints or term.load for term in self._with_energy]
+        self.energy_in_tables = all(within)
         self.viscous = bool(self._viscous)
         self.loads = tuple(t for t in self._terms if t.load)
 

@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.kinds import all_from_local, move, to_group, to_local
 from fem_lie.solve.alpha.step import node
@@ -172,7 +172,7 @@ def correct(
     dx: Array,
     scale: Array,
     measure: Array,
-    joined: Flags,
+    joined: Indices,
     weights: Array,
 ) -> float:
     """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""

@@ -1,0 +1,248 @@
+"""State of a run of generalised-α: start and end of a step, its matrices, what is remembered."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.alpha.options import Components, Index, Options
+from fem_lie.solve.alpha.staleness import back_to_local, staleness
+from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.step.node import parameters
+from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
+from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, NUMBERS, RATIO, STEP
+from fem_lie.solve.methods import methods_in_time
+from fem_lie.solve.motion.consistent import check_velocities
+from fem_lie.solve.motion.convergence import ROTATION, contradicts, estimate
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.renewal import Update
+from fem_lie.system.equations import Equations, Instant, Plan
+
+
+class RunState(Integration[Recorder]):
+    """State of one integration.
+
+    Attributes:
+        options: Of the scheme.
+        p: Its parameters.
+        s: Start and end of a step.
+        weights: Multipliers.
+        counters: See :mod:`fem_lie.solve.alpha.step.loop`.
+        numbers: Likewise.
+        solver: Of the iteration.
+        books: What loads, drives and supports have done.
+        forces: What the last residual of the iteration found.
+    """
+
+    _refreshes: ClassVar[bool] = True
+    """Whether the border of the kept matrix may be made anew by itself."""
+
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            equations: Of the scene.
+            step: Step size.
+        """
+        unknowns = equations.unknowns
+        m, length = unknowns.m, unknowns.length
+        super().__init__(options.policy, equations, step, bound=self._refreshes and m > 0)
+        self.options, self.p = options, parameters(options.radius, step, length)
+        equations.measure_velocities(1.0 / self.p.damping)
+        self.s = State.start(equations.start.frames, unknowns.kinds)
+        self._guided, self._moving = unknowns.guided, unknowns.moving
+        self._changing = unknowns.time_dependent
+        self._projects = options.index == Index.STABILISED_TWO and m > 0
+        self._turned = options.components == Components.INERTIAL
+        if self._turned and self._guided:
+            raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
+        self._plain = self.p.plain, self.s.plain
+        self.weights: Array = np.zeros(m)
+        self.scale: Array = np.ones(m)
+        self._first, s = np.zeros(m), self.s
+        self._accepted = Instant(s.H, s.twist1, s.rate1, self.weights)
+        self._end_instant, self.forces = self._accepted._replace(H=s.H1), equations.room()
+        self.measure: Array = np.where(unknowns.angular, ROTATION, 1.0 / length)
+        joined: Indices = unknowns.joined.astype(np.int64)
+        self._sizes = self.scale, self.measure, joined
+        methods = methods_in_time(equations)
+        self.solver = DirectSolver(equations.matrix, options.petsc_options_prefix, methods)
+        self.r, self.dx = self.solver.right_hand_side, self.solver.solution
+        self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
+        self.numbers[RATIO] = 1.0
+        self._born, self._end = 0, 0.0
+        self.books = equations.books()
+
+    # --- start ---
+
+    def start(self) -> None:
+        """Consistent accelerations and multipliers; scaling of the constraints."""
+        equations, p, s = self.equations, self.p, self.s
+        check_velocities(equations, p.h)
+        self.weights[:] = set_start(equations, self.solver, p, s)
+        equations.set_time(0.0)
+        equations.residual(self._accepted, self.scale, self.r, self.forces)
+        self._fill(s.H, s.H, turned=False)
+        self.scale[:] = equations.constraint_scale(s.H)
+        self.books.open(0.0, *self._accepted)
+        self._warm_up()
+        self.solver.factorisations = self.solver.refreshes = 0
+
+    def _warm_up(self) -> None:
+        """Compile what a step needs on a copy of the state: compilation is not integration."""
+        scheme, copy = self.p.plain, self.s.copy()
+        state = copy.plain
+        predict(scheme, state)
+        zero, weights = np.zeros_like(self.dx), self.weights.copy()
+        correct(scheme, state, zero, *self._sizes, weights)
+        accept(scheme, state)
+        estimate(1.0, np.inf, 1.0)
+        self._compile()
+        # the first iteration makes the matrix that counts
+        s, d, turned = self.s, copy.d, self._turned
+        given = self._ahead(), None, turned, None, self.choices
+        plan = Plan(d, self.scale, self.p.mass, self.p.damping, *given)
+        self.equations.fill(self._end_instant, self.forces, plan)
+        if turned:
+            turn_all(s.kinds, s.H, zero)
+            turn_all_back(s.kinds, s.H, zero)
+        else:
+            self.equations.refresh(self._ahead(), d, self.scale)
+
+    @abstractmethod
+    def _compile(self) -> None:
+        """Compile what else there is, without a step."""
+
+    # --- time ---
+
+    @property
+    def index(self) -> int:
+        """Steps made, and the one that is being made."""
+        return int(self.counters[STEP])
+
+    def _go_to_time(self, time: float) -> None:
+        """Loads, targets and prescribed frames at the end of the step."""
+        if self._changing:
+            self.equations.set_time(time)
+            self.s.H1[self._moving + 1 :] = self.equations.prescribed(time).frames
+
+    @property
+    def _finest(self) -> float:
+        """What the iteration of a step may leave at most, whatever the motion."""
+        return np.inf
+
+    @property
+    def _factor(self) -> float:
+        """Of what is found with the kept matrix."""
+        return 1.0
+
+    # --- matrices ---
+
+    def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
+        """Whether what is left of the constraints' violation is not the iteration's."""
+        values = self.r[6 * self._moving :] / self.scale
+        # increments of an iteration that goes nowhere explain nothing
+        allowed = tolerance if stagnant else max(tolerance, float(self.numbers[INCREMENT]))
+        if not contradicts(values, self.measure, allowed):
+            return False
+        self.reason = self.equations.constraints(self.s.H1).contradiction(values)
+        return True
+
+    def _staleness(self) -> float:
+        """See :mod:`fem_lie.solve.alpha.staleness`; in the direction of the last correction."""
+        x = self.dx.copy()
+        back_to_local(self.s.H1, self.s.kinds, x)
+        return staleness(
+            self.equations, self.solver, self.p.plain, self.s, self.weights, self._sizes, x
+        )
+
+    def _solve(self) -> None:
+        """Solve; the residual and the solution are in local components."""
+        H1, kinds = self.s.H1, self.s.kinds
+        if self._turned:
+            turn_all(kinds, H1, self.r)
+        self.solver.solve()
+        if self._turned:
+            turn_all_back(kinds, H1, self.dx)
+        if self._guided:
+            self.equations.to_frames(H1, self.dx)
+
+    @property
+    def _missing(self) -> bool:
+        """Whether there is no matrix yet."""
+        return self.solver.factorisations == 0
+
+    def _renew(self, update: Update, stressed: Array | None) -> None:
+        """Make anew what is wanted; without a matrix that is all."""
+        if update == Update.CONSTRAINTS and not self._missing:
+            self._refresh()
+        else:
+            self._factorise(stressed)
+
+    def _factorise(self, stressed: Array | None) -> None:
+        """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
+        self._fill(stressed, self._ahead(), turned=self._turned)
+        self.solver.factorise()
+
+    def _refresh(self) -> None:
+        """The constraints anew in the kept matrix."""
+        if self._turned:
+            self._factorise(self.s.H1)
+            return
+        self.equations.refresh(self._ahead(), self.s.d, self.scale)
+        self.solver.refresh()
+
+    def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
+        p = self.p
+        given = joint_frames, None, turned, stressed, self.choices
+        plan = Plan(self.s.d, self.scale, p.mass, p.damping, *given)
+        self.equations.fill(self._end_instant, self.forces, plan)
+
+    def _ahead(self) -> Array:
+        """Frames in the middle of the time for which the matrix is likely to be kept.
+
+        Only the constraints' Jacobian is taken there: it turns with the bodies, the rest does not.
+        """
+        steps = (self.index - self._born) // 2
+        self._born = self.index
+        s, frames = self.s, self.s.H1.copy()
+        # along a screw motion on either group: joints stay closed
+        follow_all(s.kinds, s.H1, steps * self.p.h * s.twist1, frames)
+        return frames
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        counts = [self.solver.factorisations, self.solver.refreshes, self._born]
+        kept: dict[str, Any] = {
+            "H": self.s.H,
+            "H1": self.s.H1,
+            "motion": self.s.motion,
+            "weights": self.weights,
+        }
+        kept |= {"scale": self.scale, "numbers": self.numbers, "counters": self.counters}
+        kept["counts"] = np.array(counts)
+        return super().memory() | self.books.memory() | kept
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        s, equations = self.s, self.equations
+        s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
+        self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self.numbers[:], self.counters[:] = kept["numbers"], kept["counters"]
+        self.books.restore(kept)
+        if equations.unknowns.time_dependent:
+            equations.set_time(self.index * self.h)
+        super().restore(kept)
+        self.solver.factorise()
+        counts = (int(x) for x in kept["counts"])
+        self.solver.factorisations, self.solver.refreshes, self._born = counts

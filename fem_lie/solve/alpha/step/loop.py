@@ -1,0 +1,225 @@
+"""Steps of generalised-α, compiled: one loop that comes back to Python for what it has not.
+
+That is a new matrix, forces that are no single sum, a solution that takes more than kept factors, a
+question of the policy, a step that fails, and whatever is to be done after a step that was given.
+It is called again then, and goes on where it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Indices
+from fem_lie._jit import inlined, linked
+from fem_lie.joints.equations.terms import unwrap_both
+from fem_lie.linear.factors import PlainSolution, solve_by_call
+from fem_lie.solve.alpha.step.node import PlainScheme
+from fem_lie.solve.alpha.step.nodes import PlainState, accept, correct, predict
+from fem_lie.solve.alpha.step.records import (
+    BETWEEN,
+    CHECKED,
+    ELEMENT,
+    INCREMENT,
+    ITERATION,
+    LEARNED,
+    MOTION,
+    NEAR,
+    NOW,
+    OPEN,
+    PHASE,
+    PREVIOUS,
+    RATIO,
+    ROW,
+    SOLVED,
+    STEP,
+    TOTAL,
+    TURN,
+    UPDATE,
+    WANTED,
+    WEIGHED,
+    PlainSteps,
+    Steps,
+    packed,
+)
+from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, UNMEASURED, estimate
+from fem_lie.solve.recording.result_row import fill_whole
+from fem_lie.solve.renewal import PlainRule, due, learn
+from fem_lie.system.nodes.sums import residual
+from fem_lie.system.outer_forces import look_and_sum_up
+
+DONE, RESIDUAL, MATRIX, SOLUTION, CHECK, QUESTION, FAILED = range(7)
+"""Why the loop has come back: the last step is made; a residual is wanted; a matrix is to be made
+anew and solved with; the equations are to be solved; a step has converged with constraints that may
+contradict each other; the policy asks how stale the matrix is; the step has failed."""
+
+
+@linked
+def _begin(table: Indices, scheme: PlainScheme, state: PlainState) -> None:
+    """Predict the next step."""
+    this = packed(table)
+    counters, numbers = this.counters, this.numbers
+    counters[STEP] += 1
+    counters[ITERATION] = 1
+    this.first[:] = this.weights
+    numbers[MOTION] = max(predict(scheme, state), numbers[MOTION])
+    numbers[PREVIOUS], numbers[NOW] = np.inf, numbers[RATIO]
+
+
+@linked
+def _weigh(table: Indices) -> None:
+    """The residual at the end of the step as it is."""
+    this = packed(table)
+    v, a = this.motion[6], this.motion[7]
+    residual(this.H1, v, a, this.weights, this.scale, this.r, this.forces)
+    for row in this.held:
+        this.r[row] = 0.0
+
+
+@linked
+def _solve(table: Indices, solution: PlainSolution, steps: PlainSteps, rule: PlainRule) -> int:
+    """Correction for the residual, or the code for what is wanted instead."""
+    this, how = packed(table), Steps(*steps)
+    counters = this.counters
+    update = due(rule, this.known, counters[ITERATION])
+    if update != 0 or how.missing:
+        counters[UPDATE] = update
+        return MATRIX
+    if not solve_by_call(solution, this.r, this.dx):
+        return SOLUTION
+    if how.factor != 1.0:
+        for k in range(this.dx.shape[0]):
+            this.dx[k] *= how.factor
+    return DONE
+
+
+@linked
+def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: PlainSteps) -> int:
+    """Apply the correction; the phase that follows, or that before the first if it fails."""
+    this, how = packed(table), Steps(*steps)
+    counters, numbers = this.counters, this.numbers
+    scale, measure = this.scale, this.measure
+    increment = correct(scheme, state, this.dx, scale, measure, this.joined, this.weights)
+    ratio, remaining = estimate(increment, numbers[PREVIOUS], numbers[NOW])
+    numbers[INCREMENT], numbers[NOW] = increment, ratio
+    if remaining <= allowed(numbers[MOTION], how.tolerance, how.finest) or increment <= ROUND_OFF:
+        return CHECKED
+    if not increment < DIVERGED or counters[ITERATION] == how.limit:
+        return BETWEEN
+    numbers[PREVIOUS] = increment
+    counters[ITERATION] += 1
+    return OPEN
+
+
+@inlined
+def allowed(motion: float, tolerance: float, finest: float) -> float:
+    """Error that the iteration of a step may leave, of a largest motion; see :class:`Steps`."""
+    return max(min(tolerance * motion, finest), ROUND_OFF)
+
+
+@inlined
+def settled_ratio(ratio: float, iteration: int) -> float:
+    """What the next steps begin with after a step of so many iterations."""
+    return ratio if iteration > 1 else ratio**UNMEASURED
+
+
+@linked
+def _end(table: Indices, h: float, steps: PlainSteps) -> None:
+    """Count turns and book the step that was accepted."""
+    this, how = packed(table), Steps(*steps)
+    if how.turns:
+        joints, probes = this.joints
+        unwrap_both(this.H, joints, probes)
+    if how.booked:
+        end = this.H, this.motion[6], this.weights, this.targets
+        look_and_sum_up(h, end, how.loads, how.joints, this.books)
+
+
+@linked
+def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
+    """Fill in the next row of results; returns whether an element turns nearly too far."""
+    this = packed(table)
+    counters = this.counters
+    scene, rows = results
+    element, turn, near = fill_whole(
+        this.H,
+        this.motion[6],
+        this.weights,
+        this.booked,
+        scene,
+        rows,
+        this.cells,
+        counters[ROW],
+        counters[TOTAL],
+        counters[STEP] * h,
+    )
+    counters[ELEMENT], this.numbers[TURN], counters[NEAR] = element, turn, int(near)
+    counters[ROW] += 1
+    counters[WANTED] += 1
+    return near
+
+
+@linked
+def run(
+    table: Indices,
+    scheme: PlainScheme,
+    solution: PlainSolution,
+    steps: PlainSteps,
+    rule: PlainRule,
+    results: tuple[Indices, Indices],
+    wanted: Indices,
+    last: int,
+) -> int:
+    """Go on to the end of step ``last``; returns why it came back.
+
+    Args:
+        table: Of fixed arrays, see :class:`Packed`.
+        scheme: Parameters.
+        solution: With the factors that are kept.
+        steps: How steps are made.
+        rule: Of the policy.
+        results: Tables of :func:`~fem_lie.solve.recording.result_row.fill_whole`: what of the scene
+            is in a row, and the arrays of all rows.
+        wanted: Steps whose rows are filled in, increasing, for which there is room.
+        last: Step to reach.
+    """
+    this, h = packed(table), scheme[0]
+    counters, numbers = this.counters, this.numbers
+    state = this.H, this.H1, this.motion, this.kinds
+    ended = Steps(*steps).ended
+    while True:
+        if counters[PHASE] == BETWEEN:
+            if counters[STEP] >= last:
+                return DONE
+            _begin(table, scheme, state)
+            counters[PHASE] = OPEN
+        if counters[PHASE] == OPEN:
+            counters[PHASE] = WEIGHED
+            if not Steps(*steps).summed:
+                return RESIDUAL
+            _weigh(table)
+        if counters[PHASE] == WEIGHED:
+            code = _solve(table, solution, steps, rule)
+            counters[PHASE] = SOLVED
+            if code != DONE:
+                return code
+        if counters[PHASE] == SOLVED:
+            counters[PHASE] = _correct(table, scheme, state, steps)
+            if counters[PHASE] == BETWEEN:
+                return FAILED
+            if counters[PHASE] == OPEN:
+                continue
+            if Steps(*steps).checked:
+                return CHECK
+        if counters[PHASE] == CHECKED:
+            numbers[RATIO] = settled_ratio(numbers[NOW], counters[ITERATION])
+            counters[PHASE] = LEARNED
+            if learn(rule, this.known, counters[ITERATION]):
+                return QUESTION
+        accept(scheme, state)
+        counters[TOTAL] += counters[ITERATION]
+        counters[PHASE] = BETWEEN
+        if ended:
+            _end(table, h, steps)
+            at = counters[WANTED]
+            if at < wanted.shape[0] and wanted[at] == counters[STEP] and _record(table, h, results):
+                return DONE

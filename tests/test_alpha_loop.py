@@ -1,0 +1,134 @@
+"""The compiled loop of generalised-α makes the steps that are made one by one without it."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from demos.double_pendulum import STEP, pendulum
+from fem_lie.solve.alpha.run import Run
+from tests.random_scenes import random_scene
+from tests.scene_builder import build
+
+SHOWN = ("seconds", "info", "steps")
+"""Of results, what is not compared: time, and what has no numbers of its own."""
+
+
+class Passed(fl.Decisions):
+    """Those of another policy, which have to be asked for."""
+
+    def __init__(self, inner: fl.Decisions) -> None:
+        self._inner = inner
+
+    def before_iteration(self, iteration: int) -> fl.Update | bool:
+        return self._inner.before_iteration(iteration)
+
+    def after_step(self, iterations: int) -> None:
+        self._inner.after_step(iterations)
+
+    @property
+    def asks(self) -> bool:
+        return self._inner.asks
+
+    def answer(self, iterations: int, rate: float, staleness: float) -> None:
+        self._inner.answer(iterations, rate, staleness)
+
+
+class Asked(fl.Automatic):
+    """As Automatic, which no loop can decide by."""
+
+    def begin(self, bound: bool) -> fl.Decisions:
+        return Passed(super().begin(bound))
+
+
+def same(one: fl.Result, other: fl.Result) -> None:
+    """All that was found, to the last bit."""
+    for name in (field.name for field in fields(one) if field.name not in SHOWN):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
+def watched(monkeypatch) -> dict[str, int]:
+    """How often steps are iterated in Python, and how often a run goes on."""
+    calls = {"_newton": 0, "_advance": 0}
+
+    def count(name):
+        function = getattr(Run, name)
+
+        def counted(self, *arguments, **named):
+            calls[name] += 1
+            return function(self, *arguments, **named)
+
+        monkeypatch.setattr(Run, name, counted)
+
+    for name in calls:
+        count(name)
+    return calls
+
+
+@pytest.mark.parametrize("case", [1, 2, 3])
+def test_the_double_pendulum_goes_through_the_loop(monkeypatch, case):
+    calls, options = watched(monkeypatch), {"cost": 4.0, "refresh": 3.0}
+    scene, step = pendulum(case)[0], STEP[case]
+    given = {"duration": 400 * step, "step": step, "progress": False}
+    compiled = fl.GeneralisedAlpha(policy=fl.Automatic(**options)).run(scene, **given)
+    assert calls["_newton"] == 0 and calls["_advance"] < 20
+    one_by_one = fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given)
+    assert calls["_newton"] >= 400
+    same(compiled, one_by_one)
+    if case != 2:
+        assert compiled.phi_updates > compiled.k_updates > 0
+
+
+@pytest.mark.parametrize(
+    "policy", [fl.Limit(3), fl.ConstraintsOnly(3), fl.EveryIteration(), fl.Never()], ids=repr
+)
+def test_every_policy_with_a_rule_decides_likewise(policy):
+    scene = pendulum(3)[0]
+
+    class Same(fl.Policy):
+        rescue = policy.rescue
+
+        def begin(self, bound: bool) -> fl.Decisions:
+            return Passed(policy.begin(bound))
+
+    given = {"duration": 0.03, "step": 3e-4, "progress": False}
+    one, other = (fl.GeneralisedAlpha(policy=p).run(scene, **given) for p in (policy, Same()))
+    same(one, other)
+
+
+@pytest.mark.parametrize("save", [{"save_every": 7}, {"save_at": 0.0013}, {"save_at": [0.011]}])
+def test_what_is_kept_is_the_same(save):
+    scene = pendulum(3)[0]
+    given = {"duration": 0.02, "step": 2e-4, "progress": False} | save
+    one, other = (
+        fl.GeneralisedAlpha(policy=p).run(scene, **given) for p in (fl.Automatic(), Asked())
+    )
+    same(one, other)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_random_scenes_move_alike(seed):
+    """With loads in time, motions, supports, shells, redundant joints and all else there is."""
+    found = []
+    for policy in (fl.Automatic(cost=4.0, refresh=3.0), Asked(cost=4.0, refresh=3.0)):
+        scene = build(random_scene(seed), static=False).scene
+        scheme = fl.GeneralisedAlpha(policy=policy)
+        try:
+            found.append(scheme.run(scene, duration=0.05, step=2.5e-3, progress=False))
+        except fl.ConvergenceError as error:
+            found.append(error.result)
+    same(*found)
+
+
+def test_steps_that_change_are_the_same():
+    scene = pendulum(3)[0]
+    step = fl.AdaptiveStep(1e-3, first=1e-4)
+    one, other = (
+        fl.GeneralisedAlpha(policy=p).run(scene, duration=0.05, step=step, progress=False)
+        for p in (fl.Automatic(), Asked())
+    )
+    same(one, other)
+    np.testing.assert_array_equal(one.steps.sizes, other.steps.sizes)
