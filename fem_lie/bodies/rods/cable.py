@@ -52,14 +52,14 @@ class Cable(LineBody):
             section: Of which stretch ``EA``, bending ``EI``, alike about both axes, and the mass
                 per length count.
             length: Of all of it, unstretched; default: that of the line.
-            formulation: The element; default: :class:`~fem_lie.HermiteCable`.
+            formulation: The element; default: :class:`~fem_lie.HermiteCable`. Others may have nodes
+                of another kind, but no frames.
             damping: Of its motion in space.
             name: How messages and results call it.
 
         Raises:
-            ValueError: The line has corners or branches, the section bends otherwise about other
-                axes, or couples stretch and bending, there is damping with strain, or the element
-                has nodes without slopes.
+            ValueError: The line has corners or branches, the element has no unknowns for the
+                section or is one of frames, or there is damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
         instance(mesh, LineMesh, "Cable: mesh", "a LineMesh")

@@ -19,6 +19,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
@@ -120,19 +121,14 @@ def add_joints(
                 weight = weights[row]
             else:
                 stiffness, damping, rest = table.springs[row - m]
-                start = 0.0
-                for k in range(12):
-                    start += table.selection[t, k] * z[k]
-                for k in range(3):
-                    start += table.functions[t, k] * f[k]
+                start = term(table, t, z, f)
                 weight = stiffness * (start + 0.5 * gain - rest) + damping * gain / h
                 loss += damping * gain * gain / h
             for k in range(12):
                 p[k] += weight * g[k]
         force, on_a, on_b = _forces(both[0], both[1], p)
         for side in range(2):
-            f_side = force if side == 1 else scaled(-1.0, force)
-            moment = on_b if side == 1 else on_a
+            f_side, moment = (force, on_b) if side == 1 else (scaled(-1.0, force), on_a)
             node = table.nodes[j, side]
             if node < out.shape[0]:
                 arm = minus(load_row(both[side], 0), load_row(mean[node], 0))
