@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer, stack
 
@@ -113,6 +113,31 @@ def add_blocks(
                     for a in range(unknowns):
                         for b in range(unknowns):
                             block[a, b] += values[i, a, j, b]
+
+
+def of_some_cells(table: FormTable, nodes: Flags) -> FormTable:
+    """The forms on those cells alone that have any of some nodes.
+
+    Args:
+        table: Of forms that live on.
+        nodes: Which, of all that the table numbers.
+    """
+    found, kept, at = [], [table.nodes[:0]], 0
+    for row in table.rows:
+        size, first = row[_NODES], row[_FIRST]
+        cells = table.nodes[first : first + row[_CELLS] * size].reshape(-1, size)
+        wanted = nodes[cells].any(axis=1)
+        edges = np.flatnonzero(np.diff(wanted, prepend=False, append=False))
+        # cells that follow each other in memory are one row
+        for start, end in edges.reshape(-1, 2):
+            some = row.copy()
+            some[_CELLS], some[_FIRST] = end - start, at
+            some[[_W, _X]] += 8 * start * row[[_WIDTH, _EXTENT]]
+            found.append(some)
+            kept.append(cells[start:end].ravel())
+            at += len(kept[-1])
+    rows = np.array(found, dtype=np.int64).reshape(-1, _EXTENT + 1)
+    return FormTable(rows, np.concatenate(kept))
 
 
 def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, Indices]:

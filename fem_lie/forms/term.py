@@ -7,11 +7,11 @@ say themselves what they have, and how they may be summed.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.cell_forms import FormTable
 
 Pairs: TypeAlias = tuple[Indices, Indices]
@@ -28,6 +28,13 @@ class PushedPieces(NamedTuple):
 
     nodes: Indices
     across: Array
+
+
+class NearCells(Protocol):
+    """Forces of the cells that some nodes have."""
+
+    def add_forces(self, H: Array, out: Array) -> None:
+        """Add all forces on these nodes, and some on others, to ``out`` (≥ nodes that move, 6)."""
 
 
 class Term(ABC):
@@ -92,6 +99,14 @@ class Term(ABC):
             H: Frames.
             kept: What :meth:`add_forces` kept at these frames.
         """
+
+    def near(self, nodes: Flags) -> NearCells | None:
+        """The same forces on some nodes alone, if that is less work.
+
+        Args:
+            nodes: Which, shape (≥ nodes that move,).
+        """
+        return None
 
     def geometric(self, H: Array) -> Array | None:
         """What the derivative has beside :meth:`tangent`, of forces that are not carried."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags
 from fem_lie.system import outer_forces
-from fem_lie.system.instant import Instant
+from fem_lie.system.balance.held_forces import HeldForces
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.outer_forces import LOADS, LOSS, POWER, REACTIONS, PlainScene, add_local
 from fem_lie.system.system import System
@@ -38,17 +38,18 @@ class Acting:
 
     def __init__(self, system: System) -> None:
         """See what there is."""
-        self._system, self._supported = system, supported(system)
+        self._system, held = system, supported(system)
+        self._held = HeldForces(system, held) if held.any() else None
         self.strained = system.strains_change
         connections = system.connections
         self._loaded, rates = system.load_cases.any_nodal, system.terms.rates
         joined = connections.outward
         self._others = joined and not connections.of_joints_only
-        self._held, self._pushed = bool(self._supported.any()), len(system.terms.loads) > 0
+        self._pushed = len(system.terms.loads) > 0
         # of damping by a constant matrix and of dampers compiled looks know
         self._viscous = system.terms.chosen(lambda term: term.rates is None)
         apart = self._pushed or self._viscous.viscous
-        special = self._others or self._held or apart or self.strained
+        special = self._others or self._held is not None or apart or self.strained
         self._any = special or self._loaded or joined or rates is not None or connections.driven
         self.plain = self._any and not special
         damping = Inertia.none().plain if rates is None else rates
@@ -97,15 +98,6 @@ class Acting:
             row[LOSS] += loss
             fixed = np.zeros(len(wrenches), dtype=np.int64)  # frames, all of them
             add_local(fixed, H[n:], wrenches, REACTIONS, 1.0, row)
-        if self._held:
-            add_local(system.kinds, H, self._reactions(H, v, a, weights), REACTIONS, 1.0, row)
-
-    def _reactions(self, H: Array, v: Array, a: Array, weights: Array) -> Array:
-        """Forces and moments of clamps and guides, in the nodes' frames, shape (n, 6)."""
-        system, r = self._system, np.empty(self._system.size)
-        system.terms.settle(H)
-        system.with_reactions(Instant(H, v, a, weights), np.ones(system.m), r)
-        found = np.where(self._supported, r[: 6 * system.count].reshape(-1, 6), 0.0)
-        if system.supports:
-            system.supports.turn_back(H, found)
-        return found
+        if self._held is not None:
+            nodes, forces = self._held.nodes, self._held.find(H, v, a, weights)
+            add_local(system.kinds[nodes], H[nodes], forces, REACTIONS, 1.0, row)

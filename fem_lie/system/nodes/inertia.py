@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, inlined
 from fem_lie.lie import directors
 from fem_lie.lie.kinds import SLOPE, acceleration, acceleration_derivatives, pull, push_all
 
@@ -38,20 +38,26 @@ def accelerations(kinds: Indices, H: Array, v: Array, a: Array, out: Array) -> N
         acceleration(kinds[i], H[i], v[i], a[i], local, out[i])
 
 
+@inlined
+def multiply_row(i: int, indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) -> None:
+    """The node ``i`` of :func:`multiply`, shape (4, 3)."""
+    for a in range(4):
+        s0 = s1 = s2 = 0.0
+        for entry in range(indptr[i], indptr[i + 1]):
+            j = indices[entry]
+            for b in range(4):
+                g = G[entry, a, b]
+                s0 += g * q[j, b, 0]
+                s1 += g * q[j, b, 1]
+                s2 += g * q[j, b, 2]
+        out[a, 0], out[a, 1], out[a, 2] = s0, s1, s2
+
+
 @compiled
 def multiply(indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) -> None:
     """``out = G q`` for block-sparse ``G`` (nnz, 4, 4) acting on nodal vectors (n, 4, 3)."""
     for i in range(indptr.shape[0] - 1):
-        for a in range(4):
-            s0 = s1 = s2 = 0.0
-            for entry in range(indptr[i], indptr[i + 1]):
-                j = indices[entry]
-                for b in range(4):
-                    g = G[entry, a, b]
-                    s0 += g * q[j, b, 0]
-                    s1 += g * q[j, b, 1]
-                    s2 += g * q[j, b, 2]
-            out[i, a, 0], out[i, a, 1], out[i, a, 2] = s0, s1, s2
+        multiply_row(i, indptr, indices, G, q, out[i])
 
 
 @compiled
@@ -215,6 +221,11 @@ class Inertia(NamedTuple):
     def none(cls) -> Inertia:
         """Without rows: for compiled functions where there is nothing."""
         return cls(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
+
+    @property
+    def pairs(self) -> tuple[Indices, Indices]:
+        """Nodes of each block, shape (nnz,) each."""
+        return np.repeat(np.arange(len(self.indptr) - 1), np.diff(self.indptr)), self.indices
 
     @property
     def plain(self) -> PlainInertia:

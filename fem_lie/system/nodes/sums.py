@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, linked
+from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
 from fem_lie.joints.equations import terms
@@ -16,15 +16,21 @@ from fem_lie.system.nodes.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.loads import PlainLoads
 
 
+@inlined
+def add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
+    """``r −= loads`` of a node: a global moment (3,), local force and moment (6,)."""
+    for a in range(3):
+        for j in range(3):
+            r[3 + a] -= H[1 + a, j] * moment[j]
+        r[a] -= following[a]
+        r[3 + a] -= following[3 + a]
+
+
 @compiled
 def _add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
-    """``r −= loads``: global moments (n, 3) and local forces and moments (n, 6)."""
+    """Of all nodes, (n, 3) and (n, 6); ``r`` (6 n,)."""
     for i in range(moment.shape[0]):
-        for a in range(3):
-            for j in range(3):
-                r[6 * i + 3 + a] -= H[i, 1 + a, j] * moment[i, j]
-            r[6 * i + a] -= following[i, a]
-            r[6 * i + 3 + a] -= following[i, 3 + a]
+        add_moments(H[i], moment[i], following[i], r[6 * i : 6 * i + 6])
 
 
 @compiled

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
-from fem_lie.forms.cell_forms import add_cells, joined
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.forms.cell_forms import FormTable, add_cells, joined, of_some_cells
 from fem_lie.forms.term import Pairs, Term
+from fem_lie.system.terms.near import NearTerms
 
 
 class Terms:
@@ -104,6 +105,18 @@ class Terms:
         nodal = r[: self._size].reshape(-1, 6)
         for k, term in self._by_themselves:
             term.add_forces(H, nodal, None if kept is None else kept[k])
+
+    def near(self, nodes: Flags) -> NearTerms | None:
+        """The forces of :meth:`add_forces` on some nodes alone, if that is less work.
+
+        Args:
+            nodes: Which, shape (count,).
+        """
+        others = [term.near(nodes) for _, term in self._by_themselves]
+        known = [other for other in others if other is not None]
+        if len(known) < len(others):
+            return None
+        return NearTerms(of_some_cells(FormTable(*self.tables[0]), nodes), known)
 
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
         """Add those that depend on twists, with the same exception."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array
-from fem_lie.forms.cell_forms import FormTable
+from fem_lie._arrays import Array, Flags
+from fem_lie.forms.cell_forms import FormTable, of_some_cells
 from fem_lie.forms.term import Pairs, PushedPieces, Term
 from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
+from fem_lie.system.terms.near import FollowingCells
 
 
 class Followed(Term):
@@ -94,6 +95,13 @@ class Followed(Term):
         forces = np.zeros((len(self._leader), 6))
         self.term.add_forces(self._frames(H), forces, kept)
         collect(forces, self._leader, self._offset, out)
+
+    def near(self, nodes: Flags) -> FollowingCells | None:
+        """See the base class."""
+        if self.term.tables is None:
+            return None
+        table = of_some_cells(self.term.tables[0], nodes[self._leader])
+        return FollowingCells(table, self._leader, self._offset)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
