@@ -1,0 +1,144 @@
+"""Scenes in numbers alone, for any code to build: lists and dictionaries that JSON can carry.
+
+Places, velocities and spins are in space, frames are rotation matrices whose first column is the
+tangent of a beam. Stiffness is that of a section, (EA, GA₂, GA₃, GJ, EI₂, EI₃), inertia that of a
+length about its own axes.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.scale import LINK, MASS, RADIUS
+from demos import bend45, free_rigid_body, hemisphere, rollup
+from demos.double_pendulum import SIDE, SPIN
+
+Description = dict[str, Any]
+Array = npt.NDArray[np.float64]
+
+
+def line(
+    places: Array, frames: Array, length: float, stiffness: list[float], mass: float = 0.0
+) -> Description:
+    """A beam of elements of equal length through nodes at rest, (n, 3) and (n, 3, 3)."""
+    return {
+        "places": places.tolist(),
+        "frames": frames.tolist(),
+        "velocities": np.zeros_like(places).tolist(),
+        "spin": [0.0, 0.0, 0.0],
+        "element_length": length,
+        "stiffness": stiffness,
+        "mass": mass,
+        "inertia": [0.0, 0.0, 0.0],
+    }
+
+
+def double_pendulum(case: int, elements: int) -> Description:
+    """The bars of demos/double_pendulum.py."""
+    b, E, nu, density = SIDE[case], 70e9, 0.3, 2700.0
+    A, second, G = b * b, b**4 / 12, E / (2 * (1 + nu))
+    stiffness = [E * A, 5 / 6 * G * A, 5 / 6 * G * A, G * 0.1406 * b**4, E * second, E * second]
+    inertia = [2 * density * second, density * second, density * second]
+
+    def bar(start: list[float], tangent: list[float], length: float) -> Description:
+        along = np.linspace(0.0, length, elements + 1)[:, np.newaxis]
+        axes = np.column_stack([tangent, np.cross((0, 0, 1), tangent), (0, 0, 1)])
+        frames = np.tile(axes, (elements + 1, 1, 1))
+        places = start + along * tangent
+        body = line(places, frames, length / elements, stiffness, density * A)
+        return body | {"inertia": inertia}
+
+    one = bar([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.3)
+    two = bar([0.3, 0.0, 0.0], [0.0, 1.0, 0.0], 0.5)
+    spin = np.array(SPIN[case], dtype=float)
+    arms = np.array(two["places"]) - two["places"][0]
+    two |= {"velocities": np.cross(spin, arms).tolist(), "spin": spin.tolist()}
+    between: Description = {"nodes": [[0, elements], [1, 0]]}
+    between |= {"axis": [1.0, 0.0, 0.0]} if case == 3 else {}
+    return {
+        "beams": [one, two],
+        "joints": [{"nodes": [None, [0, 0]]}, between],
+        "probe": [1, elements],
+    }
+
+
+def bend(elements: int) -> Description:
+    """The arc of demos/bend45.py."""
+    radius, EI = 100.0, 1e7 / 12
+    angle = np.linspace(0.0, pi / 4, elements + 1)
+    cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+    places = radius * np.column_stack([sine, 1 - cosine, zero])
+    tangents = np.column_stack([cosine, sine, zero])
+    normals = np.column_stack([-sine, cosine, zero])
+    frames = np.stack([tangents, normals, np.broadcast_to((0.0, 0.0, 1.0), places.shape)], axis=2)
+    arc = line(places, frames, radius * pi / 4 / elements, [1e7, 5e6, 5e6, EI, EI, EI])
+    return {
+        "beams": [arc],
+        "clamp": [0, 0],
+        "force": [0.0, 0.0, bend45.FORCE],
+        "moment": [0.0, 0.0, 0.0],
+        "probe": [0, elements],
+    }
+
+
+def roll(elements: int, stiffness_ratio: float) -> Description:
+    """The cantilever of demos/rollup.py."""
+    length, EI = rollup.LENGTH, rollup.BENDING
+    EA = stiffness_ratio * EI / length**2
+    places = np.linspace((0.0, 0.0, 0.0), (length, 0.0, 0.0), elements + 1)
+    frames = np.tile(np.eye(3), (elements + 1, 1, 1))
+    straight = line(places, frames, length / elements, [EA, EA / 2, EA / 2, EI, EI, EI])
+    return {
+        "beams": [straight],
+        "clamp": [0, 0],
+        "force": [0.0, 0.0, 0.0],
+        "moment": [0.0, 0.0, 2 * pi * EI / length],
+        "probe": [0, elements],
+    }
+
+
+def chain(bodies: int) -> Description:
+    """The chain of benchmarks/scale.py."""
+    thick = MASS * (LINK**2 / 12.0 + RADIUS**2 / 4.0)
+    rods = [
+        {
+            "mass": MASS,
+            "inertia": [MASS * RADIUS**2 / 2.0, thick, thick],
+            "centre": [(k + 0.5) * LINK, 0.0, 0.0],
+            "spin": [0.0, 0.0, 0.0],
+        }
+        for k in range(bodies)
+    ]
+    joints = [
+        {"bodies": [k - 1 if k else None, k], "at": [k * LINK, 0.0, 0.0]} for k in range(bodies)
+    ]
+    end = {"body": bodies - 1, "at": [bodies * LINK, 0.0, 0.0]}
+    return {"bodies": rods, "joints": joints, "gravity": [0.0, 0.0, -9.81], "probe": end}
+
+
+def spinning() -> Description:
+    """The free body of demos/free_rigid_body.py; its probe is a point off all axes."""
+    J, spin = free_rigid_body.J.tolist(), free_rigid_body.SPIN.tolist()
+    body = {"mass": 1.0, "inertia": J, "centre": [0.0, 0.0, 0.0], "spin": spin}
+    probe = {"body": 0, "at": [1.0, 1.0, 1.0]}
+    return {"bodies": [body], "joints": [], "gravity": [0.0, 0.0, 0.0], "probe": probe}
+
+
+def pinched(thickness: float, cells: int) -> Description:
+    """The quarter of demos/hemisphere.py: its nodes, row by row from the equator up."""
+    steps = np.linspace(0.0, 1.0, cells + 1)
+    places = [hemisphere.place(a, b).tolist() for b in steps for a in steps]
+    return {
+        "cells": cells,
+        "places": places,
+        "radius": hemisphere.RADIUS,
+        "hole": float(hemisphere.HOLE),
+        "thickness": thickness,
+        "young": 6.825e7,
+        "poisson": 0.3,
+        "force": hemisphere.CASES[thickness][0],
+    }

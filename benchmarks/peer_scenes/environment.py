@@ -1,0 +1,79 @@
+"""The virtual environment of the peers, in the cache folder of the project.
+
+pip installs with the user's own settings, as for ruff (``tools/lint``). What cannot be had is told
+in one line, and left out. Pythons are tried in turn until one can have all: this one, then others
+on the path.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+PACKAGES = {
+    "exudyn": ["exudyn==1.13.6"],
+    "kratos": ["KratosMultiphysics==10.4.4", "KratosStructuralMechanicsApplication==10.4.4"],
+}
+IMPORTS = {"exudyn": "exudyn", "kratos": "KratosMultiphysics.StructuralMechanicsApplication"}
+PYTHONS = ("python3.13", "python3.12", "python3.11", "python3.10")
+
+
+def interpreters() -> dict[str, Path]:
+    """The Python that has each peer, of those that can be had."""
+    found: dict[str, Path] = {}
+    missing = set(PACKAGES)
+    for python in candidates():
+        for peer in sorted(missing):
+            inside = folder(python, peer) / "bin" / "python"
+            if has(inside, peer) or install(python, peer):
+                found[peer] = inside
+                missing.discard(peer)
+        if not missing:
+            break
+    for peer in sorted(missing):
+        print(f"{peer} is skipped: no Python here can have {' '.join(PACKAGES[peer])} by pip")
+    return found
+
+
+def candidates() -> list[Path]:
+    """Pythons of different versions, this one first."""
+    named = (shutil.which(name) for name in PYTHONS)
+    return list(dict.fromkeys([Path(sys.executable), *(Path(path) for path in named if path)]))
+
+
+def folder(python: Path, peer: str) -> Path:
+    """Where the environment of a peer is; named by the versions that it has."""
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    wanted = "-".join(package.partition("==")[2] for package in PACKAGES[peer][:1])
+    tag = python.name if python != Path(sys.executable) else "python{}.{}".format(*sys.version_info)
+    return cache / "fem_lie" / "peers" / f"{peer}-{wanted}-{tag}"
+
+
+def has(python: Path, peer: str) -> bool:
+    """Whether a Python is there and imports the peer."""
+    return python.exists() and silent([python, "-c", f"import {IMPORTS[peer]}"])
+
+
+def install(python: Path, peer: str) -> bool:
+    """Make the environment; False, and nothing left of it, where that fails."""
+    place = folder(python, peer)
+    inside = place / "bin" / "python"
+    print(f"installing {' '.join(PACKAGES[peer])} into {place}")
+    pip = [inside, "-m", "pip", "install", "--quiet", *PACKAGES[peer]]
+    if silent([python, "-m", "venv", place]) and silent(pip) and has(inside, peer):
+        return True
+    shutil.rmtree(place, ignore_errors=True)
+    return False
+
+
+def silent(command: list[str | Path]) -> bool:
+    """Run a command for its success alone."""
+    quiet = {**os.environ, "PIP_ROOT_USER_ACTION": "ignore"}
+    try:
+        done = subprocess.run(command, env=quiet, capture_output=True, check=False)
+    except OSError:
+        return False
+    return done.returncode == 0

@@ -1,0 +1,176 @@
+"""Answers requests with runs of this library, as the peers do with theirs.
+
+A request is a line of JSON: ``scene`` and its size, ``step`` and ``duration`` or ``load_steps``,
+and a ``way``. All states are kept, with energies and joint forces: nothing is chosen otherwise.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+import fem_lie as fl
+from benchmarks.scale import chain
+from demos.bend45 import FORCE
+from demos.double_pendulum import pendulum
+from demos.free_rigid_body import SPIN, spinning
+from demos.hemisphere import FORMULATIONS, RADIUS, pinched, quarter
+from demos.rollup import cantilever
+from fem_lie.solve.motion.integrator import Integrator
+
+Request = dict[str, Any]
+Array = npt.NDArray[np.float64]
+SCHEMES: dict[str, Integrator] = {
+    "generalised-α": fl.GeneralisedAlpha(radius=0.8),
+    "energy-momentum": fl.EnergyMomentum(),
+    "energy-decaying": fl.EnergyDecaying(radius=0.8),
+}
+BEAMS: dict[str, fl.Formulation] = {
+    "geodesic": fl.Geodesic(),
+    "directors of degree 2": fl.Director(2),
+}
+
+
+class Motion(NamedTuple):
+    """A scene, and the place of its probe in a result."""
+
+    scene: fl.Scene
+    probe: Callable[[fl.Result], Array]
+
+
+def main() -> None:
+    """Answer until the input ends."""
+    logging.disable(logging.WARNING)
+    print(json.dumps({"ready": "fem_lie"}), flush=True)
+    for text in sys.stdin:
+        print(json.dumps(answer(json.loads(text))), flush=True)
+
+
+def answer(request: Request) -> dict[str, Any]:
+    """One run."""
+    try:
+        return statics(request) if request["scene"] in STATICS else motion(request)
+    except fl.ConvergenceError as error:
+        return {"failed": str(error)}
+
+
+# --- in time --------------------------------------------------------------------------------------
+
+
+def motion(request: Request) -> dict[str, Any]:
+    """Where the probe is at the end, and what it took."""
+    made = MOTIONS[request["scene"]](request)
+    step, scheme = request["step"], SCHEMES[request["way"]]
+    result = scheme.run(made.scene, duration=request["duration"], step=step, progress=False)
+    return {
+        "place": made.probe(result).tolist(),
+        "seconds": result.seconds,
+        "steps": len(result.times) - 1,
+        "iterations": int(result.iterations[-1]),
+        "matrices": result.factorisations,
+        "unknowns": unknowns(made.scene),
+        "settings": "defaults",
+    }
+
+
+def unknowns(scene: fl.Scene) -> int:
+    """Of nodes and joints."""
+    spherical = sum(3 for joint in scene.joints if isinstance(joint, fl.Spherical))
+    revolute = sum(5 for joint in scene.joints if isinstance(joint, fl.Revolute))
+    return 6 * sum(len(body.frames) for body in scene.bodies) + spherical + revolute
+
+
+def double_pendulum(request: Request) -> Motion:
+    scene, _, two = pendulum(request["case"], request["elements"])
+    return Motion(scene, lambda result: result.position(two.end)[-1])
+
+
+def rigid_chain(request: Request) -> Motion:
+    scene = chain(request["bodies"])
+    half = scene.bodies[-1].frames[0, 0, 0] - scene.bodies[-2].frames[0, 0, 0]
+    return Motion(scene, lambda result: material(result, -1, (half / 2, 0.0, 0.0)))
+
+
+def free_body(request: Request) -> Motion:
+    return Motion(spinning(SPIN[np.newaxis]), lambda result: material(result, 0, (1.0, 1.0, 1.0)))
+
+
+def material(result: fl.Result, node: int, arm: tuple[float, ...]) -> Array:
+    """The place of a point of a rigid body at the end."""
+    frame = result.frames[-1, node]
+    return np.asarray(frame[0] + np.array(arm) @ frame[1:])
+
+
+# --- equilibrium ----------------------------------------------------------------------------------
+
+
+def statics(request: Request) -> dict[str, Any]:
+    """Where the probe is, and what it took."""
+    place, result, count = STATICS[request["scene"]](request)
+    loads = isinstance(result, fl.PathResult)
+    return {
+        "place": place.tolist(),
+        "seconds": result.seconds,
+        "steps": int(result.load_steps) if loads else len(result.factors),
+        "iterations": int(result.total_iterations),
+        "matrices": int(result.total_iterations),
+        "unknowns": count,
+        "settings": "load-capped arc length" if loads else f"{request['load_steps']} load steps",
+    }
+
+
+def arc(elements: int, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Beam]:
+    """The bend of demos/bend45.py, meshed by a function."""
+    EA, GA, EI = 1e7, 5e6, 1e7 / 12
+
+    def place(t: float) -> list[float]:
+        return [100 * np.sin(t * np.pi / 4), 100 * (1 - np.cos(t * np.pi / 4)), 0.0]
+
+    section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI])
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.curve(place, section, cells=elements, formulation=formulation))
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.PointLoad(beam.end, force=(0, 0, FORCE)))
+    return scene, beam
+
+
+def bend(request: Request) -> tuple[Array, fl.StaticResult, int]:
+    scene, beam = arc(request["elements"], BEAMS[request["way"]])
+    result = fl.statics(scene, load_steps=request["load_steps"])
+    return result.position(beam.end)[-1], result, 6 * len(beam.frames)
+
+
+def rollup(request: Request) -> tuple[Array, fl.StaticResult, int]:
+    scene, beam = cantilever(request["elements"], request["stiffness_ratio"])
+    result = fl.statics(scene, load_steps=request["load_steps"])
+    return result.position(beam.end)[-1], result, 6 * len(beam.frames)
+
+
+def hemisphere(request: Request) -> tuple[Array, fl.PathResult, int]:
+    scene = pinched(request["thickness"], quarter(request["cells"]), FORMULATIONS[request["way"]])
+    result = fl.follow_loads(scene)
+    outward = result.position("hemisphere.00")[-1, 0] - RADIUS
+    inward = RADIUS - result.position("hemisphere.10")[-1, 1]
+    return np.array([outward, inward]), result, 5 * len(scene.bodies[0].frames)
+
+
+MOTIONS: dict[str, Callable[[Request], Motion]] = {
+    "double pendulum": double_pendulum,
+    "chain": rigid_chain,
+    "free body": free_body,
+}
+STATICS: dict[str, Callable[[Request], tuple[Array, Any, int]]] = {
+    "45° bend": bend,
+    "roll-up": rollup,
+    "hemisphere": hemisphere,
+}
+
+
+if __name__ == "__main__":
+    main()

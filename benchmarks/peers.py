@@ -1,0 +1,128 @@
+"""This library and others, the same scenes in turns: error, time and ratio.
+
+    tools/run python3 benchmarks/peers.py --json peers.json --plots docs
+
+Exudyn and Kratos come by pip into virtual environments in the cache folder, once; what cannot be
+had is left out, with a line that says so. Each code has a process of its own on one core, is asked
+by lines of JSON (``peer_scenes``), and answers with the seconds of its solver, without set-up and
+compilation. Runs of one resolution follow each other in turns, and the best of each counts.
+docs/peers.md has what came out, and what is fair.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from benchmarks.peer_scenes import environment, report
+from benchmarks.peer_scenes.comparisons import COMPARISONS, Comparison, Method
+from benchmarks.peer_scenes.processes import Asked
+from benchmarks.peer_scenes.report import Row
+
+LIMIT = 300.0  # seconds for one answer
+REPEAT = 3
+
+
+def compare(
+    comparison: Comparison, asked: dict[str, Asked], resolutions: tuple[float, ...], repeat: int
+) -> Iterator[Row]:
+    """The best runs of all methods that are there, resolution by resolution."""
+    methods = [method for method in comparison.methods if method.code in asked]
+    for method in methods:  # compiles, and finds settings that arrive
+        asked[method.code].ask(comparison.request(method, max(resolutions, key=_coarseness)))
+    for resolution in resolutions:
+        best: dict[Method, dict[str, Any]] = {}
+        failed: dict[Method, str] = {}
+        for _ in range(repeat):
+            for method in methods:
+                if method in failed:
+                    continue
+                answer = asked[method.code].ask(comparison.request(method, resolution))
+                if "failed" in answer:
+                    failed[method] = answer["failed"]
+                elif answer["seconds"] < best.get(method, {"seconds": inf})["seconds"]:
+                    best[method] = answer
+        for method, reason in failed.items():
+            print(f"{comparison.title}, {resolution:g}: {method.label}: {reason}", flush=True)
+        for method in methods:
+            if method in best and method not in failed:
+                yield row_of(comparison, method, resolution, best[method])
+
+
+def _coarseness(resolution: float) -> float:
+    """Steps are below one, and coarse where large; numbers of cells are coarse where small."""
+    return resolution if resolution < 1 else 1 / resolution
+
+
+def row_of(
+    comparison: Comparison, method: Method, resolution: float, answer: dict[str, Any]
+) -> Row:
+    """What an answer says."""
+    error = comparison.error(answer["place"])
+    names = ("seconds", "steps", "iterations", "matrices", "unknowns", "settings")
+    found = {name: answer[name] for name in names}
+    return Row(comparison.key, method.code, method.label, resolution, error, **found)
+
+
+def options() -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--scene", nargs="+", choices=COMPARISONS, default=list(COMPARISONS))
+    parser.add_argument("--repeat", type=int, default=REPEAT, help=f"default: {REPEAT}")
+    parser.add_argument("--table", action="store_true", help="only the resolutions of the table")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows to FILE")
+    parser.add_argument("--plots", type=Path, metavar="FOLDER", help="curves, and rows as csv")
+    parser.add_argument("--references", action="store_true", help="only make references anew")
+    given = parser.parse_args()
+    if given.repeat < 1:
+        parser.error(f"--repeat must be at least 1, got {given.repeat}")
+    return given
+
+
+def references(keys: list[str]) -> None:
+    """Print what stands in ``comparisons``; takes some minutes."""
+    ours = Asked("ours", Path(sys.executable), 12 * LIMIT)
+    for key in keys:
+        request = COMPARISONS[key].fine
+        if request is not None:
+            print(key, ours.ask(request)["place"], flush=True)
+    ours.stop()
+
+
+def main() -> None:
+    given = options()
+    if given.references:
+        references(given.scene)
+        return
+    pythons = {"ours": Path(sys.executable), **environment.interpreters()}
+    asked = {code: Asked(code, python, LIMIT) for code, python in pythons.items()}
+    rows: list[Row] = []
+    print(report.HEADER)
+    try:
+        for key in given.scene:
+            comparison = COMPARISONS[key]
+            resolutions = (comparison.base,) if given.table else comparison.resolutions
+            for row in compare(comparison, asked, resolutions, given.repeat):
+                rows.append(row)
+                print(report.line(row, rows), flush=True)
+    finally:
+        for program in asked.values():
+            program.stop()
+    if not given.table:
+        print(f"\n{report.table(rows)}\n\n{report.beaten(rows)}")
+    if given.json:
+        given.json.write_text(json.dumps([row._asdict() for row in rows], indent=1) + "\n")
+    if given.plots:
+        given.plots.mkdir(parents=True, exist_ok=True)
+        report.write_csv(rows, given.plots / "peers.csv")
+        for path in report.draw(rows, given.plots):
+            print(f"picture: {path}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,189 @@
+"""The pieces of benchmarks/peers.py, without the peers: scenes in numbers are ours, and so on."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks import peers, scale
+from benchmarks.peer_scenes import descriptions, environment, ours, processes, report
+from benchmarks.peer_scenes.comparisons import COMPARISONS
+from benchmarks.peer_scenes.report import Row
+from demos.double_pendulum import pendulum
+from demos.free_rigid_body import SPIN, spinning
+from demos.hemisphere import quarter
+from demos.rollup import cantilever
+from fem_lie.bodies.rigid import gram_from_rigid
+
+
+def assert_same_beam(given, beam, **tolerance):
+    places, frames = np.array(given["places"]), np.array(given["frames"])
+    np.testing.assert_allclose(places, beam.frames[:, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(frames, beam.frames[:, 1:].transpose(0, 2, 1), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(beam.lengths, given["element_length"], rtol=1e-12)
+    np.testing.assert_allclose(beam.stiffness, [np.diag(given["stiffness"])] * len(beam.lengths))
+
+
+@pytest.mark.parametrize("case", [1, 2, 3])
+def test_double_pendulum_is_that_of_the_demo(case):
+    given, (scene, *beams) = descriptions.double_pendulum(case, 4), pendulum(case, 4)
+    for described, beam in zip(given["beams"], beams, strict=True):
+        assert_same_beam(described, beam)
+        gram = gram_from_rigid(described["mass"], described["inertia"])
+        np.testing.assert_allclose(beam.density, [gram] * 4, rtol=1e-12, atol=1e-18)
+        R = np.array(described["frames"])
+        along = np.einsum("nji,nj->ni", R, described["velocities"])
+        turning = R.transpose(0, 2, 1) @ described["spin"]
+        np.testing.assert_allclose(beam.velocities, np.hstack([along, turning]), atol=1e-12)
+    assert len(given["joints"]) == len(scene.joints)
+    assert ("axis" in given["joints"][1]) == isinstance(scene.joints[1], fl.Revolute)
+
+
+def test_arc_and_cantilever_are_those_of_the_demos():
+    assert_same_beam(descriptions.bend(5)["beams"][0], ours.arc(5, fl.Geodesic())[1])
+    assert_same_beam(descriptions.roll(5, 1e6)["beams"][0], cantilever(5, 1e6)[1])
+
+
+@pytest.mark.parametrize(
+    ("given", "scene"),
+    [
+        (descriptions.chain(3), scale.chain(3)),
+        (descriptions.spinning(), spinning(SPIN[np.newaxis])),
+    ],
+    ids=["chain", "free body"],
+)
+def test_rigid_bodies_are_ours(given, scene):
+    for described, body in zip(given["bodies"], scene.bodies, strict=True):
+        np.testing.assert_allclose(body.frames[0, 0], described["centre"], atol=1e-15)
+        np.testing.assert_array_equal(body.frames[0, 1:], np.eye(3))
+        gram = gram_from_rigid(described["mass"], described["inertia"])
+        np.testing.assert_allclose(body.gram, gram, rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(body.velocities[0, 3:], described["spin"], atol=1e-15)
+    assert len(given["joints"]) == len(scene.joints)
+    np.testing.assert_array_equal(scene.gravity, given["gravity"])
+
+
+def test_hemisphere_has_the_nodes_of_ours_row_by_row():
+    given, mesh = descriptions.pinched(0.04, 4), quarter(4)
+    places = np.array(given["places"])
+    distances = np.linalg.norm(places[:, np.newaxis] - mesh.points, axis=2)
+    assert distances.min(axis=0).max() < 1e-12
+    np.testing.assert_allclose(places[0], (10, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(places[4], (0, 10, 0), atol=1e-12)
+    assert len(places) == len(mesh.points)
+
+
+@pytest.mark.parametrize("comparison", COMPARISONS.values(), ids=lambda c: c.key)
+def test_requests_are_lines_and_errors_are_distances(comparison):
+    assert comparison.methods[0].code == "ours"
+    assert comparison.base in comparison.resolutions
+    for method in comparison.methods:
+        asked = comparison.request(method, comparison.base)
+        assert json.loads(json.dumps(asked)) == asked
+    assert comparison.error(list(comparison.reference)) == 0.0
+    beside = np.array(comparison.reference)
+    beside[0] += 1e-3
+    size = comparison.reference[0] if len(comparison.reference) == 2 else comparison.size
+    assert comparison.error(beside.tolist()) == pytest.approx(1e-3 / size)
+
+
+@pytest.mark.parametrize(("key", "elements", "error"), [("bend", 4, 2e-4), ("rollup", 8, 1e-10)])
+def test_we_answer_as_the_demos_do(key, elements, error):
+    comparison = COMPARISONS[key]
+    answer = ours.answer(comparison.request(comparison.methods[0], elements))
+    assert comparison.error(answer["place"]) < error
+    assert answer["seconds"] > 0
+    assert answer["unknowns"] == 6 * (elements + 1)
+
+
+# --- tables and plots -----------------------------------------------------------------------------
+
+ROWS = [
+    Row("chain", "ours", "fem_lie, generalised-α", 1e-3, 1e-5, 0.2, 500, 1000, 3, 252, "defaults"),
+    Row("chain", "exudyn", "Exudyn", 1e-3, 1.04e-5, 0.6, 500, 2000, 9, 252, "defaults"),
+    Row("chain", "exudyn", "Exudyn", 2e-4, 4e-7, 3.0, 2500, 9000, 9, 252, "defaults"),
+    Row("bend", "ours", "fem_lie, geodesic", 8, 1e-5, 0.01, 3, 12, 12, 54, "3 load steps"),
+]
+
+
+def test_table_has_the_base_resolution_and_ratios():
+    lines = report.table(ROWS).splitlines()
+    assert len(lines) == 2 + 3
+    chain, theirs, bend = (line.split(" | ") for line in lines[2:])
+    assert chain[5:7] == ["0.4", "1"]
+    assert theirs[5:8] == ["1.2", "3", "4"]
+    assert bend[5:8] == ["10", "1", "12"]
+
+
+def test_what_is_beaten_is_counted():
+    assert report.beaten(ROWS).splitlines()[2:] == [
+        "| Chain of 28 rigid bodies | Exudyn | 2 | 1 | 0.0002 |"
+    ]
+
+
+def test_rows_and_plots_are_written(tmp_path):
+    written = report.draw(ROWS, tmp_path)
+    assert [path.name for path in written] == ["peers_motion.png", "peers_statics.png"]
+    assert all(path.stat().st_size > 5000 for path in written)
+    report.write_csv(ROWS, tmp_path / "peers.csv")
+    lines = (tmp_path / "peers.csv").read_text().splitlines()
+    assert lines[0].split(",") == list(Row._fields)
+    assert len(lines) == 1 + len(ROWS)
+
+
+# --- processes ------------------------------------------------------------------------------------
+
+PROGRAM = """
+import json, sys, time
+print("a greeting")
+print('{"ready": ""}', flush=True)
+for line in sys.stdin:
+    asked = json.loads(line)
+    time.sleep(asked["sleep"])
+    if asked["step"] < 1e-3:
+        sys.exit(1)
+    print(json.dumps({"place": [2.0, 0.0, -1.0], "seconds": asked["step"], "steps": 500,
+                      "iterations": 9, "matrices": 1, "unknowns": 2, "settings": ""}), flush=True)
+"""
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    path = tmp_path / "program.py"
+    path.write_text(PROGRAM)
+    monkeypatch.setitem(processes.PROGRAMS, "exudyn", str(path))
+    asked = processes.Asked("exudyn", Path(sys.executable), 5.0)
+    yield asked
+    asked.stop()
+
+
+def test_a_program_is_asked_again_after_it_has_ended(program):
+    assert program.ask({"sleep": 0, "step": 1.0})["seconds"] == 1.0
+    assert "ended" in program.ask({"sleep": 0, "step": 0.0})["failed"]
+    assert program.ask({"sleep": 0, "step": 1.0})["seconds"] == 1.0
+
+
+def test_a_program_that_takes_too_long_is_stopped(program):
+    program._limit = 0.2
+    assert "0.2 s" in program.ask({"sleep": 60, "step": 1.0})["failed"]
+
+
+def test_rows_of_the_methods_that_are_there(program, capsys):
+    chain = COMPARISONS["chain"]
+    asking = chain._replace(request=lambda method, step: {"sleep": 0, "step": step})
+    rows = list(peers.compare(asking, {"exudyn": program}, (1e-3, 5e-4), 2))
+    assert {row.label for row in rows} == {"Exudyn, modified Newton", "Exudyn, full Newton"}
+    assert {row.resolution for row in rows} == {1e-3}
+    assert "0.0005: Exudyn, full Newton: exudyn has ended" in capsys.readouterr().out
+
+
+def test_peers_that_cannot_be_had_are_skipped_with_a_line(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(environment, "silent", lambda command: False)
+    assert environment.interpreters() == {}
+    skipped = [line for line in capsys.readouterr().out.splitlines() if "skipped" in line]
+    assert [line.split()[0] for line in skipped] == ["exudyn", "kratos"]
+    assert not list(tmp_path.rglob("python"))
