@@ -4,9 +4,9 @@
 
 Exudyn and Kratos come by pip into virtual environments in the cache folder, once; what cannot be
 had is left out, with a line that says so. Each code has a process of its own on one core, is asked
-by lines of JSON (``peer_scenes``), and answers with the seconds of its solver, without set-up and
-compilation. Runs of one resolution follow each other in turns, and the best of each counts.
-docs/peers.md has what came out, and what is fair.
+by lines of JSON (``peer_scenes``), and answers with the seconds that its solver had the processor,
+without set-up and compilation. Runs of one resolution follow each other in turns, and the best of
+each counts. docs/peers.md has what came out, and what is fair.
 """
 
 from __future__ import annotations
@@ -77,6 +77,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--table", action="store_true", help="only the resolutions of the table")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows to FILE")
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="curves, and rows as csv")
+    parser.add_argument("--read", nargs="+", type=Path, default=[], help="run nothing, read --json")
     parser.add_argument("--references", action="store_true", help="only make references anew")
     given = parser.parse_args()
     if given.repeat < 1:
@@ -94,25 +95,32 @@ def references(keys: list[str]) -> None:
     ours.stop()
 
 
-def main() -> None:
-    given = options()
-    if given.references:
-        references(given.scene)
-        return
+def run(keys: list[str], table: bool, repeat: int) -> list[Row]:
+    """All rows of the scenes, printed as they come."""
     pythons = {"ours": Path(sys.executable), **environment.interpreters()}
     asked = {code: Asked(code, python, LIMIT) for code, python in pythons.items()}
     rows: list[Row] = []
     print(report.HEADER)
     try:
-        for key in given.scene:
+        for key in keys:
             comparison = COMPARISONS[key]
-            resolutions = (comparison.base,) if given.table else comparison.resolutions
-            for row in compare(comparison, asked, resolutions, given.repeat):
+            resolutions = (comparison.base,) if table else comparison.resolutions
+            for row in compare(comparison, asked, resolutions, repeat):
                 rows.append(row)
                 print(report.line(row, rows), flush=True)
     finally:
         for program in asked.values():
             program.stop()
+    return rows
+
+
+def main() -> None:
+    given = options()
+    if given.references:
+        references(given.scene)
+        return
+    records = [record for file in given.read for record in json.loads(file.read_text())]
+    rows = [Row(**record) for record in records] or run(given.scene, given.table, given.repeat)
     if not given.table:
         print(f"\n{report.table(rows)}\n\n{report.beaten(rows)}")
     if given.json:
