@@ -118,6 +118,15 @@ def test_table_has_the_base_resolution_and_ratios():
     assert bend[5:8] == ["10", "1", "12"]
 
 
+def test_what_an_error_costs_is_interpolated_between_runs_that_are_worth_it():
+    first, _, _, _ = ROWS
+    runs = [first, first._replace(error=1e-6, seconds=2.0), first._replace(error=5e-5, seconds=1.0)]
+    assert report.seconds_at(1e-3, runs) == pytest.approx(0.2)
+    assert report.seconds_at(10**-5.5, runs) == pytest.approx(0.2 * 10**0.5)
+    assert report.seconds_at(0.99e-6, runs) == pytest.approx(2.0)
+    assert report.seconds_at(1e-7, runs) == np.inf
+
+
 def test_what_is_beaten_is_counted():
     assert report.beaten(ROWS).splitlines()[2:] == [
         "| Chain of 28 rigid bodies | Exudyn | 2 | 1 | 0.0002 |"

@@ -49,7 +49,7 @@ def folder(python: Path, peer: str) -> Path:
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     wanted = "-".join(package.partition("==")[2] for package in PACKAGES[peer][:1])
     tag = python.name if python != Path(sys.executable) else "python{}.{}".format(*sys.version_info)
-    return cache / "fem_lie" / "peers" / f"{peer}-{wanted}-{tag}"
+    return cache / "fem_lie" / "environment" / "peers" / f"{peer}-{wanted}-{tag}"
 
 
 def has(python: Path, peer: str) -> bool:
