@@ -1,8 +1,9 @@
 """Answers requests with runs of Kratos; imports nothing but what its own environment has.
 
-A request is a line of JSON: a description of a pinched hemisphere (``descriptions``), ``way``, an
-element, and ``load_steps``. The answer is another one: both deflections, seconds of the processor
-in the solver alone, steps, iterations, unknowns, and the settings that it arrived with.
+A request is a line of JSON: a description of a pinched hemisphere (``descriptions``), a
+``way``, which is an element, and ``load_steps``. The answer is another one: both deflections,
+seconds of the processor in the solver alone, steps, iterations, unknowns, and the settings that it
+arrived with.
 
 The solver is put together as ``structural_mechanics_static_solver`` of Kratos does by default:
 block builder, Newton-Raphson to 1e-4 of the residual, reactions, the fastest direct linear solver
@@ -36,6 +37,7 @@ DOFS = {
     "ROTATION_Y": "REACTION_MOMENT_Y",
     "ROTATION_Z": "REACTION_MOMENT_Z",
 }
+ELEMENTS = {"thin quadrilateral": "ShellThinElementCorotational3D4N"}
 ITERATIONS, MOST_DOUBLINGS = 30, 3
 arrived: dict[str, int] = {}  # how many load steps have let a scene arrive
 
@@ -90,7 +92,7 @@ def hemisphere(model: Any, request: Record) -> tuple[Any, tuple[Any, Any]]:
     for cell in range(n * n):
         first = 1 + cell % n + row * (cell // n)
         corners = [first, first + 1, first + 1 + row, first + row]
-        part.CreateNewElement(request["way"], cell + 1, corners, section)
+        part.CreateNewElement(ELEMENTS[request["way"]], cell + 1, corners, section)
     for k in range(row):
         fix(part.Nodes[1 + row * k], "DISPLACEMENT_Y", "ROTATION_X", "ROTATION_Z")
         fix(part.Nodes[row + row * k], "DISPLACEMENT_X", "ROTATION_Y", "ROTATION_Z")

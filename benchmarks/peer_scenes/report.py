@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from benchmarks.peer_scenes.comparisons import COMPARISONS, Comparison
 from fem_lie.pictures.diagrams import COLOURS
 
-FIGURES = {
+FIGURES: dict[str, tuple[str, ...]] = {
     "motion": ("pendulum1", "pendulum3", "pendulum2", "pendulum2_mesh", "chain", "free_body"),
     "statics": ("bend", "rollup", "hemisphere", "thin_hemisphere"),
 }
@@ -172,10 +172,13 @@ def draw(rows: Sequence[Row], folder: Path) -> list[Path]:
 
 def panel(axes: Axes, comparison: Comparison, rows: Sequence[Row]) -> None:
     """The lines of one scene."""
-    for colour, label in zip(COLOURS, _labels(rows), strict=False):
+    for colour, method in zip(COLOURS, comparison.methods, strict=False):
+        label = method.label
         own = [row for row in rows if row.label == label]
+        if not own:
+            continue
         errors, seconds = [row.error for row in own], [row.seconds for row in own]
-        style = MARKERS[own[0].code]
+        style = MARKERS[method.code]
         axes.loglog(seconds, errors, style, color=colour, label=label, markersize=4)
     unit = "m" if comparison.duration else "relative"
     axes.set(title=comparison.title, xlabel="seconds", ylabel=f"error, {unit}")
