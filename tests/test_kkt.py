@@ -1,12 +1,14 @@
 """The matrix of a scene: what is held is not in its pattern, and the rest is the derivative."""
 
+from petsc4py import PETSc
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.direct import INDEFINITE, SYMMETRIC, DirectSolver
+from fem_lie.linear.direct import INDEFINITE, MOTION, SYMMETRIC, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.statics.follow import SceneEquilibrium
 from fem_lie.system.instant import Instant, Plan
@@ -47,6 +49,15 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can():
     indptr, columns, values = matrix.getValuesCSR()
     residual = sp.csr_matrix((values, columns, indptr)) @ solver.solution - solver.right_hand_side
     assert np.abs(residual).max() < 1e-8 * np.abs(solver.right_hand_side).max()
+
+
+def test_options_that_are_given_come_before_those_of_a_package():
+    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.HellingerReissner()), "test_")
+    options = PETSc.Options("test_given_")
+    options["mat_umfpack_pivot_tolerance"] = 0.5
+    DirectSolver(model.equations.matrix, "test_given_", MOTION)
+    assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
+    assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
 
 
 @pytest.mark.parametrize("methods", [SYMMETRIC, INDEFINITE])
