@@ -18,6 +18,7 @@ PACKAGES = {
     "kratos": ["KratosMultiphysics==10.4.4", "KratosStructuralMechanicsApplication==10.4.4"],
 }
 IMPORTS = {"exudyn": "exudyn", "kratos": "KratosMultiphysics.StructuralMechanicsApplication"}
+OWN = "python{}.{}".format(*sys.version_info)
 PYTHONS = ("python3.13", "python3.12", "python3.11", "python3.10")
 
 
@@ -40,16 +41,16 @@ def interpreters() -> dict[str, Path]:
 
 def candidates() -> list[Path]:
     """Pythons of different versions, this one first."""
-    named = (shutil.which(name) for name in PYTHONS)
-    return list(dict.fromkeys([Path(sys.executable), *(Path(path) for path in named if path)]))
+    others = (shutil.which(name) for name in PYTHONS if name != OWN)
+    return [Path(sys.executable), *(Path(path) for path in others if path)]
 
 
 def folder(python: Path, peer: str) -> Path:
     """Where the environment of a peer is; named by the versions that it has."""
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    wanted = "-".join(package.partition("==")[2] for package in PACKAGES[peer][:1])
-    tag = python.name if python != Path(sys.executable) else "python{}.{}".format(*sys.version_info)
-    return cache / "fem_lie" / "environment" / "peers" / f"{peer}-{wanted}-{tag}"
+    version = PACKAGES[peer][0].partition("==")[2]
+    tag = OWN if python == Path(sys.executable) else python.name
+    return cache / "fem_lie" / "environment" / "peers" / f"{peer}-{version}-{tag}"
 
 
 def has(python: Path, peer: str) -> bool:

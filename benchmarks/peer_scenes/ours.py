@@ -32,6 +32,7 @@ SCHEMES: dict[str, Integrator] = {
     "generalised-α": fl.GeneralisedAlpha(radius=0.8),
     "energy-momentum": fl.EnergyMomentum(),
     "energy-decaying": fl.EnergyDecaying(radius=0.8),
+    "reference": fl.GeneralisedAlpha(radius=0.8, tolerance=1e-11),
 }
 BEAMS: dict[str, fl.Formulation] = {
     "geodesic": fl.Geodesic(),
