@@ -231,7 +231,7 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
     correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
     now = Instant(s.H1, s.twist1, s.rate1, run.weights)
     equations.residual(now, run.scale, zero, run.forces)
-    run._fill(s.H1, s.H1, turned=False)
+    run._fill(s.H1, s.H1, run.scale, turned=False)
     matrix = equations.matrix.matrix.convert("dense").getDenseArray()
     numeric = np.empty_like(matrix)
     for j, e in enumerate(epsilon * np.eye(size)):

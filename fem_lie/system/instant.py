@@ -48,6 +48,9 @@ class Plan(NamedTuple):
         border_only: Whether all but the constraints stays what it was made last.
         steady: Whether it is the stiffness in a frame in which all nodes move steadily; nothing of
             this plan counts then but the scale, which must be given.
+        at_rest: Step size ``h`` of a matrix that finds accelerations, and impulses in joints:
+            ``M + h² K/4``, at rest with the true stress, with a scale that suits it. Nothing else
+            of this plan counts then.
     """
 
     d: Array
@@ -61,6 +64,7 @@ class Plan(NamedTuple):
     choices: Choices = ALL
     border_only: bool = False
     steady: bool = False
+    at_rest: float | None = None
 
 
 class Forces:

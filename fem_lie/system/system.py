@@ -56,8 +56,6 @@ class System:
         elastic: Those within bodies and on them.
         tangent: The matrix; ``kkt`` is what it is filled into.
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
-        velocity_factor: Of constraints of velocities in the residual: ∂d/∂v, so that their rows in
-            the matrix are like those of positions.
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
             for what is held.
         turns: How far elements turn from end to end.
@@ -133,7 +131,6 @@ class System:
         settles = any(term.settles for term in self.terms)
         self.in_one_sum = not (apart or self._viscous or self._guided or settles)
         self._found = self.room()
-        self.velocity_factor = 1.0
         self._plain_inertia = self.inertia.plain
         self.set_time(0.0, 1.0)
 
@@ -195,7 +192,13 @@ class System:
         return Forces(self.count, self.terms.room(), constant)
 
     def residual(
-        self, state: Instant, scale: Array, r: Array, forces: Forces | None = None
+        self,
+        state: Instant,
+        scale: Array,
+        r: Array,
+        forces: Forces | None = None,
+        *,
+        per_increment: float = 1.0,
     ) -> None:
         """Equations of motion and constraints times ``scale``, into ``r`` (size,).
 
@@ -204,19 +207,26 @@ class System:
             scale: Factor of each constraint, shape (m,).
             r: Overwritten.
             forces: What the derivative needs of them, overwritten; default: it is not kept.
+            per_increment: Factor of constraints of velocities, ∂d/∂v: their rows in the matrix are
+                then like those of positions.
         """
-        self.with_reactions(state, scale, r, forces)
+        self.with_reactions(state, scale, r, forces, per_increment)
         if self._any_held:
             r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
 
     def with_reactions(
-        self, state: Instant, scale: Array, r: Array, forces: Forces | None = None
+        self,
+        state: Instant,
+        scale: Array,
+        r: Array,
+        forces: Forces | None = None,
+        per_increment: float = 1.0,
     ) -> None:
         """:meth:`residual`, with the forces that hold what is held."""
         found = self._found if forces is None else forces
         H, v, a, weights = state
         if found.table is None:
-            self.applied(state, scale, r, found)
+            self.applied(state, scale, r, found, per_increment)
             self.terms.add_forces(H, r, found.own)
         else:
             residual(H, v, a, weights, scale, r, found.table)
@@ -229,7 +239,14 @@ class System:
         if self._guided:
             self.supports.turn(H, r[: 6 * self.count].reshape(-1, 6))
 
-    def applied(self, state: Instant, scale: Array, r: Array, forces: Forces | None = None) -> None:
+    def applied(
+        self,
+        state: Instant,
+        scale: Array,
+        r: Array,
+        forces: Forces | None = None,
+        per_increment: float = 1.0,
+    ) -> None:
         """What :meth:`residual` is without terms, but for those in the sum over joints.
 
         Of ``forces`` it leaves those as they are.
@@ -241,7 +258,7 @@ class System:
         if self._joined:
             add_joints(H, v, joints, weights, scale, self.count, r)
         if self._others:
-            self.connections.add_others(H, v, weights, scale, self.velocity_factor, r)
+            self.connections.add_others(H, v, weights, scale, per_increment, r)
         if self._any_uncoupled:
             found.outer[:] = r[: 6 * self.count].reshape(-1, 6)
 

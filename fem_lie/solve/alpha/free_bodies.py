@@ -13,7 +13,6 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.kinds import all_from_local, move_all
 from fem_lie.linear.direct import ConvergenceError
@@ -40,7 +39,7 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
-from fem_lie.system.nodes.shared_setup import numbered
+from fem_lie.system.equations import Equations
 
 _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
@@ -84,20 +83,21 @@ class Run:
             float(rule[1]),
             options.policy.rescue,
         )
-        self.scene, self.numbering = scene, numbered(scene)
-        n = self.numbering.count
+        self.scene, self.equations = scene, Equations(scene, dynamics=True)
+        unknowns, start = self.equations.unknowns, self.equations.start
+        n = unknowns.moving
         self.blocks = np.empty((n, 4, 4))
         size = np.empty(n)
-        for body, nodes in self.numbering.nodes.items():
+        for body, nodes in unknowns.bodies.items():
             assert isinstance(body, RigidBody)
             self.blocks[nodes], size[nodes] = body.gram, body.size
         trace = np.trace(self.blocks[:, 1:, 1:], axis1=1, axis2=2)
         J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - self.blocks[:, 1:, 1:]
-        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, size, self.numbering.groups)
+        self.bodies = Bodies(self.blocks[:, 0, 0].copy(), J, size, unknowns.kinds)
         self.loads, self.histories = self._collect(scene)
         self.p = scheme.parameters(options.radius, step, 1.0)
         self.s = State(
-            self.numbering.frames.copy(),
+            start.frames[:n].copy(),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros((n, 6)),
@@ -109,12 +109,13 @@ class Run:
         )
 
     def _collect(self, scene: Scene) -> tuple[Loads, dict[int, LoadHistory]]:
-        constant = np.zeros((self.numbering.count, 12))
+        unknowns = self.equations.unknowns
+        constant = np.zeros((unknowns.moving, 12))
         constant[:, :3] = self.bodies.mass[:, np.newaxis] * scene.gravity
         vary, owner, varying = [], [], histories(scene.loads)
         for k, given in enumerate(scene.loads):
             assert isinstance(given, NodalLoad)
-            (node,) = self.numbering.nodes[given.body]
+            (node,) = unknowns.bodies[given.body]
             twelve, at = np.zeros(12), 6 if given.following else 0
             twelve[at : at + 6] = given.nodal()[0]
             if k in varying:
@@ -124,16 +125,21 @@ class Run:
                 constant[node] += twelve
         nodes = np.array(owner, dtype=np.int64)
         order = np.argsort(nodes, kind="stable")
-        first = np.searchsorted(nodes[order], np.arange(self.numbering.count + 1))
+        first = np.searchsorted(nodes[order], np.arange(unknowns.moving + 1))
         table = np.array(vary).reshape(-1, 12)[order]
         return Loads(constant, first, table, order), varying
+
+    @property
+    def _twists(self) -> Array:
+        """At the start, local components, (n, 6)."""
+        return self.equations.start.velocities[: len(self.s.H)]
 
     def start(self) -> None:
         """Consistent accelerations, and those that ``a`` stands for: α_m − α_f steps earlier."""
         s, ahead = self.s, self.p.ahead
         bodies, loads = self.bodies, self.loads
         amplitude = amplitudes(self.histories, [0.0, ahead])
-        group, twists = self.bodies.group, self.numbering.velocities
+        group, twists = self.bodies.group, self._twists
         all_from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
         free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
@@ -145,16 +151,15 @@ class Run:
 
     def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
         """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
-        info = SceneInfo(self.numbering.bodies(), (), float(self.bodies.mass.sum()))
-        history = History(info, steps, self.p.h, saving, progress)
+        history = History(self.equations.info, steps, self.p.h, saving, progress)
         self.start()
-        history.frames[0], history.velocities[0] = self.s.H, self.numbering.velocities
+        history.frames[0], history.velocities[0] = self.s.H, self._twists
         start = np.zeros(1, dtype=np.int64)
         self._keep(history, start, start)
         failed, count, factorisations = np.zeros(3), 0, 0
         self._advance(history, range(1, 1), failed)  # compilation is not integration
         watch = Stopwatch()
-        chunk = max(1, min(history.refresh, _CHUNK // self.numbering.count))
+        chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
         chunk = min(chunk, history.room or chunk)
         with history:
             for first in range(1, steps + 1, chunk):

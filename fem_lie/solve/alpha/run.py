@@ -25,7 +25,6 @@ from fem_lie.solve.alpha.step import loop
 from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY, accept, correct, predict
 from fem_lie.solve.alpha.step.records import (
     BETWEEN,
-    ELEMENT,
     INCREMENT,
     ITERATION,
     MOTION,
@@ -36,7 +35,6 @@ from fem_lie.solve.alpha.step.records import (
     ROW,
     STEP,
     TOTAL,
-    TURN,
     UPDATE,
     WANTED,
     Packed,
@@ -140,8 +138,7 @@ class Run(RunState):
         filled = counters[WANTED]
         self._filled = int(wanted[filled - 1]) if filled else -1
         history.row, history.count = int(counters[ROW]), int(counters[TOTAL])
-        turn = float(self.numbers[TURN])
-        history.turn = int(counters[ELEMENT]), turn, bool(counters[NEAR])
+        history.turns_far = bool(counters[NEAR])
         self._end = self.index * self.h
         if not made:
             iterations = self._rescued()
@@ -186,7 +183,7 @@ class Run(RunState):
         """Do what the loop has come back for; whether the step may go on."""
         counters, numbers = self.counters, self.numbers
         if code == loop.RESIDUAL:
-            self.equations.residual(self._end_instant, self.scale, self.r, self.forces)
+            self._find(self._end_instant)
             return True
         if code == loop.QUESTION:
             iterations, ratio = int(counters[ITERATION]), float(numbers[RATIO])
@@ -255,10 +252,9 @@ class Run(RunState):
         numbers[MOTION] = max(predict(*self._plain), numbers[MOTION])
         tolerance = self._tolerance()
         previous, ratio = np.inf, float(numbers[RATIO])
-        end = self._end_instant, self.scale, self.r, self.forces
         for iteration in range(1, self.options.max_iterations + 1):
             self.counters[ITERATION] = iteration
-            equations.residual(*end, carried=carried)
+            self._find(self._end_instant, carried=carried)
             update = decisions.before_iteration(iteration)
             update = Update.ALL if update is True or self._missing else Update(update)
             if update:

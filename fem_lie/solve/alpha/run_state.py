@@ -56,9 +56,8 @@ class RunState(Integration[Recorder]):
         m, length = unknowns.m, unknowns.length
         super().__init__(options.policy, equations, step, bound=self._refreshes and m > 0)
         self.options, self.p = options, parameters(options.radius, step, length)
-        equations.measure_velocities(1.0 / self.p.damping)
         self.s = State.start(equations.start.frames, unknowns.kinds)
-        self._guided, self._moving = unknowns.guided, unknowns.moving
+        self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
         self._projects = options.index == Index.STABILISED_TWO and m > 0
         self._turned = options.components == Components.INERTIAL
@@ -69,13 +68,14 @@ class RunState(Integration[Recorder]):
         self.scale: Array = np.ones(m)
         self._first, s = np.zeros(m), self.s
         self._accepted = Instant(s.H, s.twist1, s.rate1, self.weights)
-        self._end_instant, self.forces = self._accepted._replace(H=s.H1), equations.room()
+        self._end_instant = self._accepted._replace(H=s.H1)
         self.measure: Array = np.where(unknowns.angular, ROTATION, 1.0 / length)
         joined: Indices = unknowns.joined.astype(np.int64)
         self._sizes = self.scale, self.measure, joined
         methods = methods_in_time(equations)
         self.solver = DirectSolver(equations.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
+        self.forces = equations.residual(self._accepted, self.scale, self.r)
         self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
         self.numbers[RATIO] = 1.0
         self._born, self._end = 0, 0.0
@@ -89,9 +89,8 @@ class RunState(Integration[Recorder]):
         check_velocities(equations, p.h)
         self.weights[:] = set_start(equations, self.solver, p, s)
         equations.set_time(0.0)
-        equations.residual(self._accepted, self.scale, self.r, self.forces)
-        self._fill(s.H, s.H, turned=False)
-        self.scale[:] = equations.constraint_scale(s.H)
+        self._find(self._accepted)
+        self.scale[:] = self._fill(s.H, s.H, None, turned=False)
         self.books.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
@@ -107,21 +106,27 @@ class RunState(Integration[Recorder]):
         estimate(1.0, np.inf, 1.0)
         self._compile()
         # the first iteration makes the matrix that counts
-        s, d, turned = self.s, copy.d, self._turned
-        given = self._ahead(), None, turned, None, self.choices
-        plan = Plan(d, self.scale, self.p.mass, self.p.damping, *given)
+        s, p, turned, ahead = self.s, self.p, self._turned, self._ahead()
+        plan = Plan(copy.d, self.scale, p.mass, p.damping, joint_frames=ahead)
+        plan = plan._replace(inertial=turned, choices=self.choices)
         self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
             turn_all(s.kinds, s.H, zero)
             turn_all_back(s.kinds, s.H, zero)
         else:
-            self.equations.refresh(self._ahead(), d, self.scale)
+            again = plan._replace(joint_frames=self._ahead(), border_only=True)
+            self.equations.fill(self._end_instant, self.forces, again)
 
     @abstractmethod
     def _compile(self) -> None:
         """Compile what else there is, without a step."""
 
     # --- time ---
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.s.H
 
     @property
     def index(self) -> int:
@@ -144,7 +149,12 @@ class RunState(Integration[Recorder]):
         """Of what is found with the kept matrix."""
         return 1.0
 
-    # --- matrices ---
+    # --- residual and matrices ---
+
+    def _find(self, state: Instant, *, carried: bool = False) -> None:
+        """The residual; rows of constraints of velocities are like those of positions."""
+        given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
+        self.equations.residual(state, *given, carried=carried, per_increment=factor)
 
     def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
         """Whether what is left of the constraints' violation is not the iteration's."""
@@ -173,7 +183,8 @@ class RunState(Integration[Recorder]):
         if self._turned:
             turn_all_back(kinds, H1, self.dx)
         if self._guided:
-            self.equations.to_frames(H1, self.dx)
+            nodes = self.dx[: 6 * self._moving].reshape(-1, 6)
+            self.equations.supports.turn_back(H1, nodes)
 
     @property
     def _missing(self) -> bool:
@@ -189,7 +200,7 @@ class RunState(Integration[Recorder]):
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
-        self._fill(stressed, self._ahead(), turned=self._turned)
+        self._fill(stressed, self._ahead(), self.scale, turned=self._turned)
         self.solver.factorise()
 
     def _refresh(self) -> None:
@@ -197,14 +208,19 @@ class RunState(Integration[Recorder]):
         if self._turned:
             self._factorise(self.s.H1)
             return
-        self.equations.refresh(self._ahead(), self.s.d, self.scale)
+        frames = self._ahead()
+        plan = Plan(self.s.d, self.scale, joint_frames=frames, border_only=True)
+        self.equations.fill(self._end_instant, self.forces, plan)
         self.solver.refresh()
 
-    def _fill(self, stressed: Array | None, joint_frames: Array, *, turned: bool) -> None:
+    def _fill(
+        self, stressed: Array | None, joint_frames: Array, scale: Array | None, *, turned: bool
+    ) -> Array:
+        """The matrix, and the scale of its constraints: the given one, or what suits them."""
         p = self.p
-        given = joint_frames, None, turned, stressed, self.choices
-        plan = Plan(self.s.d, self.scale, p.mass, p.damping, *given)
-        self.equations.fill(self._end_instant, self.forces, plan)
+        plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames)
+        plan = plan._replace(inertial=turned, stressed=stressed, choices=self.choices)
+        return self.equations.fill(self._end_instant, self.forces, plan)
 
     def _ahead(self) -> Array:
         """Frames in the middle of the time for which the matrix is likely to be kept.

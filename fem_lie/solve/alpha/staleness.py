@@ -59,7 +59,8 @@ def staleness(
         there = state.copy()
         held, r = weights.copy(), np.empty_like(x)
         correct(scheme, there.plain, -factor * x, scale, measure, joined, held)
-        equations.residual(Instant(there.H1, there.twist1, there.rate1, held), scale, r)
+        now = Instant(there.H1, there.twist1, there.rate1, held)
+        equations.residual(now, scale, r)
         return r
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)

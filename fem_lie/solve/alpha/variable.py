@@ -95,11 +95,6 @@ class AlphaSteps(Run):
         self._error, self._warm = TimeError(equations), False
 
     @property
-    def frames(self) -> Array:
-        """Of all rows, those that follow others included."""
-        return self.s.H
-
-    @property
     def increment(self) -> float:
         """Of the last iteration, as convergence is measured."""
         return float(self.numbers[INCREMENT])
@@ -131,7 +126,6 @@ class AlphaSteps(Run):
         length = self.equations.unknowns.length
         self.h, self.p = h, parameters(self.options.radius, h, length)
         self._plain = self.p.plain, self.s.plain
-        self.equations.measure_velocities(1.0 / self.p.damping)
 
     def set_step(self, time: float, h: float) -> None:
         """Make the state at ``time`` that of the start of a step of size ``h``."""
@@ -259,11 +253,10 @@ class AlphaSteps(Run):
     def _factorise(self, stressed: Array | None) -> None:
         level, m = self.control.level, len(self.weights)
         if level not in self._scales:
-            self._fill(stressed, self.s.H1, turned=False)
-            self._scales[level] = self.equations.constraint_scale(self.s.H1)
+            self._scales[level] = self._fill(stressed, self.s.H1, None, turned=False)
         scale = self._scales[level]
         if m:
             self.r[-m:] *= scale / self.scale
         self.scale[:] = scale
-        self._fill(stressed, self._ahead(), turned=self._turned)
+        self._fill(stressed, self._ahead(), scale, turned=self._turned)
         self.factors.keep(scale)

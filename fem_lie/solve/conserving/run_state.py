@@ -90,6 +90,11 @@ class RunState(Integration[History]):
         self.rates, self._end = EndRates.at(np.zeros((self.moving, 6))), 0.0
 
     @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.s.H
+
+    @property
     def index(self) -> int:
         """See the base class."""
         return int(self.counters[stopping.STEPS])
@@ -231,8 +236,8 @@ class RunState(Integration[History]):
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
-        given = joints_at, forces_at, False, H, self.choices
-        plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, *given)
+        plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
+        plan = plan._replace(stressed=H, choices=self.choices)
         return equations.fill(now, self._found, plan)
 
 

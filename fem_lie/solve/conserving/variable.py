@@ -37,7 +37,7 @@ from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
-from fem_lie.system.nodes.sums import report_rates
+from fem_lie.system.nodes import inertia
 
 ORDER = 2
 _USUAL = 4
@@ -97,11 +97,6 @@ class ConservingSteps(Run):
         self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
         self._scales, self._error = dict[int, Array](), MeanError(equations)
         self._solution = np.zeros((3, equations.unknowns.size))
-
-    @property
-    def frames(self) -> Array:
-        """See the protocol, likewise the following."""
-        return self.s.H
 
     @property
     def increment(self) -> float:
@@ -177,11 +172,8 @@ class ConservingSteps(Run):
 
     def _invariants(self) -> Array:
         """Kinetic energy and momenta, shape (7,)."""
-        found, work = np.empty(7), np.empty_like(self.this.q)
-        report_rates(
-            self.s.H, self.s.V, self.model.inertia.plain, self.model.conservative, work, found
-        )
-        return found
+        work = np.empty_like(self.s.V)
+        return np.array(inertia.invariants_of_rates(self.s.H, self.s.V, *self.model.inertia, work))
 
     def calm(self, time: float, h: float) -> None:
         """Nothing: waves have energy, which is conserved."""

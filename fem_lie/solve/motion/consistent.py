@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
-from fem_lie.system.equations import Instant
+from fem_lie.system.equations import Instant, Plan
 
 if TYPE_CHECKING:
     from fem_lie.linear.direct import DirectSolver
@@ -128,7 +128,7 @@ def accelerations(
     _, second = constraints.rates(v)
     drive, _ = constraints.rates(rate)
     r[6 * n :] = second + drive - prescribed.target_rates[1]
-    scale = equations.fill_at_rest(H, step)
+    scale = _fill(equations, H, step)
     r[6 * n :] *= scale
     largest = float(np.abs(r).max(initial=0.0))
     if not largest < _LARGEST:
@@ -144,6 +144,13 @@ def accelerations(
         ) from error
     supports.turn_back(H, solver.solution[: 6 * n].reshape(n, 6))
     return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -scale * solver.solution[6 * n :]
+
+
+def _fill(equations: Equations, H: Array, step: float) -> Array:
+    """The matrix for that, in which steps of a size do not feel what they do not resolve."""
+    none = np.zeros((equations.unknowns.moving, 6))
+    still = Instant(H, none, none, np.zeros(equations.unknowns.m))
+    return equations.fill(still, None, Plan(none, at_rest=step))
 
 
 def allowed_velocities(
@@ -186,7 +193,7 @@ def across_joints(
     """
     n = equations.unknowns.moving
     solver.right_hand_side[: 6 * n] = 0.0
-    solver.right_hand_side[6 * n :] = rates * equations.fill_at_rest(H, step)
+    solver.right_hand_side[6 * n :] = rates * _fill(equations, H, step)
     solver.factorise()
     solver.solve()
     v = solver.solution[: 6 * n].reshape(n, 6).copy()

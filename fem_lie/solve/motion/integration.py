@@ -69,6 +69,11 @@ class Integration(ABC, Generic[Kept]):
 
     @property
     @abstractmethod
+    def frames(self) -> Array:
+        """Of all rows, at the present state."""
+
+    @property
+    @abstractmethod
     def index(self) -> int:
         """Steps made, and the one that is being made."""
 
@@ -113,9 +118,11 @@ class Integration(ABC, Generic[Kept]):
         """Keep the present state, if it is one to be kept; its elements must not have folded."""
         if not self._record(history):
             return
-        row = history.row - 1
+        if not history.turns_far:
+            return
+        time = float(history.times[history.row - 1])
         try:
-            self.equations.judge_turn(history.turn, float(history.times[row]))
+            self.equations.report(self.frames).check_turns(time)
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 

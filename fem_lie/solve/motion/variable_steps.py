@@ -165,8 +165,10 @@ class VariableSteps:
         if self._recorder.due(time, ahead, index, iterations, event):
             self._stepper.record(self._recorder, index, iterations)
             self._recorder.stamp(time)
+            if not self._recorder.turns_far:
+                return
             try:
-                self._stepper.equations.judge_turn(self._recorder.turn, time)
+                self._stepper.equations.report(self._stepper.frames).check_turns(time)
             except FoldedElementError as error:
                 result = self._completed(self._watch.seconds)
                 raise ConvergenceError(f"an element folds: {error}", result) from None

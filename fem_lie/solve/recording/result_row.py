@@ -77,11 +77,10 @@ class ResultRow:
         H: Array,
         v: Array,
         weights: Array,
-        found: tuple[float, float, int, float, bool],
+        found: tuple[float, float, bool],
     ) -> None:
         row = rows.row
-        rows.potential[row], rows.elastic[row], element, angle, near = found
-        rows.turn = element, angle, near
+        rows.potential[row], rows.elastic[row], rows.turns_far = found
         if not self._complete:
             told = self._equations.report(H, v, weights=weights).joints
             rows.joint_forces[row], rows.joint_coordinates[row] = told.forces, told.coordinates
@@ -190,7 +189,7 @@ def fill_by_twists(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float, bool]:
+) -> tuple[float, float, bool]:
     """Fill row ``row`` of the arrays.
 
     Args:
@@ -203,8 +202,7 @@ def fill_by_twists(
         row: Number of the row.
 
     Returns:
-        The potential of loads, the energy of springs, and what
-        :func:`~fem_lie.system.nodes.element_turns.nearest` says.
+        The potential of loads, the energy of springs, and whether an element turns nearly too far.
     """
     q = np.empty((v.shape[0], 4, 3))
     push_all(_given(scene).kinds, H, v, q)
@@ -223,7 +221,7 @@ def fill_whole(
     row: int,
     iterations: int,
     time: float,
-) -> tuple[int, float, bool]:
+) -> bool:
     """:func:`fill_by_twists` and all the rest, where cells of a table have all other energy.
 
     Args:
@@ -239,15 +237,14 @@ def fill_whole(
         time: Of the state.
 
     Returns:
-        What :func:`~fem_lie.system.nodes.element_turns.nearest` says.
+        Whether an element turns nearly too far.
     """
-    found = fill_by_twists(H, v, weights, booked, scene, rows, row)
-    potential, springs, element, turn, near = found
+    potential, springs, near = fill_by_twists(H, v, weights, booked, scene, rows, row)
     energy = np.zeros(1)
     add_cells(H, cells, 0, energy)
     numbers1(rows, 8)[row], numbers1(rows, 9)[row] = potential, springs + energy[0]
     numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
-    return element, turn, near
+    return near
 
 
 @compiled
@@ -260,7 +257,7 @@ def fill_by_rates(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float, bool]:
+) -> tuple[float, float, bool]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
     inertia.local_twists(H, V, v)
     return _fill(H, v, V, weights, booked, scene, rows, row)
@@ -276,7 +273,7 @@ def _fill(
     scene: Indices,
     rows: Indices,
     row: int,
-) -> tuple[float, float, int, float, bool]:
+) -> tuple[float, float, bool]:
     given, kept = _given(scene), _kept(rows)
     frames, velocities = kept.frames[row], kept.velocities[row]
     if given.leader.shape[0] == V.shape[0]:
@@ -293,8 +290,8 @@ def _fill(
     balance[:] = booked[:COLUMNS]
     for k in range(6):
         impulses[0, k], impulses[1, k] = booked[COLUMNS + k], booked[COLUMNS + 6 + k]
-    element, angle, near = nearest(frames, given.ends, given.limits, given.whole)
-    return potential, springs, element, angle, near
+    _, _, near = nearest(frames, given.ends, given.limits, given.whole)
+    return potential, springs, near
 
 
 @compiled

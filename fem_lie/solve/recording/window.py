@@ -36,7 +36,7 @@ class Window:
             zero where a row is not yet written, as ``impulses`` are.
         impulses: Of loads and reactions, shape (T, 2, 6).
         arrays: Those that :mod:`fem_lie.solve.recording.result_row` fills.
-        turn: Of the last row, see :meth:`~fem_lie.system.nodes.element_turns.ElementTurns.judge`.
+        turns_far: Whether an element turns nearly too far in the last row.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Window:
         for array in (self.elastic, self.balance, self.impulses):
             array[:] = 0.0
         self.row, self._parts = 0, list[dict[str, Array]]()
-        self.turn = 0, 0.0, False
+        self.turns_far = False
         self._collect_arrays()
         self._first: Array = np.full(2 + balances.COLUMNS, np.nan)
         self._last_gap = 0.0

@@ -94,10 +94,6 @@ class Equations:
         """What is behind."""
         return self._system
 
-    def measure_velocities(self, per_increment: float) -> None:
-        """Multiply constraints of velocities by ∂d/∂v: rows like those of positions."""
-        self._system.velocity_factor = per_increment
-
     # --- time ---
 
     def set_time(self, time: float, factor: float = 1.0) -> None:
@@ -123,6 +119,7 @@ class Equations:
         *,
         carried: bool = False,
         known: bool = False,
+        per_increment: float = 1.0,
     ) -> Forces:
         """Equations of motion and constraints times ``scale``, into ``r`` (size,).
 
@@ -134,6 +131,8 @@ class Equations:
             carried: Whether cells keep their own unknowns as they were carried along.
             known: Whether nothing but loads has changed since ``forces`` were found: what of ``r``
                 follows from the rest may be left out.
+            per_increment: Factor of constraints of velocities, ∂d/∂v: their rows in the matrix are
+                then like those of positions.
 
         Returns:
             What the derivative needs of the forces.
@@ -144,7 +143,7 @@ class Equations:
             return found
         if self._settles and not carried:
             self._terms.settle(state.H)
-        self._system.residual(state, scale, r, found)
+        self._system.residual(state, scale, r, found, per_increment=per_increment)
         return found
 
     def loads(self, H: Array) -> Array:
@@ -169,6 +168,8 @@ class Equations:
             The scale of the constraints in it, (m,).
         """
         system = self._system
+        if plan.at_rest is not None:
+            return fill_at_rest(system, state.H, plan.at_rest)
         if plan.steady:
             assert plan.scale is not None
             fill_steady(system, state.H, state.v, state.weights, plan.scale)
@@ -180,16 +181,6 @@ class Equations:
         elif plan.stressed is not None:
             self._terms.reset_stress(plan.stressed)
         return system.fill_matrix(state, system.room() if forces is None else forces, plan)
-
-    def fill_at_rest(self, H: Array, step: float) -> Array:
-        """Mass, and a stiffness that ``step`` does not resolve, into :attr:`matrix`.
-
-        ``M + h² K/4``, bordered by the constraints: it finds accelerations, and impulses in joints.
-
-        Returns:
-            The scale of the constraints in it, (m,).
-        """
-        return fill_at_rest(self._system, H, step)
 
     def constraints(self, H: Array) -> ConstraintsAt:
         """The constraints at frames ``H``: Jacobian and rates."""
@@ -274,29 +265,6 @@ class Equations:
     def books(self) -> Books:
         """Books of what loads, drives and supports do, empty."""
         return Books(self._system)
-
-    # --- for generalised-α alone ---
-
-    def room(self) -> Forces:
-        """For what a residual finds."""
-        return self._system.room()
-
-    def refresh(self, H: Array, d: Array, scale: Array) -> None:
-        """The constraints anew at ``H`` in what :meth:`fill` has filled, by increments ``d``."""
-        plan = Plan(d, scale, border_only=True)
-        self._system.tangent.refill_border(H, self.unknowns.kinds, plan)
-
-    def constraint_scale(self, H: Array) -> Array:
-        """Factors of the constraints that suit the blocks that were filled last, (m,)."""
-        return self._system.tangent.constraint_scale(H)
-
-    def to_frames(self, H: Array, x: Array) -> None:
-        """Turn components (≥ 6 n,) along :attr:`supports` into those in the nodes' frames."""
-        self.supports.turn_back(H, x[: 6 * self.unknowns.moving].reshape(-1, 6))
-
-    def judge_turn(self, found: tuple[int, float, bool], time: float) -> None:
-        """:meth:`check_turns` for the element and the turn that a row of results has found."""
-        self._system.turns.judge(found, time)
 
     # --- what they are like ---
 

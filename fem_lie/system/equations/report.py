@@ -96,11 +96,11 @@ class Report:
             held = np.ones_like(held)
         return wrenches(system.kinds, H, local, held, system.supported)
 
-    def check_turns(self, when: str) -> None:
+    def check_turns(self, when: str | float) -> None:
         """Warn where an element turns nearly as far as it may.
 
         Args:
-            when: Of which state, for messages.
+            when: Of which state, for messages; a number is a time.
 
         Raises:
             FoldedElementError: One turns farther.

@@ -29,7 +29,6 @@ class Unknowns(NamedTuple):
         kinds: What each node is, (n,), see :mod:`fem_lie.lie.kinds`.
         held: Which unknowns of the nodes are zero, (n, 6).
         supported: Nodes that something holds, (s,), of which reactions are told.
-        guided: Whether some nodes have unknowns along axes fixed in space.
         uncoupled: Which nodes move by ``x + R u`` in statics, (n,).
         angular: Which constraints are angles, (m,).
         joined: Which of them are one vector with the one before, (m,).
@@ -57,7 +56,6 @@ class Unknowns(NamedTuple):
     kinds: Indices
     held: Flags
     supported: Indices
-    guided: bool
     uncoupled: Flags
     angular: Flags
     joined: Flags
@@ -91,7 +89,6 @@ class Unknowns(NamedTuple):
             kinds=system.kinds,
             held=system.held,
             supported=system.supported,
-            guided=bool(system.supports),
             uncoupled=system.uncoupled,
             angular=connections.angular,
             joined=connections.joined,

@@ -117,11 +117,7 @@ class ElementTurns:
         Raises:
             FoldedElementError: An element is beyond it.
         """
-        self.judge(nearest(frames, self._nodes, self._limits, self._whole), when)
-
-    def judge(self, found: Found, when: str | float) -> None:
-        """:meth:`check` for what :func:`nearest` has found."""
-        row, angle, near = found
+        row, angle, near = nearest(frames, self._nodes, self._limits, self._whole)
         if not near:
             return
         turn, state = self._turn(row, angle), when if isinstance(when, str) else f"at time {when:g}"

@@ -18,7 +18,6 @@ from fem_lie.solve.alpha.step.nodes import PlainState, accept, correct, predict
 from fem_lie.solve.alpha.step.records import (
     BETWEEN,
     CHECKED,
-    ELEMENT,
     INCREMENT,
     ITERATION,
     LEARNED,
@@ -33,7 +32,6 @@ from fem_lie.solve.alpha.step.records import (
     SOLVED,
     STEP,
     TOTAL,
-    TURN,
     UPDATE,
     WANTED,
     WEIGHED,
@@ -140,7 +138,7 @@ def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
     this = packed(table)
     counters = this.counters
     scene, rows = results
-    element, turn, near = fill_whole(
+    near = fill_whole(
         this.H,
         this.motion[6],
         this.weights,
@@ -152,7 +150,7 @@ def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
         counters[TOTAL],
         counters[STEP] * h,
     )
-    counters[ELEMENT], this.numbers[TURN], counters[NEAR] = element, turn, int(near)
+    counters[NEAR] = int(near)
     counters[ROW] += 1
     counters[WANTED] += 1
     return near

@@ -13,14 +13,14 @@ BETWEEN, OPEN, WEIGHED, SOLVED, CHECKED, LEARNED = range(6)
 """Phases: between steps; a residual is wanted; it is known; the correction is; the step has
 converged; what it cost has been learned."""
 
-STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, ELEMENT, NEAR, COUNTERS = range(10)
+STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, NEAR, COUNTERS = range(9)
 """Counters: the step that is made or was made last, its iteration, the phase; what is made anew,
 see :class:`~fem_lie.solve.renewal.Update`; all iterations; the next row of results, how many of
-the wanted ones were filled in, the element that turns most in the last, and whether too far (1)."""
+the wanted ones were filled in, and whether an element turns nearly too far in the last (1)."""
 
-RATIO, NOW, PREVIOUS, INCREMENT, MOTION, TURN, NUMBERS = range(7)
+RATIO, NOW, PREVIOUS, INCREMENT, MOTION, NUMBERS = range(6)
 """Numbers: ratio of increments that steps begin with and that of the present one, the increment
-before and the present one, the largest motion in a step, and the turn of that element."""
+before and the present one, and the largest motion in a step."""
 
 
 class Packed(NamedTuple):
