@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.solve.alpha import run as alpha_run
+from fem_lie.solve.alpha import newton
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step.nodes import correct
 from fem_lie.system.equations import Equations, Instant
@@ -507,7 +507,7 @@ def test_iterations_count_attempts_that_failed(monkeypatch):
         corrections.append(arguments)
         return correct(*arguments)
 
-    monkeypatch.setattr(alpha_run, "correct", counted)
+    monkeypatch.setattr(newton, "correct", counted)
     result = flexible_pendulum(Asked(1e9, 100, 1e9), max_iterations=4)
     rescued = np.diff(result.iterations) > 4
     assert rescued.any()

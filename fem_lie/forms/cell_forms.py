@@ -15,7 +15,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer, stack
+from fem_lie._jit.stack import stack
+from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
 _KERNEL, _CELLS, _NODES, _FIRST, _W, _WIDTH, _C, _X, _EXTENT = range(9)
 """In a row: address of the kernel; number of cells, nodes of each, place of the first one; address

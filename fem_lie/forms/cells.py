@@ -18,9 +18,10 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.stack import stack
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.kernels import in_local_frames as kernels
-from fem_lie.forms.kernels.addresses import call_kernel, pointer, stack
+from fem_lie.forms.kernels.addresses import call_kernel, pointer
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
 

@@ -128,26 +128,6 @@ def add_mass_damping(
 
 
 @compiled
-def joint_reactions(
-    H: Array, v: Array, joints: PackedJoints, weights: Array, scale: Array, r: Array
-) -> float:
-    """Forces on all rows of ``H``, those that do not move by themselves, too; loss in dampers.
-
-    Args:
-        H: Frames of all rows.
-        v: Twists of the nodes that move.
-        joints: The joints.
-        weights: Their multipliers.
-        scale: Any numbers, shape (≥ m,).
-        r: Shape (≥ 6 rows + m,), overwritten.
-    """
-    r[:] = 0.0
-    table = joint_table(joints)
-    terms.evaluate(H, v, table, weights, scale, H.shape[0], r)
-    return terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
-
-
-@compiled
 def look(
     H: Array, v: Array, weights: Array, scene: PlainScene, row: Array, wrenches: Array
 ) -> None:
@@ -172,11 +152,9 @@ def look(
     if indptr.shape[0] > 0:
         add_mass_damping(kinds, H, v, damping, work, row)
     if joined:
-        r = np.empty(6 * rows + weights.shape[0])
-        row[LOSS] += joint_reactions(H, v, joints, weights, weights, r)
-        for i in range(n, rows):
-            for k in range(6):
-                wrenches[i - n, k] = r[6 * i + k]
+        table = joint_table(joints)
+        terms.reactions(H, v, table, weights, wrenches)
+        row[LOSS] += terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
         add_local(np.zeros(rows - n, dtype=np.int64), H[n:], wrenches, REACTIONS, 1.0, row)
 
 

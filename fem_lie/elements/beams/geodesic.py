@@ -19,6 +19,7 @@ from ufl.core.expr import Expr
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie._jit.stack import stack
 from fem_lie.elements.beams.element import (
     CellData,
     Formulation,
@@ -29,7 +30,7 @@ from fem_lie.elements.beams.element import (
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.forms.kernels.addresses import Pointer, stack
+from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import Grip

@@ -1,4 +1,4 @@
-"""What stands at an address, in compiled code: functions to be called, numbers, stack memory."""
+"""What stands at an address, in compiled code: functions to be called, and numbers."""
 
 from __future__ import annotations
 
@@ -28,16 +28,6 @@ MAP_SIGNATURE = types.void(
     double_pointer, double_pointer, double_pointer, double_pointer, types.intp
 )
 """Of the functions of a :class:`~fem_lie.forms.frame_map.FrameMap`."""
-
-
-@intrinsic
-def stack(typing_context, size):  # type: ignore[no-untyped-def]
-    """Uninitialised doubles in the caller's stack frame: no allocation per cell."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.alloca(ir.DoubleType(), size=arguments[0])
-
-    return double_pointer(size), generate
 
 
 @intrinsic

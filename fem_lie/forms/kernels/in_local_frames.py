@@ -15,12 +15,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
+from fem_lie._jit.stack import stack
 from fem_lie.forms.kernels.addresses import (
     UFCX_SIGNATURE,
     Pointer,
     apply,
     shift,
-    stack,
     tabulate,
 )
 

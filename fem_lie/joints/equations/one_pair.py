@@ -5,6 +5,8 @@ See :mod:`fem_lie.joints.equations.terms`, which sums over pairs.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fem_lie import lie
@@ -13,6 +15,49 @@ from fem_lie._jit import compiled, inlined
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 from fem_lie.joints.equations.table import JointTable
+
+ROOM = 72
+"""Numbers that :func:`room` needs."""
+
+
+class Room(NamedTuple):
+    """What is found of a pair, one after the other.
+
+    Attributes:
+        A: Frame of side A, shape (4, 3).
+        B: Of side B.
+        z: Relative motion, shape (12,).
+        p: What it does on ``δz``, shape (12,).
+        f: Values of the functions, shape (3,).
+        c: Factors of their gradients in ``p``, shape (3,).
+        sides: Forces on the frames, shape (2, 6).
+        moved: One of them on its node, shape (6,).
+    """
+
+    A: Array
+    B: Array
+    z: Array
+    p: Array
+    f: Array
+    c: Array
+    sides: Array
+    moved: Array
+
+
+@inlined
+def room(work: Array) -> Room:
+    """In ``work`` (72,), which is overwritten by zeros."""
+    work[:] = 0.0
+    return Room(
+        work[:12].reshape(4, 3),
+        work[12:24].reshape(4, 3),
+        work[24:36],
+        work[36:48],
+        work[48:51],
+        work[51:54],
+        work[54:66].reshape(2, 6),
+        work[66:72],
+    )
 
 
 @inlined

@@ -12,13 +12,24 @@ The node ``count`` and those after it do not move by themselves: ground and pres
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.stack import stack
 from fem_lie.joints.equations import functions
-from fem_lie.joints.equations.one_pair import gradient, load, locate, rate_of_term, term, twists
+from fem_lie.joints.equations.one_pair import (
+    ROOM,
+    gradient,
+    load,
+    locate,
+    rate_of_term,
+    room,
+    term,
+    twists,
+)
 from fem_lie.joints.equations.relative_motion import force, variation
 from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
 
@@ -38,8 +49,8 @@ def evaluate(
         count: Number of nodes that move.
         r: Residual, shape (≥ 6 count + m,), updated.
     """
-    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    f, c, sides, moved = np.zeros(3), np.empty(3), np.empty((2, 6)), np.empty(6)
+    work = numba.carray(stack(ROOM), (ROOM,))
+    A, B, z, p, f, c, sides, moved = room(work)
     m = len(table.targets)
     for row in range(m):
         r[6 * count + row] = -scale[row] * table.targets[row]
@@ -60,9 +71,39 @@ def evaluate(
 
 
 @compiled
+def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array) -> None:
+    """Forces on the frames that do not move by themselves, the last rows of ``H``.
+
+    Args:
+        H: Frames of all rows.
+        v: See :func:`evaluate`.
+        table: See there.
+        weights: See there.
+        out: One row of six for each of these frames, overwritten.
+    """
+    work = numba.carray(stack(ROOM), (ROOM,))
+    A, B, z, p, f, c, sides, moved = room(work)
+    out[:] = 0.0
+    count = H.shape[0] - out.shape[0]
+    for j in range(table.nodes.shape[0]):
+        if max(table.nodes[j, 0], table.nodes[j, 1]) < count:
+            continue
+        locate(H, table, j, A, B, z, f)
+        load(v, table, j, z, f, weights, p, c)
+        force(z, p, sides[0], sides[1])
+        for side in range(2):
+            row = table.nodes[j, side] - count
+            if row >= 0:
+                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                for k in range(6):
+                    out[row, k] += moved[k]
+
+
+@compiled
 def violations(H: Array, table: JointTable, out: Array) -> None:
     """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
-    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    work = numba.carray(stack(ROOM), (ROOM,))
+    A, B, z, _, f, _, _, _ = room(work)
     m = len(table.targets)
     for row in range(m):
         out[row] = -table.targets[row]
@@ -118,8 +159,8 @@ def wrenches(
 
     ``out`` has one row of six for each of ``pairs``.
     """
-    A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    f, c, sides = np.zeros(3), np.empty(3), np.empty((2, 6))
+    work = numba.carray(stack(ROOM), (ROOM,))
+    A, B, z, p, f, c, sides, _ = room(work)
     for i in range(pairs.shape[0]):
         j = pairs[i]
         locate(H, table, j, A, B, z, f)

@@ -2,7 +2,7 @@
 
 Formulas in :mod:`fem_lie.solve.alpha.generalised_alpha`. One compiled loop makes the steps, see
 :mod:`fem_lie.solve.alpha.step.loop`, and comes back for what is done here. What it does not know
-goes through the same steps one by one.
+is iterated by :mod:`fem_lie.solve.alpha.newton`.
 """
 
 from __future__ import annotations
@@ -14,22 +14,18 @@ import numpy as np
 
 from fem_lie._arrays import Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.lie.kinds import twists
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
+from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import Options
-from fem_lie.solve.alpha.projection import project
-from fem_lie.solve.alpha.run_state import RunState
 from fem_lie.solve.alpha.step import loop
-from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY, accept, correct, predict
+from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY
 from fem_lie.solve.alpha.step.records import (
     BETWEEN,
     INCREMENT,
     ITERATION,
-    MOTION,
     NEAR,
-    NOW,
     PHASE,
     RATIO,
     ROW,
@@ -41,8 +37,8 @@ from fem_lie.solve.alpha.step.records import (
     PlainSteps,
     Steps,
 )
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
-from fem_lie.solve.motion.policies import Decisions, EveryIteration
+from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
@@ -51,8 +47,6 @@ from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
 
-_STAGNATION = 1e-6  # full Newton that no longer contracts below this has met round-off
-
 _AT_A_TIME = 20_000
 """Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
 
@@ -60,7 +54,7 @@ _NOTHING: Indices = np.empty(0, dtype=np.int64)
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
 
-class Run(RunState):
+class Run(Newton):
     """One integration."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
@@ -128,6 +122,7 @@ class Run(RunState):
     def _stretch(self, history: Recorder) -> bool:
         """As many steps as can be made and recorded by the loop alone, at least one."""
         counters, index, most = self.counters, self.index, 1 if self._changing else self._most
+        self.reason = ""
         if history.whole and self._fills:
             last, wanted = history.stretch(index, most)
         else:
@@ -236,67 +231,6 @@ class Run(RunState):
         """Remember what frames do not tell of the accepted step, and book it."""
         self.equations.accept(self.s.H)
         self.books.add(self.h, end, *self._accepted)
-
-    # --- iteration of what the compiled loop does not know ---
-
-    def _iterate(self, decisions: Decisions, *, carried: bool) -> int:
-        """Predict, and correct until it converges; returns the iterations, 0 on failure."""
-        try:
-            return self._newton(decisions, carried)
-        except SingularMatrixError:
-            self.numbers[INCREMENT] = np.inf
-            return 0
-
-    def _newton(self, decisions: Decisions, carried: bool) -> int:
-        equations, s, numbers = self.equations, self.s, self.numbers
-        numbers[MOTION] = max(predict(*self._plain), numbers[MOTION])
-        tolerance = self._tolerance()
-        previous, ratio = np.inf, float(numbers[RATIO])
-        for iteration in range(1, self.options.max_iterations + 1):
-            self.counters[ITERATION] = iteration
-            self._find(self._end_instant, carried=carried)
-            update = decisions.before_iteration(iteration)
-            update = Update.ALL if update is True or self._missing else Update(update)
-            if update:
-                self._renew(update, None if carried else s.H1)
-            self._solve()
-            if carried:
-                h = np.empty_like(s.d)
-                twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
-                equations.carry(s.H1, h.ravel())
-            scale, measure, joined = self._sizes
-            increment = correct(*self._plain, self.dx, scale, measure, joined, self.weights)
-            ratio, remaining = estimate(increment, previous, ratio)
-            numbers[INCREMENT], numbers[NOW] = increment, ratio
-            stagnant = carried and ratio > 0.5 and increment < _STAGNATION
-            if remaining <= tolerance or increment <= ROUND_OFF or stagnant:
-                made = self._accepts(decisions, iteration, tolerance, stagnant)
-                return iteration if made else 0
-            if not increment < DIVERGED:
-                return 0
-            previous = increment
-        return 0
-
-    def _accepts(
-        self, decisions: Decisions, iteration: int, tolerance: float, stagnant: bool
-    ) -> bool:
-        """Accept the step that has converged, unless constraints contradict each other."""
-        equations, ratio = self.equations, float(self.numbers[NOW])
-        if equations.matrix.redundant and self._contradicts(tolerance, stagnant):
-            return False
-        self.numbers[RATIO] = loop.settled_ratio(ratio, iteration)
-        decisions.after_step(iteration)
-        if decisions.asks and not self._turned:
-            decisions.answer(iteration, ratio, self._staleness())
-        if self._projects:
-            project(equations, self.solver, self.s, self.scale, self._end, self.p.h)
-        accept(*self._plain)
-        return True
-
-    def _tolerance(self) -> float:
-        """Error that the iteration of a step may leave, see :data:`~.convergence.ROTATION`."""
-        motion = float(self.numbers[MOTION])
-        return loop.allowed(motion, self.options.tolerance, self._finest)
 
     # --- results ---
 

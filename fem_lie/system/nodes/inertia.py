@@ -47,9 +47,10 @@ def multiply_row(i: int, indptr: Indices, indices: Indices, G: Array, q: Array, 
             j = indices[entry]
             for b in range(4):
                 g = G[entry, a, b]
-                s0 += g * q[j, b, 0]
-                s1 += g * q[j, b, 1]
-                s2 += g * q[j, b, 2]
+                if g != 0.0:  # of most bodies two thirds are zero
+                    s0 += g * q[j, b, 0]
+                    s1 += g * q[j, b, 1]
+                    s2 += g * q[j, b, 2]
         out[a, 0], out[a, 1], out[a, 2] = s0, s1, s2
 
 
