@@ -24,10 +24,22 @@ Contents: TypeAlias = tuple[
 """Nodal loads of all cases; case, assembly and values of strains; cases of terms, and these."""
 
 
+_SIZE = 21
+"""Numbers of a node in the arrays of :class:`~fem_lie.system.nodes.loads.Loads`."""
+
+
+def _views(values: Array) -> tuple[Array, Array, Array]:
+    """Such arrays of values (21 n,), in that order."""
+    n = len(values) // _SIZE
+    dead, moment = values[: 12 * n], values[12 * n : 15 * n]
+    return dead.reshape(n, 4, 3), moment.reshape(n, 3), values[15 * n :].reshape(n, 6)
+
+
 class _Case:
     """All loads that have one history: what they are at amplitude one.
 
     Attributes:
+        all: Of nodes, one after the other, shape (21 n,); the next three are views.
         dead: Forces on (x, d₁, d₂, d₃) fixed in space, shape (n, 4, 3).
         moment: Moments fixed in space, shape (n, 3).
         following: Forces and moments in the nodes' frames, shape (n, 6).
@@ -38,9 +50,8 @@ class _Case:
     def __init__(self, numbering: Numbering) -> None:
         """Nothing acts."""
         self._numbering, count = numbering, numbering.count
-        self.dead = np.zeros((count, 4, 3))
-        self.moment = np.zeros((count, 3))
-        self.following = np.zeros((count, 6))
+        self.all = np.zeros(_SIZE * count)
+        self.dead, self.moment, self.following = _views(self.all)
         self.strains: list[tuple[int, Array]] = []
         self.terms: list[Term] = []
 
@@ -134,11 +145,10 @@ class LoadCases:
             self._last = amplitude
         if len(amplitude) == 1 and factor == 1.0:
             return Loads(*self._cases[0].arrays())
-        loads = Loads(*(np.zeros_like(array) for array in self._cases[0].arrays()))
+        total = np.zeros_like(self._cases[0].all)
         for a, part in zip(amplitude, self._cases, strict=True):
-            for total, array in zip(loads, part.arrays(), strict=True):
-                total += a * array
-        return loads
+            total += a * part.all
+        return Loads(*_views(total))
 
     @property
     def any_nodal(self) -> bool:
