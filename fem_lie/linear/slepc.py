@@ -47,7 +47,16 @@ def set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
     transform.setType(SLEPc.ST.Type.SINVERT)
     if kind is SLEPc.PEP:
         transform.setTransform(True)
-    linear = transform.getKSP()
+    solve_factorised(solver, prefix)
+
+
+def solve_factorised(solver: Any, prefix: str) -> None:
+    """Solve by a direct factorisation, with the user's options.
+
+    Raises:
+        ConvergenceError: SLEPc fails.
+    """
+    linear = solver.getST().getKSP()
     linear.setType(PETSc.KSP.Type.PREONLY)
     linear.getPC().setType(PETSc.PC.Type.LU)
     linear.getPC().setFactorSolverType("mumps")
@@ -57,7 +66,7 @@ def set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
             solver.solve()
     except PETSc.Error as error:
         raise ConvergenceError(
-            f"SLEPc failed (PETSc error {error.ierr}): the shifted matrix may be singular; see its "
+            f"SLEPc failed (PETSc error {error.ierr}): the matrix may be singular; see its "
             f"options under the prefix {prefix!r}"
         ) from error
 

@@ -17,9 +17,8 @@ import scipy.sparse as sp
 from slepc4py import SLEPc
 
 from fem_lie._arrays import Array, whole
-from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.slepc import padded, to_petsc
+from fem_lie.linear.slepc import padded, solve_factorised, to_petsc
 from fem_lie.results.buckling import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
@@ -138,16 +137,7 @@ def _largest(
     )
     solver.setDimensions(wanted)
     solver.setTolerances(_TOLERANCE, 500)
-    linear = solver.getST().getKSP()
-    linear.setType(PETSc.KSP.Type.PREONLY)
-    linear.getPC().setType(PETSc.PC.Type.LU)
-    linear.getPC().setFactorSolverType("mumps")
-    solver.setFromOptions()
-    try:
-        with slepc_errors():
-            solver.solve()
-    except PETSc.Error as error:
-        raise ConvergenceError(f"SLEPc failed (PETSc error {error.ierr})") from error
+    solve_factorised(solver, prefix)
     values, vectors = _pairs(solver, n, bordered.shape[0])
     # constraints bring zeros that are defective, of which round-off makes numbers of either sign
     energy = np.einsum("kn,kn->k", vectors, vectors @ K)
