@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from mass_matrix import mass_matrix_6x6
 from models import few
 
+import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.rigid import gram_from_rigid
 from fem_lie.forms import frames
+from fem_lie.system import System
 from fem_lie.system.nodes import inertia
 
 seeds = st.integers(0, 2**32 - 1)
@@ -289,3 +292,27 @@ def test_momenta_balance_the_force(seed):
 def test_bodies_that_cannot_be(arguments, message):
     with pytest.raises(ValueError, match=message):
         gram_from_rigid(*arguments)
+
+
+BEAMS = {"geodesic": fl.Geodesic(), "director 1": fl.Director(1), "director 2": fl.Director(2)}
+
+
+@pytest.mark.parametrize("name", BEAMS)
+@given(seed=seeds)
+@few
+def test_kinetic_energy_is_positive_for_any_rates_of_the_directors(name, seed):
+    """Not only for those of frames that turn: sections of all shapes, turned, off their centre."""
+    rng = np.random.default_rng(seed)
+    width, height = 0.1 * 10 ** rng.uniform(-1.5, 0, 2)
+    section = fl.Section.rectangle(width, height, fl.Material(2e11, 0.3, 7800.0))
+    section = section.rotated(rng.uniform(0, np.pi)).offset(*(0.1 * rng.normal(size=2)))
+    scene, angle = fl.Scene(), rng.uniform(0.01, 2.0)
+    cells = max(4, int(np.ceil(angle / 0.3)))
+    arc = lambda s: (np.sin(angle * s), 1 - np.cos(angle * s), 0.1 * s)  # noqa: E731
+    scene.add(fl.Beam.curve(arc, section, cells=cells, formulation=BEAMS[name]))
+    system = System(scene, dynamics=True)
+    indptr, indices, blocks = system.inertia
+    size = 4 * (len(indptr) - 1)
+    found = sp.bsr_matrix((blocks, indices, indptr), shape=(size, size)).toarray()
+    values = np.linalg.eigvalsh(found)
+    assert values[0] > -1e-13 * values[-1]

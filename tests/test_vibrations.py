@@ -58,9 +58,12 @@ def zeros(function, unit: float, count: int) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize(("length", "bound"), [(0.2, 2e-4), (1.0, 1e-4), (8.0, 1e-4)])
+@pytest.mark.parametrize(("length", "bound"), [(0.2, 4e-4), (1.0, 1e-4), (8.0, 1e-4)])
 def test_clamped_beam(length, bound):
-    """Bending in two planes, torsion and extension of a stubby to a slender Timoshenko beam."""
+    """Bending in two planes, torsion and extension of a stubby to a slender Timoshenko beam.
+
+    The largest error is that of short waves in the plane of the section's width, (kr)² θ²/10.
+    """
     scene, _ = beam(length)
     section = fl.Section.rectangle(0.02, 0.04, STEEL)
     D, gram = np.diag(section.stiffness), np.diag(section.inertia)

@@ -160,6 +160,11 @@ def smooth_inertia(density: Array, stiffness: Array, lengths: Array, slope: Arra
     γ the shear: little unless the waves are as short as the section is high. Mass, centre and
     moments of inertia of straight elements are exact.
 
+    No ``a_k`` is negative, so that the kinetic energy is positive for any rates of the directors.
+    Where a section is wider than high by more than a fifth, the larger of ``a₁ + a₃`` and
+    ``a₁ + a₂`` is therefore cut to what the other two moments allow: in bending within the plane
+    of its width some (kr)² θ²/10 is left, with r its radius of gyration and k the wave number.
+
     Args:
         density: Gram matrix of inertia per length, shape (m, 4, 4).
         stiffness: Section stiffness, shape (m, 6, 6).
@@ -197,8 +202,10 @@ def _difference_inertia(density: Array, stiffness: Array, lengths: Array) -> Arr
     for bending, shear in ((1, 2), (2, 1)):
         ratio = stiffness[:, 3 + bending, 3 + bending] / stiffness[:, shear, shear]
         tensor[:, bending, bending] += mass * lengths * (lengths**2 / 240 + ratio / 12)
-    half = 0.5 * np.trace(tensor, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
-    return np.asarray(half * np.eye(3) - tensor)
+    moments, axes = np.linalg.eigh(tensor)
+    moments[:, 2] = np.minimum(moments[:, 2], moments[:, 0] + moments[:, 1])
+    euler = 0.5 * moments.sum(axis=1, keepdims=True) - moments
+    return np.einsum("eik,ek,ejk->eij", axes, euler, axes)
 
 
 def geodesic_energy(
