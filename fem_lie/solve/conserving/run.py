@@ -22,7 +22,7 @@ from fem_lie.linear.factors import factorise
 from fem_lie.results import Result
 from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import local_rates
-from fem_lie.solve.conserving.run_state import PREFIX, RunState, local
+from fem_lie.solve.conserving.run_state import PREFIX, RunState
 from fem_lie.solve.conserving.step import loop, stopping
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.motion.consistent import accelerations
@@ -263,7 +263,7 @@ class Run(RunState):
         if s.sizes[-1] > 0.0:
             return at_end(s.weights, s.earlier, s.sizes)
         v, matrix = equations.start.velocities.copy(), equations.matrix.csr[0].copy()
-        v[:n] = local(s.H[:n], s.V)
+        v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         _, weights = accelerations(equations, solver, s.H, v, self._end, self.h)
         # the kept factors are those of this matrix
@@ -273,7 +273,7 @@ class Run(RunState):
     def _reactions(self, weights: Array) -> Array:
         """Of supports, by the equations of motion at the end of the step."""
         s, n = self.s, self.moving
-        v = local(s.H, s.V)
+        v = self.local(s.V, s.H)
         rates = local_rates(s.H[:n], v[:n], self.rates.end())
         return self.equations.report(s.H, v, rates, weights, carried=False).reactions
 

@@ -99,6 +99,12 @@ class RunState(Integration[History]):
         """See the base class."""
         return int(self.counters[stopping.STEPS])
 
+    def local(self, V: Any, H: Array) -> Array:
+        """Twists (n, 6) in the frames ``H`` of rates (n, 4, 3) of (x, d₁, d₂, d₃)."""
+        out = np.empty((len(V), 6))
+        inertia.local_twists(H, V, self.equations.tables.turning, out)
+        return out
+
     # --- start ---
 
     def start(self) -> None:
@@ -198,9 +204,9 @@ class RunState(Integration[History]):
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = half_way(s.H, end, n)
-            v, a = local(H[:n], 0.5 * (s.V + this.V1)), local(H[:n], (this.V1 - s.V) / self.h)
+            v, a = self.local(0.5 * (s.V + this.V1), H), self.local((this.V1 - s.V) / self.h, H)
         else:
-            H, end, v, ahead = s.H, s.H, local(s.H[:n], s.V), 1.0
+            H, end, v, ahead = s.H, s.H, self.local(s.V, s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
         # the constraints in the middle of the matrix's likely life: as old as the last one became
@@ -247,10 +253,3 @@ def half_way(H: Array, end: Array, count: int) -> Array:
     step = lie.se3_relative(H[:count], end[:count])
     middle[:count] = lie.se3_retract(H[:count], 0.5 * step)
     return middle
-
-
-def local(H: Array, V: Any) -> Array:
-    """Twists in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃): ``(RᵀẊ, ½ Σ e_k × Rᵀḋ_k)``."""
-    out = np.empty((len(V), 6))
-    inertia.local_twists(H, V, out)
-    return out

@@ -25,7 +25,7 @@ from fem_lie.results import Result
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import Run
-from fem_lie.solve.conserving.run_state import PREFIX, Options, local
+from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.step import stopping
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
@@ -151,7 +151,7 @@ class ConservingSteps(Run):
         """Accelerations after a jump, for reactions."""
         equations, s, n = self.equations, self.s, self.moving
         self._end, v = time, equations.start.velocities.copy()
-        v[:n] = local(s.H[:n], s.V)
+        v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         found = accelerations(equations, solver, s.H, v, time, self.h)[0]
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], found))
@@ -160,7 +160,7 @@ class ConservingSteps(Run):
         """Make velocities satisfy drives and motions after ``time``, whose work is counted."""
         equations, s, n = self.equations, self.s, self.moving
         v, change = equations.start.velocities.copy(), np.empty_like(s.V)
-        v[:n] = local(s.H[:n], s.V)
+        v[:n] = self.local(s.V, s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         after = allowed_velocities(equations, solver, s.H, v, time, self.h)
         push(s.H[:n], after[:n] - v[:n], change)

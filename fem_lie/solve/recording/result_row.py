@@ -48,7 +48,8 @@ class ResultRow:
         nodes = known.kinds, known.leader, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
-        self._fixed = FixedArrays([*nodes, *joints, known.limits, known.ends, known.whole])
+        turns = known.limits, known.ends, known.whole
+        self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning])
         self.scene = self._fixed.table
 
     def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
@@ -104,6 +105,7 @@ class Given(NamedTuple):
         limits: Turns that elements may make, (w,).
         ends: Nodes of these elements from end to end, (w, 3).
         whole: Whether whole frames turn, (w,).
+        turning: Angular velocities of rates of directors, (n, 3, 3, 3).
     """
 
     kinds: Indices
@@ -119,6 +121,7 @@ class Given(NamedTuple):
     limits: Array
     ends: Indices
     whole: Indices
+    turning: Array
 
 
 class Kept(NamedTuple):
@@ -162,6 +165,7 @@ def _given(table: Indices) -> Given:
         numbers1(table, 14),
         integers2(table, 15),
         integers1(table, 16),
+        numbers4(table, 17),
     )
 
 
@@ -259,7 +263,7 @@ def fill_by_rates(
     row: int,
 ) -> tuple[float, float, bool]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
-    inertia.local_twists(H, V, v)
+    inertia.local_twists(H, V, _given(scene).turning, v)
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 

@@ -13,7 +13,7 @@ from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe, symmetry
 from fem_lie.system.balance.acting import supported
-from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.inertia import Inertia, turning_of
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.system import System
 
@@ -130,6 +130,8 @@ class Tables(NamedTuple):
         leader: Of each node, (N,).
         offset: Its frame in that of its leader, (N, 4, 3).
         inertia: Mass matrix on (x, d₁, d₂, d₃).
+        turning: Angular velocities of rates of directors, see
+            :func:`~fem_lie.system.nodes.inertia.turning_of`, (n, 3, 3, 3).
         damping: Damping that goes with mass, likewise; empty without.
         loads: At the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
@@ -157,6 +159,7 @@ class Tables(NamedTuple):
     leader: Indices
     offset: Array
     inertia: Inertia
+    turning: Array
     damping: Inertia
     loads: Loads
     conservative: Array
@@ -188,6 +191,7 @@ class Tables(NamedTuple):
             attachment.leader,
             attachment.offset,
             system.inertia,
+            turning_of(system.inertia, system.held),
             Inertia.none() if rates is None else Inertia(*rates),
             system.lasting_loads,
             system.conservative,

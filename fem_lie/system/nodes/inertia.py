@@ -14,7 +14,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import directors
 from fem_lie.lie.kinds import SLOPE, acceleration, acceleration_derivatives, pull, push_all
@@ -187,10 +188,10 @@ def invariants_of_rates(
 
 
 @compiled
-def local_twists(H: Array, qdot: Array, out: Array) -> None:
+def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
     """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
 
-    ``(Rᵀẋ, ½ Σ e_k × Rᵀḋ_k)``.
+    ``(Rᵀẋ, Σ turning_l Rᵀḋ_l)``, see :func:`turning_of`.
     """
     turned = np.empty((4, 3))
     for i in range(qdot.shape[0]):
@@ -200,9 +201,46 @@ def local_twists(H: Array, qdot: Array, out: Array) -> None:
                 for j in range(3):
                     turned[k, a] += H[i, 1 + a, j] * qdot[i, k, j]
         for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
             out[i, a] = turned[0, a]
-            out[i, 3 + a] = 0.5 * (turned[1 + b, c] - turned[1 + c, b])
+            spin = 0.0
+            for k in range(3):
+                for c in range(3):
+                    spin += turning[i, a, k, c] * turned[1 + k, c]
+            out[i, 3 + a] = spin
+
+
+def turning_of(inertia: Inertia, held: Flags) -> Array:
+    """Angular velocity from rates of directors that need not be those of a turning frame.
+
+    It has the angular momentum of the rates, ``J ω = Σ E_kl e_k × Rᵀḋ_l`` with ``E`` of the node's
+    own inertia: rates of directors without inertia follow from no balance, and may be anything.
+    About axes without inertia it is the mean, ``½ Σ e_k × Rᵀḋ_k``, and nil where rotation is held.
+
+    Args:
+        inertia: Of the nodes.
+        held: Which of their unknowns are zero, shape (n, 6).
+
+    Returns:
+        Shape (n, 3, 3, 3): ω's component, director, the component of its rate in the frame.
+    """
+    count = len(held)
+    E = np.zeros((count, 3, 3))
+    rows = np.repeat(np.arange(len(inertia.indptr[1:])), np.diff(inertia.indptr))
+    own = rows == inertia.indices
+    E[rows[own]] = inertia.blocks[own, 1:, 1:]
+    J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
+    moments, axes = np.linalg.eigh(J)
+    felt = moments > _MASSLESS * moments[:, 2:]
+    inverse = np.divide(1.0, moments, out=np.zeros_like(moments), where=felt)
+    cross = lie.hat(np.eye(3)).swapaxes(1, 2)
+    heavy = np.einsum("nai,ni,nbi,bkc,nkl->nalc", axes, inverse, axes, cross, E, optimize=True)
+    light = np.einsum("nai,ni,nbi,blc->nalc", axes, ~felt, axes, 0.5 * cross, optimize=True)
+    found = heavy + light
+    found[held[:, 3:]] = 0.0
+    return np.asarray(found)
+
+
+_MASSLESS = 1e-10  # of a node's largest moment of inertia
 
 
 class Inertia(NamedTuple):
