@@ -8,6 +8,7 @@ from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
@@ -27,6 +28,13 @@ from fem_lie.elements.shells.measures import (
     MITC6,
     MITC9,
     StrainMeasures,
+)
+from fem_lie.elements.solids.element import Isoparametric, MeanDilatation, SolidFormulation
+from fem_lie.elements.solids.materials import (
+    Hyperelastic,
+    NeoHooke,
+    SaintVenantKirchhoff,
+    SolidMaterial,
 )
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
@@ -62,6 +70,9 @@ from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
 from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.mesh.volumes.blocks import block, brick
+from fem_lie.mesh.volumes.reading import read_gmsh_volume, volume_from_dolfinx
+from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
 from fem_lie.results.buckling import BucklingModes
@@ -171,9 +182,11 @@ __all__ = [
     "HellingerReissner",
     "HermiteCable",
     "HuWashizu",
+    "Hyperelastic",
     "Imperfection",
     "InPlane",
     "Index",
+    "Isoparametric",
     "Joint",
     "Jumps",
     "KnifeEdge",
@@ -184,8 +197,10 @@ __all__ = [
     "LocalFrameForms",
     "MassLoad",
     "Material",
+    "MeanDilatation",
     "ModeImperfection",
     "Modes",
+    "NeoHooke",
     "Never",
     "Newton",
     "NodalFrames",
@@ -213,6 +228,7 @@ __all__ = [
     "RigidBody",
     "RigidLink",
     "RollingDisc",
+    "SaintVenantKirchhoff",
     "Scene",
     "Screw",
     "Section",
@@ -225,6 +241,9 @@ __all__ = [
     "ShellSection",
     "Sleeve",
     "Sliding",
+    "Solid",
+    "SolidFormulation",
+    "SolidMaterial",
     "Spherical",
     "Spring",
     "StaticResult",
@@ -241,8 +260,11 @@ __all__ = [
     "UnstableEquilibriumWarning",
     "Update",
     "VolumeLoad",
+    "VolumeMesh",
     "Warping",
+    "block",
     "branch",
+    "brick",
     "buckling",
     "director_strains",
     "follow_loads",
@@ -254,6 +276,7 @@ __all__ = [
     "local_frame_forms",
     "read_gmsh",
     "read_gmsh_surface",
+    "read_gmsh_volume",
     "resultant_series",
     "resultants",
     "section_forces",
@@ -261,5 +284,6 @@ __all__ = [
     "surface",
     "surface_from_dolfinx",
     "vibrations",
+    "volume_from_dolfinx",
     "write_resultants",
 ]

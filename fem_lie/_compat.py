@@ -161,10 +161,18 @@ def create_surface_mesh(
 ) -> dolfinx.mesh.Mesh:
     """Mesh on this process alone, from points ``(n, gdim)`` and cells as DOLFINx orders them.
 
+    Volumes are meshed likewise.
+
     The call is by keyword: two arguments were swapped in 0.10.
     """
     element = basix.ufl.element("Lagrange", cell, degree, shape=(points.shape[1],))
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
+
+
+def gmsh_order(cell: str, nodes: int) -> npt.NDArray[np.int64]:
+    """Where DOLFINx's nodes of a cell stand among gmsh's, shape (nodes,)."""
+    kind = dolfinx.cpp.mesh.to_type(cell)
+    return np.asarray(dolfinx.cpp.io.perm_gmsh(kind, nodes), dtype=np.int64)
 
 
 def is_made_of(

@@ -56,6 +56,8 @@ class Assembly(Term):
         cell_order: Likewise its cells.
         indptr: Rows of the pattern of node pairs, with ``indices``.
         inertia: In that pattern, or ``None`` without mass.
+        around: If the axes of its nodes are to follow the motion, factors ``b_ik`` of each pair in
+            that pattern, shape (nnz, 3): around node i the mean deformation is ``Σ x_k ⊗ b_ik``.
         beside: Other terms on its nodes.
     """
 
@@ -81,6 +83,7 @@ class Assembly(Term):
         """
         self.order, self.cell_order, self.count = order, cell_order, len(order)
         self.inertia: NodalInertia | None = None
+        self.around: Array | None = None
         self.beside: list[Term] = []
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         cells = frames.function.function_space.dofmap.list

@@ -15,7 +15,11 @@ from fem_lie._arrays import Indices
 
 _log = logging.getLogger(__name__)
 
-_ENTITIES = {1: ("curves", "surfaces and volumes"), 2: ("surfaces", "volumes")}
+_ENTITIES = {
+    1: ("curves", "surfaces and volumes"),
+    2: ("surfaces", "volumes"),
+    3: ("volumes", "bodies"),
+}
 
 
 @contextmanager

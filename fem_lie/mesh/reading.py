@@ -100,12 +100,12 @@ def from_dolfinx(
             "the mesh must consist of intervals of order 1, got "
             f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
         )
-    names = _tagged(vertex_tags, named_points, "vertex_tags")
+    names = tagged(vertex_tags, named_points, "vertex_tags")
     mesh.topology.create_connectivity(0, 1)
     return LineMesh.from_cells(
         mesh.geometry.x,
         cells,
-        groups=_tagged(cell_tags, groups, "cell_tags"),
+        groups=tagged(cell_tags, groups, "cell_tags"),
         named_points={
             name: entities_to_geometry(mesh, 0, vertices).ravel()
             for name, vertices in names.items()
@@ -197,8 +197,8 @@ def surface_from_dolfinx(
         )
     mesh.topology.create_connectivity(0, 2)
     mesh.topology.create_connectivity(1, 2)
-    edges = _tagged(facet_tags, curves, "facet_tags")
-    vertices = _tagged(vertex_tags, named_points, "vertex_tags")
+    edges = tagged(facet_tags, curves, "facet_tags")
+    vertices = tagged(vertex_tags, named_points, "vertex_tags")
     turned = turned_round(cells, cell)
     if turned.any():
         _log.info("%d of %d cells are turned round, to look to one side", turned.sum(), len(cells))
@@ -206,7 +206,7 @@ def surface_from_dolfinx(
         mesh.geometry.x,
         turn(cells, cell, turned),
         cell,
-        groups=_tagged(cell_tags, groups, "cell_tags"),
+        groups=tagged(cell_tags, groups, "cell_tags"),
         curves={name: entities_to_geometry(mesh, 1, found) for name, found in edges.items()},
         named_points={
             name: entities_to_geometry(mesh, 0, found).ravel() for name, found in vertices.items()
@@ -215,7 +215,7 @@ def surface_from_dolfinx(
     )
 
 
-def _tagged(
+def tagged(
     tags: dolfinx.mesh.MeshTags | None, names: Mapping[str, int] | None, what: str
 ) -> dict[str, npt.NDArray[np.int32]]:
     """Entities of each name."""

@@ -24,6 +24,7 @@ from fem_lie.system.frame_rows import FrameRows
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.carried_axes import CarriedAxes
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
@@ -56,6 +57,7 @@ class System:
         elastic: Those within bodies and on them.
         tangent: The matrix; ``kkt`` is what it is filled into.
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
+        carried: These, and axes of places that follow what is around them, if there are any.
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
             for what is held.
         turns: How far elements turn from end to end.
@@ -123,6 +125,10 @@ class System:
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
+        axes = CarriedAxes(numbering, self.held, self.connections.nodes)
+        self.carried: list[CarriedDrilling | CarriedAxes] = [
+            each for each in (self.carried_drilling, axes) if each
+        ]
         self._check_redundant()
         self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))
         self._any_uncoupled = bool(self.uncoupled.any())

@@ -227,20 +227,18 @@ class Equations:
     def turn_drills(
         self, H: Array, motion: Array | None = None, written_locally: Flags | None = None
     ) -> None:
-        """Turn frames that follow a mid-surface, and what is written in them.
+        """Turn axes that follow a mid-surface or what is around them, and what is written in them.
 
         Args:
             H: Frames of all rows.
             motion: Velocities, accelerations and the like, shape (k, n, 6); default: none.
             written_locally: Which of them have components in the frames on any group, (k,).
         """
-        drilling = self._system.carried_drilling
-        if not drilling:
-            return
-        if motion is None or written_locally is None:
-            drilling.turn(H)
-        else:
-            drilling.turn_motion(H, motion, self.unknowns.kinds, written_locally)
+        for carried in self._system.carried:
+            if motion is None or written_locally is None:
+                carried.turn(H)
+            else:
+                carried.turn_motion(H, motion, self.unknowns.kinds, written_locally)
 
     # --- what is told of a state ---
 

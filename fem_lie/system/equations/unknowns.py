@@ -152,7 +152,7 @@ class Tables(NamedTuple):
         stored: Cells whose energy is all that bodies have, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
         turns: Whether joints count their turns.
-        drills: Whether frames follow a mid-surface and are turned after each step.
+        drills: Whether axes follow a mid-surface or what is around them, turned after each step.
     """
 
     kinds: Indices
@@ -206,5 +206,5 @@ class Tables(NamedTuple):
             in_one_sum=system.in_one_sum,
             stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
             turns=connections.first.turns,
-            drills=bool(system.carried_drilling),
+            drills=bool(system.carried),
         )

@@ -43,8 +43,9 @@ def inertia_of(
             damping.append(np.zeros_like(mass[-1]) if given is None else given)
         elif required:
             raise ValueError(
-                "dynamics and gravity need the inertia of all sections: "
-                "Section.from_stiffness(..., mass=..., rotary=...)"
+                "dynamics and gravity need the inertia of all sections, and the density of all "
+                "materials: Section.from_stiffness(..., mass=..., rotary=...), NeoHooke(E, nu, "
+                "density)"
             )
     for body in bodies:
         if isinstance(body, RigidBody):

@@ -1,0 +1,1 @@
+"""Solid bodies: their nodes, supports, and the assembly of their elements."""

@@ -1,0 +1,244 @@
+"""Solid bodies: places of nodes in hexahedra or tetrahedra, axes that follow the motion."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Hashable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fem_lie._arrays import Indices, diameter, instance, log_coincident, text, vector, whole
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.per_cell import of_groups
+from fem_lie.bodies.solids.assembly import SolidAssembly
+from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
+from fem_lie.bodies.solids.supports import SupportedSolid
+from fem_lie.elements.solids.element import SolidFormulation, default_formulation
+from fem_lie.elements.solids.materials import SolidMaterial
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.mesh.volumes.blocks import brick
+from fem_lie.mesh.volumes.integrals import VolumeRule
+from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
+
+_log = logging.getLogger(__name__)
+
+SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
+
+
+class Solid(SupportedSolid):
+    """A body of hexahedra or tetrahedra, of any hyperelastic material.
+
+    Its nodes are places. Their axes turn with the cells around them as states are accepted, which
+    changes nothing but the components in which equations are written: a body that tumbles keeps its
+    matrix. Axes along which places are held, or to which joints are bound, stay as they are.
+
+    Joints, springs, drives and moments hold on to a patch of nodes by :meth:`grip`; forces and
+    supports act on nodes, too.
+
+    Attributes:
+        mesh: As it is unloaded.
+        degree: Of the interpolation of places.
+        connectivity: Nodes of each cell, shape (m, k).
+        material: The law of all cells.
+        parameters: That the law takes in each cell, shape (m, p).
+        density: Of each cell, shape (m,).
+        has_mass: Whether all cells have a density.
+        formulation: The element.
+        damping: Of its motion in space.
+        rule: Integrals over the cells.
+    """
+
+    def __init__(
+        self,
+        mesh: VolumeMesh | dolfinx.mesh.Mesh,
+        material: SolidMaterials,
+        *,
+        degree: int | None = None,
+        formulation: SolidFormulation | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> None:
+        """Place the nodes.
+
+        Args:
+            mesh: The volume, or DOLFINx's own mesh of it.
+            material: Of all cells, or one for each named group, of one law.
+            degree: Of the interpolation, 1 or 2; default: that of the mesh.
+            formulation: The element; default: :class:`~fem_lie.MeanDilatation` for hexahedra of
+                degree 1, else :class:`~fem_lie.Isoparametric`.
+            damping: With mass only.
+            name: How messages and results call it.
+
+        Raises:
+            ValueError: The mesh is no volume or has inverted cells, a cell has no material or that
+                of another law, the element is not for these cells, or there is damping with strain.
+            TypeError: An argument is of another kind than wanted.
+        """
+        if isinstance(mesh, dolfinx.mesh.Mesh):
+            mesh = VolumeMesh(mesh)
+        instance(mesh, VolumeMesh, "Solid: mesh", "a VolumeMesh; see block(), read_gmsh_volume()")
+        instance(formulation, SolidFormulation | None, "Solid: formulation", "an element or None")
+        instance(damping, Damping | None, "Solid: damping", "a Damping or None")
+        self.degree = mesh.degree if degree is None else whole(degree, "Solid: degree")
+        if self.degree > 2:
+            raise ValueError(f"Solid: degree must be 1 or 2, got {degree!r}")
+        self.mesh, self.source = mesh, mesh.mesh
+        self.formulation = (
+            default_formulation(mesh.cell, self.degree) if formulation is None else formulation
+        )
+        self.formulation.check(mesh.cell, self.degree)
+        self.damping = Damping() if damping is None else damping
+        if self.damping.factors().any():
+            raise ValueError("a Solid has damping with mass only, got Damping(stiffness=…)")
+        self._take(material)
+        self._space = fem.functionspace(mesh.mesh, ("P", self.degree))
+        self.connectivity: Indices = self._space.dofmap.list.astype(np.int64)
+        self.rule = VolumeRule.of(mesh.mesh, self.degree)
+        places = self._space.tabulate_dof_coordinates()
+        frames = np.concatenate([places[:, np.newaxis], np.tile(np.eye(3), (len(places), 1, 1))], 1)
+        super().__init__(
+            frames,
+            cells=np.empty((0, 2), dtype=np.int64),
+            outline=None,
+            size=diameter(places),
+            points=self._named(),
+            name=name,
+        )
+        log_coincident(self.label, places)
+        self.faces = self._skin.drawn()
+        self.thickness = np.zeros(len(self.faces))
+        if (mesh.cell, self.degree) == ("tetrahedron", 1):
+            _log.warning(
+                "%s has tetrahedra of degree 1, which are much too stiff in bending and lock with "
+                "nearly incompressible material: Solid(…, degree=2) is not",
+                self.label,
+            )
+
+    @classmethod
+    def brick(
+        cls,
+        lengths: npt.ArrayLike,
+        material: SolidMaterial,
+        *,
+        cells: tuple[int, int, int],
+        origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+        cell: str = "hexahedron",
+        degree: int = 1,
+        formulation: SolidFormulation | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> Solid:
+        """Box with edges along the axes, cut into equal cells.
+
+        Its faces are "a=0", "a=1", "b=0", … with a, b and c along x, y and z, its edges the curves
+        "a=0,b=0" and so on, its corners the points "000" to "111".
+
+        Args:
+            lengths: Of its edges, shape (3,).
+            material: See the class, as the others.
+            cells: Numbers along x, y and z.
+            origin: Corner with the smallest coordinates.
+            cell: ``"hexahedron"`` or ``"tetrahedron"``.
+            degree: Of the interpolation.
+            formulation: The element.
+            damping: With mass only.
+            name: For messages and results.
+        """
+        mesh = brick(lengths, cells, origin=origin, cell=cell)
+        return cls(
+            mesh, material, degree=degree, formulation=formulation, damping=damping, name=name
+        )
+
+    def _take(self, material: SolidMaterials) -> None:
+        """Law, parameters and density of the cells."""
+        count = self.mesh.cells
+        if isinstance(material, Mapping):
+            wanted = "a SolidMaterial such as NeoHooke(E, nu, density)"
+            kind: Any = SolidMaterial
+            each = of_groups(material, kind, wanted, count, self.mesh.group)
+        else:
+            instance(
+                material, SolidMaterial, "Solid: material", "a SolidMaterial, or one per group"
+            )
+            each = [material] * count
+        self.material = each[0]
+        for other in each:
+            alike = len(other.parameters) == len(self.material.parameters)
+            if other.law != self.material.law or not alike:
+                raise ValueError(
+                    "all cells of a Solid have one law, and differ in its parameters and density: "
+                    f"got {self.material} and {other}; join two Solids instead"
+                )
+        self.parameters = np.array([of.parameters for of in each], dtype=np.float64)
+        self.has_mass = all(of.density is not None for of in each)
+        self.density = np.array([0.0 if of.density is None else of.density for of in each])
+
+    def _named(self) -> dict[str, int]:
+        """Nodes of points that are one node each."""
+        named = {key: self.nodes_of(key) for key in self.mesh.named_points}
+        return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
+
+    @cached_property
+    def _skin(self) -> Faces:
+        """All facets that bound the body."""
+        topology = self.mesh.mesh.topology
+        topology.create_connectivity(2, 3)
+        facets = dolfinx.mesh.exterior_facet_indices(topology)
+        return faces_of(self._space, facets.astype(np.int64), self.degree)
+
+    @property
+    def node_kind(self) -> NodeKind:
+        """Places."""
+        return NodeKind.POINT
+
+    @property
+    def kind(self) -> Hashable:
+        """Each by itself, on its own mesh."""
+        return self
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:
+        """The one solid."""
+        (body,) = bodies
+        return SolidAssembly(body)
+
+    @property
+    def volume(self) -> float:
+        """Unloaded."""
+        return float(self.rule.volumes.sum())
+
+    def nodes_of(self, name: str) -> Indices:
+        """Nodes of a named face, curve, point or group of cells.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        text(name, "the name of a part of a solid")
+        return nodes_on(self._space, *self.mesh.part(name))
+
+    def facets(self, name: str) -> Faces:
+        """A named face, as surface cells.
+
+        Raises:
+            ValueError: There is no such face; the message lists those that exist.
+        """
+        return faces_of(self._space, self.mesh.face(name), self.degree)
+
+    def nearest(self, place: npt.ArrayLike) -> Point:
+        """The node that is nearest to a place, unloaded, shape (3,)."""
+        wanted = vector(place, 3, "place")
+        return self.node(int(np.linalg.norm(self.frames[:, 0] - wanted, axis=1).argmin()))
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Cells of a named group (default: all).
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return np.arange(self.mesh.cells) if group is None else self.mesh.group(group)

@@ -1,0 +1,146 @@
+"""Materials of solids: stored energy per unloaded volume, in UFL.
+
+It is a function of the right Cauchy-Green tensor ``C = FᵀF`` of the deformation gradient ``F``, so
+that it cannot depend on how a body has turned; stress is ``S = 2 ∂W/∂C``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import ufl
+from ufl.core.expr import Expr
+
+from fem_lie._arrays import instance, number, positive
+
+
+class SolidMaterial(ABC):
+    """What a solid is made of: subclass it as a frozen dataclass.
+
+    Attributes:
+        density: Mass per unloaded volume, or ``None`` for statics without gravity.
+    """
+
+    density: float | None
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[float, ...]:
+        """Numbers that :meth:`energy` takes; groups of cells may differ in these and nothing else.
+
+        As many for all materials of a class.
+        """
+
+    @property
+    def law(self) -> object:
+        """What materials in one solid must have in common: by default their class."""
+        return type(self)
+
+    @abstractmethod
+    def energy(self, C: Expr, *parameters: Expr) -> Expr:
+        """Energy per unloaded volume, zero and without stress at ``C = 1``.
+
+        Args:
+            C: Right Cauchy-Green tensor, a symmetric matrix (3, 3).
+            parameters: :attr:`parameters` of each cell.
+        """
+
+    def _check_density(self) -> None:
+        if self.density is not None:
+            positive(self.density, "density")
+
+
+@dataclass(frozen=True)
+class _Isotropic(SolidMaterial):
+    """A material of two elastic constants.
+
+    Attributes:
+        E: Young's modulus of small strains, force per area.
+        nu: Poisson's ratio of small strains, -1 < nu < 0.5.
+        density: Mass per unloaded volume, or ``None``.
+
+    Raises:
+        ValueError: A number is outside its range.
+    """
+
+    E: float
+    nu: float
+    density: float | None = None
+
+    def __post_init__(self) -> None:
+        """See the class."""
+        positive(self.E, "Young's modulus E")
+        if not -1.0 < number(self.nu, "Poisson's ratio nu") < 0.5:
+            raise ValueError(
+                f"Poisson's ratio nu of a solid must satisfy -1 < nu < 0.5, got {self.nu!r}"
+            )
+        self._check_density()
+
+    @property
+    def parameters(self) -> tuple[float, float]:
+        """Lamé's constants λ and μ."""
+        μ = self.E / (2.0 * (1.0 + self.nu))
+        return 2.0 * μ * self.nu / (1.0 - 2.0 * self.nu), μ
+
+
+@dataclass(frozen=True)
+class SaintVenantKirchhoff(_Isotropic):
+    """``W = ½ λ (tr E)² + μ E:E`` with ``E = ½ (C − 1)``: small strains, any rotations.
+
+    In compression beyond some forty per cent it has no resistance any more.
+    """
+
+    def energy(self, C: Expr, *parameters: Expr) -> Expr:
+        """See the base class."""
+        λ, μ = parameters
+        E = 0.5 * (C - ufl.Identity(3))
+        return 0.5 * λ * ufl.tr(E) ** 2 + μ * ufl.inner(E, E)
+
+
+@dataclass(frozen=True)
+class NeoHooke(_Isotropic):
+    """``W = ½ μ (tr C − 3 − 2 ln J) + ½ λ (ln J)²``: large strains, ``J = √det C``."""
+
+    def energy(self, C: Expr, *parameters: Expr) -> Expr:
+        """See the base class."""
+        λ, μ = parameters
+        log = 0.5 * ufl.ln(ufl.det(C))
+        return 0.5 * μ * (ufl.tr(C) - 3.0 - 2.0 * log) + 0.5 * λ * log**2
+
+
+@dataclass(frozen=True)
+class Hyperelastic(SolidMaterial):
+    """Any other energy, anisotropic ones included.
+
+    Attributes:
+        function: Energy per unloaded volume as a UFL function of ``C``, and of ``parameters`` if
+            there are any; it must vanish, and have no slope, at ``C = 1``.
+        density: Mass per unloaded volume, or ``None``.
+        parameters: Numbers for the function; groups of cells of one solid may differ in these.
+
+    Raises:
+        TypeError: It is no function.
+        ValueError: A number is outside its range.
+    """
+
+    function: Callable[..., Expr]
+    density: float | None = None
+    parameters: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """See the class."""
+        instance(self.function, Callable, "Hyperelastic: function", "a UFL function of C")
+        for value in self.parameters:
+            number(value, "a parameter of a Hyperelastic material")
+        self._check_density()
+
+    @property
+    def law(self) -> object:
+        """The function."""
+        return self.function
+
+    def energy(self, C: Expr, *parameters: Expr) -> Expr:
+        """See the base class."""
+        return self.function(C, *parameters)

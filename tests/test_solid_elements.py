@@ -1,0 +1,195 @@
+"""Laws of the elements of solids: patch test, derivatives, rigid motions, with all materials."""
+
+import numpy as np
+import pytest
+import ufl
+
+import fem_lie as fl
+from fem_lie.elements.solids.maps import volume
+from fem_lie.system import System
+
+
+def mooney(C, first, second, bulk):
+    """Another material, as a user writes it."""
+    J = ufl.sqrt(ufl.det(C))
+    I1, I2 = ufl.tr(C), 0.5 * (ufl.tr(C) ** 2 - ufl.tr(C * C))
+    slope = 2 * first + 4 * second
+    return first * (I1 - 3) + second * (I2 - 3) - slope * ufl.ln(J) + bulk * (J - 1) ** 2
+
+
+MATERIALS = {
+    "Saint-Venant": fl.SaintVenantKirchhoff(10.0, 0.3, 2.0),
+    "neo-Hooke": fl.NeoHooke(10.0, 0.3, 2.0),
+    "Mooney": fl.Hyperelastic(mooney, 2.0, (1.5, 0.5, 10.0)),
+}
+
+ELEMENTS = {
+    "hexahedron 1, mean dilatation": ("hexahedron", 1, fl.MeanDilatation()),
+    "hexahedron 1": ("hexahedron", 1, fl.Isoparametric()),
+    "hexahedron 2": ("hexahedron", 2, None),
+    "tetrahedron 1": ("tetrahedron", 1, None),
+    "tetrahedron 2": ("tetrahedron", 2, None),
+}
+
+element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+material = pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
+
+
+def skewed(a, b, c):
+    """A brick whose inner cells are crooked."""
+    x = np.array([1.5 * a, 1.0 * b, 0.8 * c])
+    inside = 16 * a * (1 - a) * b * (1 - b) * c * (1 - c)
+    return x + inside * np.array([0.3, -0.25, 0.2])
+
+
+def solid(element, material=MATERIALS["neo-Hooke"], cells=(2, 2, 2)):
+    cell, degree, formulation = element
+    mesh = fl.block(skewed, cells, cell=cell)
+    return fl.Solid(mesh, material, degree=degree, formulation=formulation)
+
+
+def system_of(body, **options):
+    scene = fl.Scene()
+    scene.add(body)
+    return System(scene, dynamics=True, **options)
+
+
+def bent(system, size=0.05):
+    """Frames of a deformed state, axes as they follow it."""
+    H, rng = system.frames.copy(), np.random.default_rng(1)
+    n = system.count
+    x = H[:n, 0]
+    H[:n, 0] += size * np.sin(x @ rng.normal(size=(3, 3))) + 0.02 * size * rng.normal(size=(n, 3))
+    for carried in system.carried:
+        carried.turn(H)
+    return H
+
+
+def forces(system, H):
+    r = np.zeros(6 * system.count)
+    system.terms.add_forces(H, r)
+    return r.reshape(-1, 6)
+
+
+def moved(H, h):
+    new = H.copy()
+    new[: len(h), 0] += np.einsum("nij,ni->nj", H[: len(h), 1:], h[:, :3])
+    return new
+
+
+def blocks(system, H):
+    (term,) = system.terms
+    term.reset_stress(H)
+    return term.pairs, term.tangent(H, term.room())
+
+
+@element
+@material
+def test_patch(element, material):
+    """Boundary places by any linear map: the same map within, in crooked cells."""
+    body = solid(element, material)
+    F = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.15], [0.05, -0.1, 1.05]])
+    start = body.frames[:, 0].copy()
+    for face in ("a=0", "a=1", "b=0", "b=1", "c=0", "c=1"):
+        body.clamp(face)
+    free = ~body.held[:, 0]
+    assert free.any()
+    body.frames[:, 0] = start @ F.T
+    body.frames[free, 0] += 0.02 * np.random.default_rng(0).normal(size=(free.sum(), 3))
+    scene = fl.Scene()
+    scene.add(body)
+    found = fl.statics(scene)
+    np.testing.assert_allclose(
+        found.frames[-1, found.info.bodies[0].nodes, 0], start @ F.T, atol=1e-10
+    )
+
+
+@element
+@material
+def test_forces_are_the_gradient_of_the_energy(element, material):
+    system = system_of(solid(element, material))
+    H, rng, step = bent(system), np.random.default_rng(2), 2e-6
+    h = rng.normal(size=(system.count, 3))
+    (term,) = system.terms
+    rise = (term.energy(moved(H, step * h)) - term.energy(moved(H, -step * h))) / (2 * step)
+    assert (forces(system, H)[:, :3] * h).sum() == pytest.approx(rise, rel=1e-6)
+
+
+@element
+@material
+def test_tangent_is_the_derivative_of_the_forces(element, material):
+    system = system_of(solid(element, material))
+    H, rng, step = bent(system), np.random.default_rng(3), 1e-6
+    h = rng.normal(size=(system.count, 6))
+    h[:, 3:] = 0
+    wanted = (forces(system, moved(H, step * h)) - forces(system, moved(H, -step * h))) / (2 * step)
+    (rows, columns), K = blocks(system, H)
+    found = np.zeros_like(wanted)
+    np.add.at(found, rows, np.einsum("eij,ej->ei", K, h[columns]))
+    np.testing.assert_allclose(found, wanted, atol=2e-8 * np.abs(wanted).max())
+
+
+@element
+def test_a_rigid_motion_changes_neither_forces_nor_tangent(element):
+    """In axes that follow; claim 5."""
+    system = system_of(solid(element))
+    H = bent(system)
+    Q, _ = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))
+    Q *= np.sign(np.linalg.det(Q))
+    there = H.copy()
+    there[: system.count, 0] = H[: system.count, 0] @ Q.T + [3.0, -2.0, 1.0]
+    for carried in system.carried:
+        carried.turn(there)
+    before, after = forces(system, H), forces(system, there)
+    np.testing.assert_allclose(after, before, atol=1e-10 * np.abs(before).max())
+    (_, K), (_, again) = blocks(system, H), blocks(system, there)
+    np.testing.assert_allclose(again, K, atol=1e-10 * np.abs(K).max())
+    turned = there[: system.count, 1:]
+    np.testing.assert_allclose(turned, H[: system.count, 1:] @ Q.T, atol=1e-13)
+
+
+@element
+def test_the_unloaded_body_is_without_stress_and_stiff_but_for_rigid_motions(element):
+    body = solid(element)
+    system = system_of(body)
+    assert np.abs(forces(system, system.frames)).max() < 1e-12
+    (rows, columns), K = blocks(system, system.frames)
+    n = system.count
+    whole = np.zeros((n, 3, n, 3))
+    for i, j, block in zip(rows, columns, K, strict=True):
+        whole[i, :, j] += block[:3, :3]
+    values = np.linalg.eigvalsh(whole.reshape(3 * n, 3 * n))
+    assert (np.abs(values[:6]) < 1e-10 * values[-1]).all()
+    assert values[6] > 1e-4 * values[-1]
+
+
+@element
+def test_mass_and_moments_of_inertia(element):
+    """Of a brick, by its rigid motions."""
+    cell, degree, formulation = element
+    body = fl.Solid.brick(
+        (1.0, 2.0, 3.0),
+        MATERIALS["neo-Hooke"],
+        cells=(2, 1, 1),
+        cell=cell,
+        degree=degree,
+        formulation=formulation,
+    )
+    body.turn((0.3, 0.5, -0.2), (0.5, 1.0, 1.5))
+    body.move((1.0, 2.0, 3.0))
+    system, found = system_of(body), np.zeros(7)
+    system.report(system.frames, system.velocities[: system.count], found)
+    mass = 2.0 * 6.0
+    inertia = mass / 12 * np.array([4.0 + 9.0, 1.0 + 9.0, 1.0 + 4.0])
+    spin, velocity = np.array([0.3, 0.5, -0.2]), np.array([1.0, 2.0, 3.0])
+    energy = 0.5 * mass * velocity @ velocity + 0.5 * inertia @ spin**2
+    about = np.cross([0.5, 1.0, 1.5], mass * velocity) + inertia * spin
+    np.testing.assert_allclose(found, [energy, *(mass * velocity), *about], rtol=1e-12)
+
+
+def test_volume_of_a_crooked_cell():
+    """By the divergence theorem: of a cell with plane faces, from tetrahedra."""
+    x = np.array([[0, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0], [0, 0, 1], [2, 0, 3], [0, 1, 1]])
+    rows = np.zeros((8, 4, 3))
+    rows[:7, 0], rows[7, 0] = x, (2, 1, 3)
+    assert volume(rows) == pytest.approx(2 * 1 * 2.0, rel=1e-14)

@@ -1,0 +1,272 @@
+"""Solid bodies: names, supports, loads, motion in time, meshes of gmsh and DOLFINx, bad input."""
+
+from mpi4py import MPI
+
+import gmsh
+import numpy as np
+import pytest
+from dolfinx import mesh as dmesh
+
+import fem_lie as fl
+
+RUBBER = fl.NeoHooke(1e4, 0.3, 1.0)
+
+
+def brick(cells=(4, 2, 2), lengths=(1.0, 0.4, 0.2), material=RUBBER, **options):
+    return fl.Solid.brick(lengths, material, cells=cells, **options)
+
+
+def scene_of(*bodies, **options):
+    scene = fl.Scene(**options)
+    for body in bodies:
+        scene.add(body)
+    return scene
+
+
+# --- statics ---
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "error"),
+    [
+        ("hexahedron", 1, 1e-6),
+        ("hexahedron", 2, 1e-6),
+        ("tetrahedron", 2, 1e-6),
+        ("tetrahedron", 1, 0.1),
+    ],
+)
+def test_a_bar_under_its_weight(cell, degree, error):
+    """Small strains without Poisson's effect: ``ρ g ℓ²/2E`` at the end, exactly but in tetrahedra
+    of degree 1, which bend under their own weight.
+    """
+    bar = brick(material=fl.SaintVenantKirchhoff(1e8, 0.0, 1.0), cell=cell, degree=degree)
+    bar.clamp("a=0")
+    found = fl.statics(scene_of(bar, gravity=(9.81, 0, 0)))
+    end = bar["100"]
+    moved, wanted = found.position(end)[-1] - end.position, 9.81 / 2e8
+    assert moved[0] == pytest.approx(wanted, rel=error)
+    assert np.abs(moved[1:]).max() < 2 * error * wanted
+    held = [found.reaction(point)[-1] for point in bar.points("a=0")]
+    np.testing.assert_allclose(np.sum(held, axis=0)[:3], (-9.81 * 0.08, 0, 0), atol=1e-9)
+
+
+def test_a_slender_brick_of_degree_two_bends_as_a_beam():
+    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar.clamp("a=0")
+    scene = scene_of(bar)
+    nodes = bar.points("a=1")
+    for node in nodes:
+        scene.add(fl.PointLoad(node, (0, 0, 0.01 / len(nodes))))
+    found = fl.statics(scene)
+    end = bar.nearest((1, 0.05, 0.05))
+    inertia = 0.1**4 / 12
+    beam = 0.01 / (3e6 * inertia) + 0.01 / (5 / 6 * 0.5e6 * 0.01)
+    assert found.position(end)[-1, 2] - end.position[2] == pytest.approx(beam, rel=5e-3)
+
+
+def test_guides_hold_one_direction_each():
+    """A cube pulled along x, on three planes of symmetry: uniform, for finite strains."""
+    cube = brick((2, 2, 2), (1.0, 1.0, 1.0))
+    for face, normal in (("a=0", (1, 0, 0)), ("b=0", (0, 1, 0)), ("c=0", (0, 0, 1))):
+        cube.guide(face, normal)
+    scene = scene_of(cube)
+    for node in cube.points("a=1"):
+        inside = int((np.abs(node.position[1:] - 0.5) < 0.1).sum())
+        scene.add(fl.PointLoad(node, (2e3 * 2**inside / 16, 0, 0)))
+    found = fl.statics(scene)
+    x, first = found.frames[-1, :, 0], cube.frames[:, 0]
+    stretches = [x[first[:, k] > 0.1, k] / first[first[:, k] > 0.1, k] for k in range(3)]
+    for stretch in stretches:
+        np.testing.assert_allclose(stretch, stretch[0], rtol=1e-9)
+    along, across = stretches[0][0], stretches[1][0]
+    λ, μ = RUBBER.parameters
+    log = np.log(along * across**2)
+    assert (μ * (along - 1 / along) + λ * log / along) == pytest.approx(2e3, rel=1e-8)
+    assert abs(μ * (across - 1 / across) + λ * log / across) < 1e-5
+
+
+def test_a_guide_across_the_axes():
+    """Held along a slope, a node moves along it."""
+    cube = brick((1, 1, 1), (1.0, 1.0, 1.0))
+    slope = np.array([0.6, 0.0, 0.8])
+    cube.guide("c=0", slope)
+    cube.guide("b=0", (0, 1, 0))
+    cube.clamp("000")
+    scene = scene_of(cube)
+    scene.add(fl.PointLoad(cube["111"], (0.0, 0.0, -50.0)))
+    found = fl.statics(scene)
+    moved = found.frames[-1, :, 0] - cube.frames[:, 0]
+    below = cube.nodes_of("c=0")
+    assert np.abs(moved[below] @ slope).max() < 1e-12
+    assert np.abs(moved[below]).max() > 1e-4
+    assert np.abs(moved[cube.nodes_of("b=0"), 1]).max() < 1e-12
+
+
+# --- time ---
+
+
+@pytest.mark.parametrize("degree", (1, 2))
+def test_a_tumbling_brick_keeps_its_matrix(degree):
+    """Claim 5: one matrix where axes follow, many with fixed ones, to the same motion."""
+    body = brick((2, 1, 1), degree=degree)
+    body.turn((1.0, 6.0, 0.3), (0.5, 0.2, 0.1))
+    body.move((1.0, 0.0, 0.0))
+    scene = scene_of(body, gravity=(0, 0, -9.81))
+    scheme = fl.GeneralisedAlpha(radius=0.9)
+    found = scheme.run(scene, duration=1.0, step=1e-3)
+    fixed = fl.GeneralisedAlpha(radius=0.9, components=fl.Components.INERTIAL).run(
+        scene, duration=1.0, step=1e-3
+    )
+    assert found.factorisations == 1
+    assert fixed.factorisations >= 10
+    np.testing.assert_allclose(found.frames[-1, :, 0], fixed.frames[-1, :, 0], atol=1e-5)
+
+
+def test_momentum_in_free_flight():
+    body = brick((2, 2, 1))
+    body.turn((2.0, 5.0, 1.0), (0.5, 0.2, 0.1))
+    found = fl.GeneralisedAlpha(radius=0.9).run(scene_of(body), duration=0.5, step=1e-3)
+    for what in (found.momentum, found.angular_momentum):
+        drift = np.linalg.norm(what - what[0], axis=1).max()
+        assert drift < 3e-5 * np.linalg.norm(found.angular_momentum[0])
+    assert found.energy_error < 1e-4
+
+
+def test_damping_with_mass_slows_a_brick_down():
+    body = brick((1, 1, 1), damping=fl.Damping(mass=2.0))
+    body.move((1.0, 0.0, 0.0))
+    found = fl.GeneralisedAlpha().run(scene_of(body), duration=0.5, step=1e-2)
+    np.testing.assert_allclose(found.velocities[:, :, :3].mean(axis=1)[-1, 0], np.exp(-1.0), 1e-4)
+
+
+def test_vibrations_of_a_bar():
+    """Axial ones, ``(2k − 1)/4 √(E/ρ)/ℓ`` without Poisson's effect; six rigid ones when free."""
+    bar = brick((20, 1, 1), (1.0, 0.2, 0.2), fl.SaintVenantKirchhoff(100.0, 0.0, 1.0), degree=2)
+    assert fl.vibrations(scene_of(bar), 8).frequencies[:6].max() < 1e-3
+    bar.clamp("a=0")
+    for face, normal in (("b=0", (0, 1, 0)), ("b=1", (0, 1, 0)), ("c=0", (0, 0, 1))):
+        bar.guide(face, normal)
+    found = fl.vibrations(scene_of(bar), 2).frequencies / (2 * np.pi)
+    np.testing.assert_allclose(found, np.array([0.25, 0.75]) * 10, rtol=1e-4)
+
+
+def test_conserving_schemes_refuse_solids():
+    with pytest.raises(ValueError, match="Solid"):
+        fl.EnergyMomentum().run(scene_of(brick((1, 1, 1))), duration=0.1, step=0.1)
+
+
+# --- meshes ---
+
+
+@pytest.fixture
+def model():
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield gmsh
+    gmsh.finalize()
+
+
+def gmsh_box(model, hexahedra, order):
+    tag = model.model.occ.addBox(0, 0, 0, 1, 2, 3)
+    model.model.occ.synchronize()
+    model.model.addPhysicalGroup(3, [tag], name="all")
+    model.model.addPhysicalGroup(2, [1], name="left")
+    model.model.addPhysicalGroup(1, [1], name="edge")
+    model.model.addPhysicalGroup(0, [1], name="corner")
+    if hexahedra:
+        for curve in model.model.getEntities(1):
+            model.model.mesh.setTransfiniteCurve(curve[1], 3)
+        for face in model.model.getEntities(2):
+            model.model.mesh.setTransfiniteSurface(face[1])
+            model.model.mesh.setRecombine(2, face[1])
+        model.model.mesh.setTransfiniteVolume(tag)
+    else:
+        model.option.setNumber("Mesh.MeshSizeMax", 1.0)
+    model.model.mesh.generate(3)
+    model.model.mesh.setOrder(order)
+
+
+@pytest.mark.parametrize("order", (1, 2))
+@pytest.mark.parametrize("hexahedra", (True, False))
+def test_named_groups_of_gmsh(model, hexahedra, order):
+    gmsh_box(model, hexahedra, order)
+    body = fl.Solid(fl.read_gmsh_volume(), {"all": RUBBER})
+    assert body.degree == order
+    assert body.volume == pytest.approx(6.0, rel=1e-12)
+    x = body.frames[:, 0]
+    np.testing.assert_array_equal(body.nodes_of("left"), np.flatnonzero(x[:, 0] < 1e-12))
+    on_edge = (x[:, 0] < 1e-12) & (x[:, 1] < 1e-12)
+    np.testing.assert_array_equal(body.nodes_of("edge"), np.flatnonzero(on_edge))
+    assert body["corner"].position[:2] == pytest.approx((0, 0), abs=1e-12)
+    faces = body.facets("left")
+    assert faces.shares(x).sum() == pytest.approx(6.0, rel=1e-12)
+    normals = faces.outward[:, None] * faces.rule.normals(x, faces.nodes).sum(axis=1)
+    np.testing.assert_allclose(normals.sum(axis=0), (-6.0, 0, 0), atol=1e-12)
+
+
+def test_two_materials_by_groups_of_cells():
+    mesh = dmesh.create_box(
+        MPI.COMM_SELF, [[0, 0, 0], [2, 1, 1]], [2, 1, 1], dmesh.CellType.hexahedron
+    )
+    middle = dmesh.compute_midpoints(mesh, 3, np.arange(2, dtype=np.int32))[:, 0]
+    tags = dmesh.meshtags(
+        mesh, 3, np.arange(2, dtype=np.int32), (1 + (middle > 1)).astype(np.int32)
+    )
+    volume = fl.volume_from_dolfinx(mesh, tags, groups={"soft": 1, "stiff": 2})
+    given = {"soft": fl.NeoHooke(1.0, 0.0, 2.0), "stiff": fl.NeoHooke(5.0, 0.0, 3.0)}
+    body = fl.Solid(volume, given)
+    assert body.mesh.mesh is mesh
+    assert (body.density * body.rule.volumes.sum(axis=1)).sum() == pytest.approx(5.0)
+    assert body.parameters[volume.group("stiff"), 1] == pytest.approx(2.5)
+
+
+# --- bad input ---
+
+
+def test_bad_input():
+    flat = dmesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    with pytest.raises(ValueError, match=r"tetrahedra or hexahedra .* got triangle"):
+        fl.Solid(flat, RUBBER)
+    with pytest.raises(ValueError, match="turned inside out"):
+        fl.block(lambda a, b, c: (a * (1 - 3 * b), b, c), (1, 1, 1))
+    with pytest.raises(ValueError, match="no volume"):
+        fl.block(lambda a, b, c: (a, b, 0.0), (1, 1, 1))
+    with pytest.raises(ValueError, match="'hexahedron' or 'tetrahedron', got 'prism'"):
+        fl.block(lambda a, b, c: (a, b, c), (1, 1, 1), cell="prism")
+    with pytest.raises(ValueError, match="three numbers"):
+        fl.block(lambda a, b, c: (a, b, c), (1, 1))
+    body = brick((1, 1, 1))
+    with pytest.raises(ValueError, match=r"no face, curve, point or group 'top'; it has: .*a=0"):
+        body.clamp("top")
+    with pytest.raises(ValueError, match="no group of cells"):
+        fl.Solid(body.mesh, {"stiff": RUBBER})
+    with pytest.raises(ValueError, match="for hexahedra of degree 1"):
+        brick((1, 1, 1), cell="tetrahedron", formulation=fl.MeanDilatation())
+    with pytest.raises(ValueError, match="degree must be 1 or 2"):
+        brick((1, 1, 1), degree=3)
+    with pytest.raises(ValueError, match="damping with mass only"):
+        brick((1, 1, 1), damping=fl.Damping(stiffness=0.1))
+    with pytest.raises(ValueError, match=r"-1 < nu < 0\.5"):
+        fl.NeoHooke(1.0, 0.5)
+    with pytest.raises(TypeError, match="SolidMaterial"):
+        brick((1, 1, 1), material=fl.Material(1.0, 0.3, 1.0))
+    with pytest.raises(ValueError, match="nodes with frames"):
+        scene_of(body).add(fl.PointLoad(body["111"], moment=(1, 0, 0)))
+
+
+def test_motion_needs_a_density():
+    body = brick((1, 1, 1), material=fl.NeoHooke(1.0, 0.3))
+    with pytest.raises(ValueError, match="densit"):
+        fl.GeneralisedAlpha().run(scene_of(body), duration=0.1, step=0.1)
+
+
+def test_laws_may_not_differ_in_one_solid():
+    mesh = fl.brick((2, 1, 1), (2, 1, 1))
+    mesh = fl.VolumeMesh(mesh.mesh, {"one": np.array([0]), "two": np.array([1])})
+    with pytest.raises(ValueError, match="one law"):
+        fl.Solid(mesh, {"one": RUBBER, "two": fl.SaintVenantKirchhoff(1.0, 0.3)})
+
+
+def test_linear_tetrahedra_are_warned_of(caplog):
+    brick((1, 1, 1), cell="tetrahedron")
+    assert "too stiff in bending" in caplog.text
