@@ -1,5 +1,7 @@
 """Cables of positions and slopes: closed forms, published values, and laws of mechanics."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, fsolve
@@ -9,6 +11,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
 from fem_lie.lie.kinds import SLOPE
+from fem_lie.mesh.curves import curve, straight
 from fem_lie.results.resampling import between
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
@@ -30,6 +33,8 @@ def heavy_cantilever(cells: int) -> np.ndarray:
     scene.add(fl.Clamp(cable.start))
     return (fl.statics(scene).position(cable.end)[-1] - (2, 0, 0))[:2]
 
+
+SLACK = fl.HermiteCable(slack=1e-4)
 
 PUBLISHED = np.array([-0.501305855, -1.232510073])
 """Of Exudyn's ANCF cable, converged (L = 2, EA = 1e6, EI = 833.33, w = 78 · 9.81)."""
@@ -173,6 +178,138 @@ def test_load_steps_converge_at_once_with_carried_stress():
         assert fl.statics(scene).iterations.sum() <= 6
 
 
+def weight_on_a_cable(cells: int) -> float:
+    """Distance of the joint from where it hangs in the closed form, of two equal pieces.
+
+    Each piece is an elastic catenary; the vertical force jumps by a weight.
+    """
+    EA, weights, ends = 1e4, (20.0, 0.0), (LENGTH / 2, LENGTH)
+
+    def joints(H, V):
+        s, x, at = 0.0, np.zeros(2), []
+        for end, load in zip(ends, weights, strict=True):
+            T, D = V - WEIGHT * (end - s), V
+            along = H / WEIGHT * (np.arcsinh(D / H) - np.arcsinh(T / H)) + H * (end - s) / EA
+            down = (np.hypot(H, T) - np.hypot(H, D)) / WEIGHT - 0.5 * (D + T) * (end - s) / EA
+            x = x + np.array([along, down])
+            at.append(x)
+            s, V = end, T - load
+        return np.array(at)
+
+    expected = joints(*fsolve(lambda f: joints(*f)[-1] - END, (50.0, 50.0), xtol=1e-13))
+    scene = fl.Scene(gravity=(0, -WEIGHT, 0))
+    corners = np.array([[0.0, 0, 0], [4, -2.9, 0], [8, 1, 0]])
+    pieces = [
+        fl.Cable(straight(a, b, cells), section(EA, 1e-6), length=LENGTH / 2)
+        for a, b in pairwise(corners)
+    ]
+    for piece in pieces:
+        scene.add(piece)
+    for (a, b), load in zip(pairwise(pieces), weights, strict=False):
+        scene.add(fl.Spherical(a.end, b.start))
+        scene.add(fl.PointLoad(a.end, (0, -load, 0)))
+    pieces[0].pin(pieces[0].start)
+    pieces[-1].pin(pieces[-1].end)
+    result = fl.statics(scene)
+    found = np.array([result.position(piece.end)[-1, :2] for piece in pieces])
+    return float(np.abs(found - expected).max())
+
+
+def test_weight_on_a_cable():
+    errors = np.array([weight_on_a_cable(cells) for cells in (2, 4, 8)])
+    assert (np.log2(errors[:-1] / errors[1:]) > 3.0).all() and errors[-1] < 1e-5
+
+
+# --- slack ----------------------------------------------------------------------------------------
+
+
+def tension(strain: float, EA: float, slack: float) -> float:
+    """Of a cable that goes slack."""
+    weak, beyond = slack / (1 + slack), np.clip(strain / slack - 1, -0.5, 0.5) + 0.5
+    more = max(0.5 * slack * beyond**2, strain - slack)
+    return float(EA * (weak * (1 + strain) + (1 - weak) * more))
+
+
+@pytest.mark.parametrize("strain", [-0.3, 0.0, 0.45e-4, 0.9e-4, 1.45e-4, 1.55e-4, 0.1])
+def test_tension_of_a_slack_cable(strain):
+    """Of a straight one, from its nodes' forces."""
+    cable = fl.Cable(
+        straight((0, 0, 0), (1 + strain, 0, 0), 2),
+        section(1e4, 1e-3),
+        length=1.0,
+        formulation=SLACK,
+    )
+    assembly = fl.Cable.assemble([cable])
+    forces, H = np.zeros((3, 6)), np.empty((3, 4, 3))
+    H[assembly.order] = cable.frames
+    assembly.add_forces(H, forces.reshape(-1))
+    expected = tension(strain, 1e4, 1e-4)
+    np.testing.assert_allclose(forces[assembly.order][2, 0], expected, rtol=1e-11)
+
+
+def test_slack_cables_find_the_only_equilibrium_from_anywhere():
+    """Laid straight and a quarter too short, or along arches: the catenary below."""
+    EA = 1e4
+    for height in (0.0, 1.0, 8.0):
+        mesh = curve(lambda s, h=height: (8 * s, s + h * s * (1 - s), 0.0), 16)
+        cable = fl.Cable(mesh, section(EA, 1e-6), length=LENGTH, formulation=SLACK)
+        scene = fl.Scene(gravity=(0, -WEIGHT, 0))
+        scene.add(cable)
+        cable.pin(cable.start, cable.end)
+        result = fl.statics(scene)
+        s = np.concatenate([[0.0], np.cumsum(cable.lengths)])
+        error = np.abs(result.frames[-1][:, 0, :2] - elastic_catenary(EA)[0](s)).max()
+        assert error < 1e-5 and (result.negative_pivots == 0).all()
+
+
+def test_one_of_two_guys_goes_slack():
+    """A mast pushed along x: the other guy holds it, and this one is a weak spring."""
+    EA, slack, push = 1e3, 1e-3, 3.0
+    scene = fl.Scene()
+    mast = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0, 0, 1)))
+    foot = fl.Spherical(fl.ground(), mast.at((0, 0, 0)))
+    scene.add(foot)
+    mast.held[0, [3, 5]] = True
+    for side in (-1.0, 1.0):
+        guy = fl.Cable(
+            straight((side, 0, 0), (0, 0, 1), 4),
+            section(EA, 1e-4),
+            formulation=fl.HermiteCable(slack=slack),
+        )
+        scene.add(guy)
+        guy.pin(guy.start)
+        scene.add(fl.Spherical(guy.end, mast.centre))
+    scene.add(fl.PointLoad(mast.centre, (push, 0, 0)))
+    angle = fl.statics(scene).position(mast.centre)[-1]
+
+    def moment(turn):
+        top, total = np.array([np.sin(turn), np.cos(turn)]), push * np.cos(turn)
+        for side in (-1.0, 1.0):
+            guy = np.array([side, 0.0]) - top
+            length = np.linalg.norm(guy)
+            pull = tension(length / np.sqrt(2) - 1, EA, slack) * guy / length
+            total += pull @ (np.cos(turn), -np.sin(turn))
+        return total
+
+    turn = brentq(moment, 0.0, 0.5)
+    np.testing.assert_allclose(angle, (np.sin(turn), 0, np.cos(turn)), atol=1e-9)
+    assert turn > 5e-3
+
+
+@pytest.mark.parametrize("element", [fl.HermiteCable(), SLACK], ids=["pushed", "slack"])
+def test_loose_cable_falls_and_is_caught(element):
+    """It lies along an arch without tension; the energy stays in the books."""
+    arch = curve(lambda s: (s, 0, 0.6 * s * (1 - s)), 8)
+    cable = fl.Cable(arch, section(1e3, 1e-2, 0.5), formulation=element)
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(cable)
+    cable.pin(cable.start, cable.end)
+    scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-8)
+    result = scheme.run(scene, duration=0.5, step=1e-3)
+    assert result.frames[:, 4, 0, 2].min() < -0.14
+    assert result.balance_error < 0.05
+
+
 # --- laws of the element --------------------------------------------------------------------------
 
 
@@ -276,6 +413,29 @@ def test_free_flight():
         spin, energy = result.angular_momentum, result.total_energy
         errors.append([np.abs(x - x[0]).max() / np.abs(x[0]).max() for x in (spin, energy)])
     assert (np.array(errors[0]) / errors[1] > 3.0).all() and max(errors[1]) < 1e-2
+
+
+def test_damping_with_strain():
+    """A bending mode decays at ½ τ ω², and the books have what is lost."""
+    factor, EI = 2e-2, 1.0
+    cable = fl.Cable.straight(
+        (0, 0, 0), (1, 0, 0), section(1e5, EI), cells=4, damping=fl.Damping(stiffness=factor)
+    )
+    scene = fl.Scene()
+    scene.add(cable)
+    scene.add(fl.Clamp(cable.start))
+    modes, step = fl.vibrations(scene, 1), 4e-3
+    omega = np.abs(modes.eigenvalues[0])
+    np.testing.assert_allclose(modes.damping_ratios, 0.5 * factor * omega, rtol=1e-3)
+    scene.add(fl.PointLoad(cable.end, (0, 0, 1e-3), history=lambda t: float(t < 0.2)))
+    scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12)
+    result = scheme.run(scene, duration=4.0, step=step)
+    free, period = result.times > 1.5, 2 * np.pi / omega
+    energy = result.total_energy[free]
+    later = round(period / step)
+    decay = np.log(energy[0] / energy[later]) / (2 * later * step)
+    assert decay == pytest.approx(0.5 * factor * omega**2, rel=2e-2)
+    assert result.balance_error < 1e-3
 
 
 def test_between_the_times_that_were_kept():
@@ -458,12 +618,18 @@ REFUSED = {
         ),
         "alike",
     ),
-    "strain damping": (
+    "unlike damping": (
         lambda: fl.Cable.straight(
-            (0, 0, 0), (1, 0, 0), section(1, 1), cells=1, damping=fl.Damping(stiffness=1.0)
+            (0, 0, 0),
+            (1, 0, 0),
+            section(1, 1),
+            cells=1,
+            damping=fl.Damping(stiffness=(0, 0, 0, 0, 1, 2)),
         ),
-        "mass only",
+        "damped alike",
     ),
+    "no strain to go slack at": (lambda: fl.HermiteCable(slack=0.0), "positive"),
+    "no strain": (lambda: fl.HermiteCable(slack="much"), "slack"),
     "element of beams": (
         lambda: fl.Cable(straight_line(), section(1, 1), formulation=fl.Director()),
         "places and slopes",

@@ -65,6 +65,14 @@ def test_twisted_beam():
     assert 1.9 <= record["order"] <= 2.1
 
 
+def test_catenary():
+    record = main("catenary")
+    assert record["sag_error"] <= 1e-6 and record["force_error"] <= 1e-6
+    assert record["iterations"] <= 5 and record["failed_iterations"] == 0
+    assert record["order"] >= 3.8 and record["frequency_error"] <= 1e-5
+    assert main("catenary", element="slack")["sag_error"] <= 1e-6
+
+
 def test_elastica():
     """Against the table that was computed apart from the demo, to its ten digits."""
     elastica = importlib.import_module("demos.elastica").elastica

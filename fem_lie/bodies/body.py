@@ -159,6 +159,11 @@ class Body(Loadable):
         """By what joints hold a node: ``None`` if it has a frame."""
         return None
 
+    @property
+    def slackens(self) -> bool:
+        """Whether it goes slack, with an energy that is convex all the same."""
+        return False
+
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes turn about their third directors.
 

@@ -105,6 +105,11 @@ class LineBody(Body):
         """Those of one formulation are assembled together."""
         return type(self), self.formulation
 
+    @property
+    def slackens(self) -> bool:
+        """As the element says."""
+        return self.formulation.slackens
+
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """All of one :attr:`kind` together."""

@@ -54,12 +54,14 @@ class Cable(LineBody):
             length: Of all of it, unstretched; default: that of the line.
             formulation: The element; default: :class:`~fem_lie.HermiteCable`. Others may have nodes
                 of another kind, but no frames.
-            damping: Of its motion in space.
+            damping: Of its motion in space, and of stretch and bending; of six times of damping
+                with strain the first and the last two count, which are alike.
             name: How messages and results call it.
 
         Raises:
             ValueError: The line has corners or branches, the element has no unknowns for the
-                section or is one of frames, or there is damping with strain.
+                section or is one of frames, damping with bending is not alike about all axes, or
+                there is damping with strain and the element has none.
             TypeError: An argument is of another kind than wanted.
         """
         instance(mesh, LineMesh, "Cable: mesh", "a LineMesh")
@@ -73,8 +75,8 @@ class Cable(LineBody):
                 f"a Cable has nodes of places and slopes, those of {formulation} are frames"
             )
         formulation.check(section.stiffness)
-        if damping is not None and damping.factors().any() and not formulation.viscous:
-            raise ValueError("a Cable has damping with mass only, got Damping(stiffness=…)")
+        if damping is not None:
+            _check_damping(damping, formulation)
         chains = Chains(mesh)
         ends = cell_frames(mesh, chains, None, None)
         frames, elements, leaders = shared_nodes(mesh, ends)
@@ -135,3 +137,17 @@ class Cable(LineBody):
                 raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
         for point in points:
             self.held[point.node, :3] = True
+
+
+def _check_damping(damping: Damping, formulation: Formulation) -> None:
+    """Refuse what the element has no forces for."""
+    factors = damping.factors()
+    if factors.any() and not formulation.viscous:
+        raise ValueError(
+            f"{formulation} has damping with mass only, got stiffness = {damping.stiffness!r}"
+        )
+    if factors[4] != factors[5]:
+        raise ValueError(
+            "a Cable has no direction across, so bending must be damped alike about all axes, got "
+            f"stiffness = {damping.stiffness!r}"
+        )

@@ -74,6 +74,11 @@ class Formulation(ABC):
         """
         return stiffness
 
+    @property
+    def slackens(self) -> bool:
+        """Whether it goes slack, with an energy that is convex all the same."""
+        return False
+
     def check(self, stiffness: Array) -> None:
         """Raise ``ValueError`` if it has no unknowns for a section stiffness (6, 6)."""
         return

@@ -8,9 +8,20 @@ which the tangent turns per unstretched length; naturally straight, without shea
 The first is integrated at the three Lobatto points, the second at three Gauss points. In a slender
 cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
 points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
-free end that carries no tension is kept from turning by its bending stiffness alone. (Gerstmayr &
-Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr & Shabana, *Nonlinear Dyn.* 45
-(2006) 109: reduced integration of the stretch.)
+free end that carries no tension is kept from turning by its bending stiffness alone.
+
+Where such a cable is pushed it buckles within its elements, and its matrix is singular where
+tension vanishes. With ``slack``, a strain ``δ``, it is a weak spring there that pulls its ends
+together::
+
+    N = EA ε (ε > 3/2 δ),    N = k |x′| (ε < ½ δ),    k = EA δ/(1 + δ),
+
+and a parabola between. Below, the force ``k x′`` is linear in the places, and everywhere the energy
+is convex in them but for the bending: under dead loads there is one equilibrium, its matrix is
+definite, and Newton's method finds it from wherever a cable is laid. (Not so across joints, whose
+forces turn with the tangents while they are sought.) The price is a tension of about ``EA δ`` where
+there was none. (Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
+Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
 """
 
 from __future__ import annotations
@@ -25,7 +36,7 @@ import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
@@ -78,11 +89,30 @@ _SLOPES = FrameMap(
 
 @dataclass(frozen=True)
 class HermiteCable(Formulation):
-    """Cable element of two nodes with position and slope."""
+    """Cable element of two nodes with position and slope.
+
+    Attributes:
+        degree: One, there are no nodes inside.
+        slack: Strain below which it is a weak spring instead of being pushed; default: it is
+            pushed.
+
+    Raises:
+        ValueError: The strain is not positive.
+    """
 
     node_kind = NodeKind.SLOPE
-    viscous = False
     degree: int = 1
+    slack: float | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` if the strain is not positive, ``TypeError`` if it is none."""
+        if self.slack is not None:
+            positive(self.slack, "HermiteCable: slack")
+
+    @property
+    def slackens(self) -> bool:
+        """With ``slack``."""
+        return self.slack is not None
 
     def check(self, stiffness: Array) -> None:
         """Refuse what couples stretch and bending, or bends otherwise about other axes."""
@@ -133,9 +163,10 @@ class HermiteCable(Formulation):
         }
         energy = _CableEnergy(
             strain=ufl.as_vector(strain),
-            law=lambda ε: 0.5 * shares[0] * EA * ε[0] ** 2
+            law=lambda ε: shares[0] * EA * stretch_energy(ε[0], self.slack)
             + 0.5 * shares[1] * EI * (ε[1] ** 2 + ε[2] ** 2 + ε[3] ** 2),
             dx=ufl.Measure("dx", mesh, metadata=metadata),
+            viscosity=_viscosity(mesh, cells.viscosity, shares),
             weight=cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh),
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, _SLOPES)
@@ -149,6 +180,37 @@ class HermiteCable(Formulation):
         blocks = weights * scale[:, :, np.newaxis] * scale[:, np.newaxis] * _SQUARES
         found[:, :, :2, :, :2] = blocks.reshape(-1, 2, 2, 2, 2)
         return found
+
+
+def _viscosity(
+    mesh: dolfinx.mesh.Mesh, viscosity: Array | None, shares: list[fem.Function]
+) -> Expr | None:
+    """Stress per rate of ``(ε, κ)``, each with the points of its rule."""
+    if viscosity is None:
+        return None
+    stretch, bending = (
+        share * cellwise(mesh, viscosity[:, k, k])
+        for share, k in zip(shares, (_STRETCH, _BENDING), strict=True)
+    )
+    return ufl.diag(ufl.as_vector([stretch, bending, bending, bending]))
+
+
+def stretch_energy(strain: Expr, slack: float | None) -> Expr:
+    """``W/EA`` of the law above; it is ``½ ε²`` without slack.
+
+    Args:
+        strain: ``ε``.
+        slack: ``δ``, or ``None``.
+    """
+    if slack is None:
+        return 0.5 * strain**2
+    weak, width, beyond = slack / (1 + slack), 0.5 * slack, strain - slack
+    between = (beyond + width) ** 3 / (12 * width)
+    taut = 0.5 * beyond**2 + width**2 / 6
+    more = ufl.conditional(ufl.gt(beyond, width), taut, between)
+    return 0.5 * weak * (1 + strain) ** 2 + (1 - weak) * ufl.conditional(
+        ufl.lt(beyond, -width), 0 * strain, more
+    )
 
 
 class _CableEnergy(StrainEnergy):

@@ -46,7 +46,8 @@ def statics(
     by the arc length where it does not. Where that fails, too, there are load steps; one that
     fails is halved, later ones grow back. Where ``load_steps`` are given they come first, and the
     arc length if they fail. Where it is impossible, because not all loads are in proportion to the
-    load factor or with ``spin`` or plain Newton, there are load steps alone.
+    load factor or with ``spin`` or plain Newton, or of no use, because there are bodies that go
+    slack, there are load steps alone.
 
     Of an equilibrium that is unstable, or was reached past a maximum of the load, a warning
     (:class:`~fem_lie.solve.statics.unstable.UnstableEquilibriumWarning`) says so.
@@ -85,7 +86,8 @@ def statics(
     along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
     asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
-    if not options.carried_stress or rotation or not in_proportion(scene):
+    slackens = any(body.slackens for body in scene.bodies)
+    if slackens or not options.carried_stress or rotation or not in_proportion(scene):
         roads = [asked]
     elif load_steps is not None:
         roads = [asked, along]
