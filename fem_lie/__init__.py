@@ -9,6 +9,9 @@ from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.laws import Penalty
+from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
@@ -80,6 +83,7 @@ from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, PathState
 from fem_lie.results.steps import StepHistory
+from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series, resultants
 from fem_lie.results.vibrations import Modes
@@ -144,6 +148,7 @@ __all__ = [
     "Automatic",
     "Beam",
     "Body",
+    "Box",
     "BucklingModes",
     "Cable",
     "Choices",
@@ -153,6 +158,8 @@ __all__ = [
     "Components",
     "ConstantStep",
     "ConstraintsOnly",
+    "Contact",
+    "ContactForces",
     "ConvergenceError",
     "Coordinate",
     "Critical",
@@ -211,7 +218,9 @@ __all__ = [
     "PathOptions",
     "PathResult",
     "PathState",
+    "Penalty",
     "Planar",
+    "Plane",
     "Ply",
     "Point",
     "PointLoad",
@@ -244,12 +253,14 @@ __all__ = [
     "Solid",
     "SolidFormulation",
     "SolidMaterial",
+    "Sphere",
     "Spherical",
     "Spring",
     "StaticResult",
     "StepHistory",
     "StrainEnergy",
     "StrainMeasures",
+    "Surface",
     "SurfaceMesh",
     "SurfacePressure",
     "Table",
@@ -259,6 +270,7 @@ __all__ = [
     "Universal",
     "UnstableEquilibriumWarning",
     "Update",
+    "Vertices",
     "VolumeLoad",
     "VolumeMesh",
     "Warping",
@@ -266,6 +278,7 @@ __all__ = [
     "branch",
     "brick",
     "buckling",
+    "contact_forces",
     "director_strains",
     "follow_loads",
     "follow_path",

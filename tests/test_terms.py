@@ -107,7 +107,56 @@ def sprung_within() -> fl.Scene:
     return scene
 
 
+def touching() -> fl.Scene:
+    """Corners and balls of bodies on each other, on a beam, on ground and in a hollow."""
+    one = fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0, 0, 0))
+    two = fl.RigidBody(1.0, np.diag([0.2, 0.1, 0.3]), (1.0, 0.2, -0.3))
+    line = fl.Beam.straight((0, 2, 0), (1, 2, 0), SECTION, cells=1)
+    return scene_with(one, two, line)
+
+
+def in_contact(a, b, **law) -> fl.Scene:
+    """The surfaces that a scene's bodies have, deep in each other when nodes are moved."""
+    scene = touching()
+    one, two, line = scene.bodies
+    scene.add(fl.Contact(a(one, two, line), b(one, two, line), fl.Penalty(50.0, **law)))
+    return scene
+
+
+def corners_on_plane(**law) -> fl.Scene:
+    return in_contact(
+        lambda one, two, line: fl.Box(one.centre, (0.3, 0.4, 0.5)),
+        lambda one, two, line: fl.Plane(two.at((0.6, 0.1, 0.1)), (-1, 0.1, 0.05), at=(0.16, 0, 0)),
+        **law,
+    )
+
+
+def balls_on_balls(**law) -> fl.Scene:
+    return in_contact(
+        lambda one, two, line: fl.Vertices([one.centre, line.start], 0.62),
+        lambda one, two, line: fl.Vertices([two.at((0.85, 0.45, 0.1)), line.end], 0.37),
+        **law,
+    )
+
+
+def ball_in_hollow(**law) -> fl.Scene:
+    return in_contact(
+        lambda one, two, line: fl.Sphere(one.at((0.3, 0.2, 0)), 0.4),
+        lambda one, two, line: fl.Sphere(two.at((0.7, 0.4, 0.2)), 0.88, hollow=True),
+        **law,
+    )
+
+
+def ends_on_ground(**law) -> fl.Scene:
+    return in_contact(
+        lambda one, two, line: fl.Vertices([line.start, line.end, two.centre], 0.2),
+        lambda one, two, line: fl.Plane(fl.ground(), (0, 0.3, 1), at=(0, 0, -0.45)),
+        **law,
+    )
+
+
 HELD = "loads on places that are no nodes"
+TOUCH = "contacts by penalty"
 MASS = fl.Damping(mass=0.7)
 VISCOUS = fl.Damping(stiffness=0.3)
 SIX = fl.Parameters.SIX
@@ -156,6 +205,12 @@ TERMS: dict[str, Case] = {
     "springs within an element": Case(sprung_within, "springs"),
     "dampers within an element": Case(sprung_within, "dampers"),
     "dampers": Case(sprung, "dampers"),
+    "corners on a plane": Case(corners_on_plane, TOUCH),
+    "balls on balls": Case(balls_on_balls, TOUCH),
+    "ball in a hollow": Case(ball_in_hollow, TOUCH),
+    "ends on ground": Case(ends_on_ground, TOUCH),
+    "corners on a plane that damps": Case(lambda: corners_on_plane(damping=0.3), TOUCH),
+    "balls that damp": Case(lambda: balls_on_balls(damping=0.3), TOUCH),
     "damping of mass": Case(lambda: beam(damping=MASS), "damping of mass"),
     "damping of mass of a cable": Case(lambda: cable(damping=MASS), "damping of mass"),
     "damping of mass of a branch": Case(lambda: branch(damping=MASS), "damping of mass"),

@@ -58,6 +58,7 @@ class Term(ABC):
             :meth:`geometric` is, but not its tangents.
         conserved: Whether conserving schemes have its forces over a step.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
+        on_ground: Whether ground is the other side of some of the forces.
         amplitude: Factor of a load, which may be changed.
     """
 
@@ -66,7 +67,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = False
+    conserved = on_ground = False
 
     # --- forces ---
 
@@ -115,6 +116,10 @@ class Term(ABC):
     def energy(self, H: Array) -> float:
         """Stored energy, of which the forces are the gradient; of loads zero."""
         return 0.0
+
+    def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
+        """Add those of all forces, at twists ``v``, that ground is the other side of."""
+        raise NotImplementedError
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
@@ -174,6 +179,17 @@ class Term(ABC):
     def reset_stress(self, H: Array) -> None:
         """Carry that of frames ``H``."""
         raise NotImplementedError
+
+    # --- what pairs follow from: asked of terms whose pairs change ---
+
+    @property
+    def seen(self) -> Array:
+        """The places for which :attr:`pairs` were found; default: they stay."""
+        return np.empty((0, 3))
+
+    def see_again(self, seen: Array) -> None:
+        """Have the pairs again that there were when :attr:`seen` was copied."""
+        assert not len(seen)
 
     # --- over a step ---
 

@@ -15,6 +15,7 @@ from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 from fem_lie.bodies.held import HeldRotation
+from fem_lie.contact.contact import Contact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import Canvas
@@ -24,7 +25,9 @@ from fem_lie.scene.held_rotations import Holding, held_by
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
-Item = TypeVar("Item", bound=Body | Connection | RigidLink | Load | Clamp | PrescribedMotion)
+Item = TypeVar(
+    "Item", bound=Body | Connection | RigidLink | Contact | Load | Clamp | PrescribedMotion
+)
 
 
 class Family:
@@ -54,6 +57,7 @@ class Scene:
         joints: What binds frames to each other, but for links.
         connections: Springs, drives and gears.
         links: Rigid links.
+        contacts: What may touch.
         loads: What acts from outside, but for gravity.
         clamps: Points that are held.
         motions: Points that are moved as prescribed.
@@ -82,6 +86,7 @@ class Scene:
         self.joints: list[Joint] = []
         self.connections: list[Connection] = []
         self.links: list[RigidLink] = []
+        self.contacts: list[Contact] = []
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
@@ -124,6 +129,10 @@ class Scene:
             self._check_frames(item.label, item.a.body, item.b.body)
             self._check_rotations(item)
             self.links.append(item)
+        elif isinstance(item, Contact):
+            self._check_points(item.label, *item.bodies)
+            item.check()
+            self.contacts.append(item)
         elif isinstance(item, Load):
             item.check()
             self._check_points(type(item).__name__, item.body)
@@ -139,7 +148,7 @@ class Scene:
             supports.append(item)
         else:
             raise TypeError(
-                f"a scene takes bodies, joints, links, loads, supports, got {shown(item)}"
+                f"a scene takes bodies, joints, links, contacts, loads, supports, got {shown(item)}"
             )
         return item
 
@@ -220,6 +229,7 @@ class Scene:
         scene._known, scene._names = set(self._known), set(self._names)
         scene._kinds = Counter(self._kinds)
         scene.connections, scene.links = list(connections), list(self.links)
+        scene.contacts = list(self.contacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
         self.family = self.family or Family()
         scene.family = self.family

@@ -109,8 +109,8 @@ class System:
         moves = bool(scene.motions) or self.connections.driven
         self.time_dependent = self.load_cases.time_dependent or moves
         numbering, loads = self.numbering, self.load_cases.terms
-        sets, kinds = self.connections.sets, self.kinds
-        self.terms = terms_of(numbering, loads, sets, damping, kinds, moving=dynamics)
+        between = scene.contacts, self.connections.sets
+        self.terms = terms_of(numbering, loads, *between, damping, self.kinds, moving=dynamics)
         self.elastic = self.terms.chosen(lambda term: term.of_bodies)
         self.tangent = Tangent(
             self.inertia,

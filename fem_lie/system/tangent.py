@@ -137,6 +137,14 @@ class Tangent:
         self.A[:] = 0.0
         self.K[:] = 0.0
 
+    def restore_pattern(self, indptr: Indices, indices: Indices) -> None:
+        """Have the pattern of ``kkt`` again that it had; :meth:`clear` makes it the present one."""
+        if np.array_equal(indptr, self.kkt.indptr) and np.array_equal(indices, self.kkt.indices):
+            return
+        self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
+        self.A = np.zeros((len(indices), 6, 6))
+        self.K, self._versions = np.zeros_like(self.A), ()
+
     def add_inertia(
         self,
         state: Instant,

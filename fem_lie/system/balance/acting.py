@@ -49,6 +49,8 @@ class Acting:
         # of damping by a constant matrix and of dampers compiled looks know
         self._viscous = system.terms.chosen(lambda term: term.rates is None)
         apart = self._pushed or self._viscous.viscous
+        self._grounded = [term for term in system.terms if term.on_ground]
+        apart = apart or bool(self._grounded)
         special = self._others or self._held is not None or apart or self.strained
         self._any = special or self._loaded or joined or rates is not None or connections.driven
         self.plain = self._any and not special
@@ -93,6 +95,10 @@ class Acting:
             forces = np.zeros(6 * n)
             self._viscous.add_viscous_forces(H, v, forces)
             row[LOSS] += forces @ v.ravel()
+        for term in self._grounded:
+            forces = np.zeros((n, 6))
+            term.add_of_ground(H, v, forces)
+            add_local(system.kinds, H, forces, REACTIONS, -1.0, row)
         if self._others:
             wrenches[:], loss = system.connections.reactions(H, v, weights)
             row[LOSS] += loss

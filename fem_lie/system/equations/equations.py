@@ -204,6 +204,8 @@ class Equations:
         saved["joints"] = self._connections.memory
         if matrix:
             saved |= {"matrix": self.matrix.csr[0], "blocks": self._system.tangent.A}
+            saved |= {"row pointers": self.matrix.indptr, "columns": self.matrix.indices}
+            saved |= {f"seen.{k}": term.seen.copy() for k, term in enumerate(self._terms)}
         return saved
 
     def restore(self, saved: Mapping[str, Array]) -> None:
@@ -212,6 +214,10 @@ class Equations:
         count = sum(name.startswith("carried.") for name in saved)
         self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
         if "matrix" in saved:
+            for k, term in enumerate(self._terms):
+                term.see_again(saved[f"seen.{k}"])
+            pattern = saved["row pointers"], saved["columns"]
+            self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
             self._system.tangent.A[:], self.matrix.csr[0][:] = saved["blocks"], saved["matrix"]
             self.matrix.matrix.stateIncrease()
             self.matrix.matrix.assemble()
@@ -283,11 +289,13 @@ class Equations:
             others = f" and {len(members) - 1} others" if len(members) > 1 else ""
             shown = f"energy of the elements of {members[0].label}{others}"
             found.append((f"energy of assembly {k}", assembly.contents, shown))
+        contacts = system.scene.contacts
         groups = system.kinds, system.held, numbering.supports
         sums = {
             "inertia": tuple(system.inertia),
             "damping of mass": system.terms.rates,
             "loads": system.load_cases.contents,
             "groups and supports": groups,
+            "contacts": [each.contents(numbering.nodes.__getitem__) for each in contacts],
         }
         return found + [(name, value, name) for name, value in sums.items()]

@@ -31,6 +31,7 @@ class Followed(Term):
         self.load, self.viscous, self.in_space = term.load, term.viscous, term.in_space
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
         self.conserved, self.turning = term.conserved, term.turning
+        self.on_ground = term.on_ground
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
         # Ad(C⁻¹): twist of a node from that of its leader
         self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
@@ -134,6 +135,12 @@ class Followed(Term):
         self.term.add_viscous_forces(self._frames(H), self._twists(v), forces)
         collect(forces, self._leader, self._offset, out)
 
+    def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        forces = np.zeros((len(self._leader), 6))
+        self.term.add_of_ground(self._frames(H), self._twists(v), forces)
+        collect(forces, self._leader, self._offset, out)
+
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """See the base class."""
         by_twists, by_frames = self.term.viscous_tangent(self._frames(H), self._twists(v))
@@ -170,6 +177,15 @@ class Followed(Term):
     def reset_stress(self, H: Array) -> None:
         """See the base class."""
         self.term.reset_stress(self._frames(H))
+
+    @property
+    def seen(self) -> Array:
+        """See the base class."""
+        return self.term.seen
+
+    def see_again(self, seen: Array) -> None:
+        """See the base class."""
+        self.term.see_again(seen)
 
     @property
     def pieces(self) -> PushedPieces | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from fem_lie._arrays import Indices
+from fem_lie.contact.contact import Contact
 from fem_lie.forms.term import Term
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.inertia import Inertia
@@ -18,6 +19,7 @@ from fem_lie.system.terms.springs import Dampers, Springs
 def terms_of(
     numbering: Numbering,
     loads: Iterable[Term],
+    contacts: Iterable[Contact],
     joints: Sequence[ConstraintSet],
     damping: Inertia,
     kinds: Indices,
@@ -29,6 +31,7 @@ def terms_of(
     Args:
         numbering: Of the nodes, with the assembled elements.
         loads: On all nodes.
+        contacts: Between bodies, and with ground.
         joints: Sets of constraints, with springs and dampers.
         damping: That goes with mass, of the leaders.
         kinds: Of the nodes that lead.
@@ -39,6 +42,8 @@ def terms_of(
     for where, assembly in numbering.assemblies:
         found += [Followed(term, where, attachment) for term in (assembly, *assembly.beside)]
     found += [Followed(term, everywhere, attachment) for term in loads]
+    nodes = numbering.nodes.__getitem__
+    found += [Followed(each.term(nodes), everywhere, attachment) for each in contacts]
     of_all = numbering.count, sum(each.m for each in joints)
     found += [Springs(each, *of_all) for each in joints if each.springs[:, 0].any()]
     if moving:

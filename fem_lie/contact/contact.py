@@ -1,0 +1,156 @@
+"""A pair of surfaces that may touch, and the law of what happens then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from fem_lie._arrays import instance, text
+from fem_lie.bodies.body import Body
+from fem_lie.contact.kinematics import gaps
+from fem_lie.contact.laws import Penalty
+from fem_lie.contact.pairs import NearPairs
+from fem_lie.contact.penalty import PenaltyForces
+from fem_lie.contact.surfaces import Ball, Surface
+from fem_lie.contact.table import Nodes, Side, balls_side, planes_side
+
+Law: TypeAlias = Penalty
+
+OVERLAP = 0.05
+"""Part of a size by which surfaces may overlap in the beginning."""
+
+
+class Sides(NamedTuple):
+    """The two sides of a contact.
+
+    Attributes:
+        a: Places with a radius.
+        b: Planes, or places with a radius.
+        flat: Whether it is planes.
+        same: Whether it is the first side again.
+    """
+
+    a: Side
+    b: Side
+    flat: bool
+    same: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Two surfaces that push each other off, or one whose points do.
+
+    Attributes:
+        a: One of them.
+        b: The other; the same one: its balls touch each other.
+        law: Of the forces.
+        name: For messages and results.
+    """
+
+    a: Surface
+    b: Surface
+    law: Law
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        for side, given in (("a", self.a), ("b", self.b)):
+            instance(given, Surface, f"Contact: {side}", "a surface such as Plane or Sphere")
+        instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6)")
+        text(self.name, "Contact: name")
+
+    @property
+    def label(self) -> str:
+        """The name, or what touches."""
+        return self.name or f"Contact({self.a.label}; {self.b.label})"
+
+    @property
+    def bodies(self) -> list[Body]:
+        """Those it acts on."""
+        points = [*self.a.points, *self.b.points]
+        return list(dict.fromkeys(p.body for p in points if p.body is not None))
+
+    def check(self) -> None:
+        """Refuse surfaces that cannot touch, or overlap already.
+
+        Raises:
+            ValueError: Nothing of them can touch each other, or all that can never moves against
+                each other, or they overlap by more than a twentieth of their size.
+        """
+        self.a.check()
+        self.b.check()
+        self._check_sorts()
+        self._check_overlap()
+
+    def _check_sorts(self) -> None:
+        a, b = self.a.balls(), self.b.balls()
+        if not a and not b:
+            raise ValueError(
+                f"{self.label}: planes touch points, not each other; give the corners of one of "
+                "them as Box or Vertices"
+            )
+        if not (a and b):
+            return
+        if not (self.a.whole and self.b.whole):
+            raise ValueError(
+                f"{self.label}: the corners of a box touch planes and the inside of a box; what "
+                "its faces touch is not looked for"
+            )
+        radii = [min(ball.radius for ball in side) for side in (a, b)]
+        if min(radii) < 0.0 and (max(radii) < 0.0 or min(radii) + _largest(a, b) >= 0.0):
+            raise ValueError(f"{self.label}: what is in a hollow must be smaller, and no hollow")
+        if radii[0] == radii[1] == 0.0:
+            raise ValueError(f"{self.label}: points never touch points; give one of them a radius")
+
+    def sides(self, nodes: Nodes) -> Sides:
+        """Both sides as tables; planes and hollows come second.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+        a, b = self.a.balls(), self.b.balls()
+        if not a:
+            return Sides(balls_side(b, nodes), planes_side(self.a.faces(), nodes), True, False)
+        if not b:
+            return Sides(balls_side(a, nodes), planes_side(self.b.faces(), nodes), True, False)
+        if min(ball.radius for ball in a) < 0.0:
+            a, b = b, a
+        return Sides(balls_side(a, nodes), balls_side(b, nodes), False, self.a is self.b)
+
+    def contents(self, nodes: Nodes) -> object:
+        """All that its forces are made of."""
+        a, b, flat, same = self.sides(nodes)
+        return *a, *b, flat, same, repr(self.law)
+
+    def term(self, nodes: Nodes) -> PenaltyForces:
+        """Its forces.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+        a, b, flat, same = self.sides(nodes)
+        return PenaltyForces(a, b, self.law, flat=flat, same=same)
+
+    def _check_overlap(self) -> None:
+        first = np.cumsum([0, *(len(body.frames) for body in self.bodies)])
+        numbers = {
+            body: np.arange(len(body.frames)) + k
+            for body, k in zip(self.bodies, first, strict=False)
+        }
+        H = np.concatenate([body.frames for body in self.bodies])
+        a, b, flat, same = self.sides(lambda body: numbers[body])
+        if not (a.owners[:, np.newaxis] != b.owners).any():
+            raise ValueError(f"{self.label}: they never move against each other")
+        near = NearPairs(a, b, flat=flat, same=same)
+        near.update(H)
+        sizes = np.where(a.radii > 0.0, a.radii, max(body.size for body in self.bodies))
+        g, place = gaps(H, a, b, near.now, flat)
+        for e in np.flatnonzero(g < -OVERLAP * sizes[near.now[:, 0]])[:1]:
+            at = ", ".join(f"{x:g}" for x in place[e])
+            raise ValueError(f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart")
+
+
+def _largest(*sides: list[Ball]) -> float:
+    return max(ball.radius for side in sides for ball in side)

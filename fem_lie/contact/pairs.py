@@ -1,0 +1,85 @@
+"""The pairs of places of a contact that are near each other, as long as they are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.detection import moved_by, near
+from fem_lie.contact.kinematics import count_blocks, places
+from fem_lie.contact.table import Side
+
+_SKIN = 0.5
+"""Part of the mean radius of balls."""
+
+
+class NearPairs:
+    """Pairs of places that may touch, in increasing order.
+
+    Attributes:
+        now: First and second place, shape (m, 2).
+        blocks: First and second node of all blocks of a matrix that they have.
+        version: Of these; another number means others.
+    """
+
+    def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
+        """Find out which pairs there may be.
+
+        Args:
+            a: First side.
+            b: Second side.
+            flat: Whether that are planes.
+            same: Whether both sides are the same.
+        """
+        self._a, self._b, self._same, self.version = a, b, same, 0
+        hollow = bool((b.radii < 0.0).any())
+        self._fixed = flat or hollow
+        count = len(a.radii) if same else len(a.radii) + len(b.radii)
+        self._at, self._before = np.empty((count, 3)), np.full((count, 3), np.inf)
+        radii = a.radii if same else np.concatenate([a.radii, b.radii])
+        self._skin = _SKIN * float(radii.mean())
+        self._reach = radii + self._skin
+        found = np.argwhere(a.owners[:, np.newaxis] != b.owners) if self._fixed else ()
+        self._set(np.array(found, dtype=np.int64).reshape(-1, 2))
+
+    def _set(self, pairs: Indices) -> None:
+        self.now = pairs
+        none = np.empty(0, dtype=np.int64)
+        count = count_blocks(self._a, self._b, pairs, none, none)
+        self.blocks = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+        count_blocks(self._a, self._b, pairs, *self.blocks)
+
+    def update(self, H: Array) -> None:
+        """Make the list that of frames ``H`` if places have moved too far since it was made."""
+        if self._fixed:
+            return
+        n = len(self._a.radii)
+        places(H, self._a, self._at[:n])
+        if not self._same:
+            places(H, self._b, self._at[n:])
+        if moved_by(self._at, self._before) <= 0.5 * self._skin:
+            return
+        self.see_again(self._at)
+
+    @property
+    def seen(self) -> Array:
+        """Places for which the list was made, shape (n, 3)."""
+        return self._before[:0] if self._fixed else self._before
+
+    def see_again(self, at: Array) -> None:
+        """Make the list for other places, such as were :attr:`seen`."""
+        if not len(at) or not np.isfinite(at).all():
+            return
+        self._before[:] = at
+        pairs = self._found()
+        if not np.array_equal(pairs, self.now):
+            self._set(pairs)
+            self.version += 1
+
+    def _found(self) -> Indices:
+        """Those near each other there, of the same frame left out."""
+        pairs, n = near(self._before, self._reach), len(self._a.radii)
+        if not self._same:
+            pairs = pairs[(pairs[:, 0] < n) & (pairs[:, 1] >= n)] - np.array([0, n])
+        apart = self._a.owners[pairs[:, 0]] != self._b.owners[pairs[:, 1]]
+        return np.ascontiguousarray(pairs[apart])

@@ -1,0 +1,91 @@
+"""What acts in a contact by penalty, in each state of a result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.penalty import PenaltyForces
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.states import nodes_in, require_states, state_number
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """All places that touch in T states, one after the other.
+
+    Attributes:
+        states: Number of the state of each row, among the T, increasing, shape (k,).
+        places: Numbers of the places of both sides, in the order of their surfaces, shape (k, 2);
+            a plane or a hollow is on the second side.
+        gaps: Negative where surfaces overlap, shape (k,).
+        positions: Point of the first side that is nearest to the second, global components, (k, 3).
+        forces: On the first side, global components, shape (k, 3).
+        count: T.
+    """
+
+    states: Indices
+    places: Indices
+    gaps: Array
+    positions: Array
+    forces: Array
+    count: int
+
+    @property
+    def total(self) -> Array:
+        """Force on the first side in each state, shape (T, 3)."""
+        found = np.zeros((self.count, 3))
+        np.add.at(found, self.states, self.forces)
+        return found
+
+    @property
+    def touching(self) -> Indices:
+        """How many places touch in each state, shape (T,)."""
+        return np.bincount(self.states, minlength=self.count)
+
+    @property
+    def penetration(self) -> Array:
+        """The deepest overlap in each state, zero where nothing touches, shape (T,)."""
+        found = np.zeros(self.count)
+        np.maximum.at(found, self.states, -self.gaps)
+        return found
+
+
+def contact_forces(
+    result: Result | StaticResult, contact: Contact, steps: Sequence[int] | None = None
+) -> ContactForces:
+    """What acts in a contact by penalty, in states of a result.
+
+    Args:
+        result: Of dynamics, of statics or of a path, in which the contact was.
+        contact: It.
+        steps: Which states; default: all.
+
+    Raises:
+        ValueError: A body of it is not in the result, or there is no such step.
+    """
+    require_states(result)
+    instance(contact, Contact, "contact", "a Contact")
+    nodes = {body: nodes_in(result.info, body) for body in contact.bodies}
+    term, count = contact.term(nodes.__getitem__), len(result.frames)
+    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    found = [_in_state(term, result, k) for k in chosen]
+    states = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
+    places, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
+    return ContactForces(states, places, gaps, positions, forces, len(found))
+
+
+def _in_state(
+    term: PenaltyForces, result: Result | StaticResult, k: int
+) -> tuple[Indices, Array, Array, Array]:
+    """Places, gaps, positions and forces of those that touch."""
+    H = np.ascontiguousarray(result.frames[k])
+    v = np.zeros((len(H), 6))
+    if isinstance(result, Result):
+        v[:] = result.velocities[k]
+    return term.touching(H, v)

@@ -1,0 +1,302 @@
+"""Contact by penalty: closed forms, invariants, who is near whom, and what is refused."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.contact.detection import near
+from fem_lie.system import System
+
+GRAVITY, RADIUS = 9.81, 0.1
+SECTION = fl.Section.circle(0.02, fl.Material(2e9, 0.3, 1000.0))
+FLOOR = fl.Plane(fl.ground(), (0, 0, 2))
+
+
+def ball(place, velocity=(0.0, 0.0, 0.0), mass=1.0) -> fl.RigidBody:
+    body = fl.RigidBody(mass, 0.4 * mass * RADIUS**2 * np.eye(3), place)
+    body.move(velocity)
+    return body
+
+
+def scene_with(*items, gravity=(0, 0, -GRAVITY)) -> fl.Scene:
+    scene = fl.Scene(gravity=gravity)
+    for item in items:
+        scene.add(item)
+    return scene
+
+
+def run(scene, duration, step, radius=1.0, **options) -> fl.Result:
+    scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-9)
+    return scheme.run(scene, duration=duration, step=step, progress=False, **options)
+
+
+def dropped(law: fl.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.Contact]:
+    """A ball, one metre above the floor."""
+    body = ball((0, 0, 1 + RADIUS))
+    contact = fl.Contact(fl.Sphere(body.centre, RADIUS), FLOOR, law)
+    return scene_with(body, contact), body, contact
+
+
+def flight(times: np.ndarray, stiffness: float) -> np.ndarray:
+    """Height of the ball over the floor: parabolas, and half a swing on the spring between."""
+    fall, speed = np.sqrt(2 / GRAVITY), np.sqrt(2 * GRAVITY)
+    rate = np.sqrt(stiffness)
+    rest = GRAVITY / stiffness
+    swing = (2 * np.pi - 2 * np.arctan2(speed / rate, rest)) / rate
+    t = np.mod(times, 2 * fall + swing)
+    s = np.clip(t - fall, 0.0, swing)
+    pressed = -rest + rest * np.cos(rate * s) - speed / rate * np.sin(rate * s)
+    after = t - fall - swing
+    up = speed * after - 0.5 * GRAVITY * after**2
+    return np.where(t < fall, 1 - 0.5 * GRAVITY * t**2, np.where(after < 0.0, pressed, up))
+
+
+def test_a_ball_bounces_as_the_closed_form():
+    stiffness = 1e3
+    scene, body, contact = dropped(fl.Penalty(stiffness))
+    result = run(scene, 2.0, 5e-4)
+    height = result.position(body.centre)[:, 2] - RADIUS
+    np.testing.assert_allclose(height, flight(result.times, stiffness), rtol=0, atol=2e-4)
+    found = fl.contact_forces(result, contact)
+    # ½ k δ² = m g (1 + δ)
+    deepest = (GRAVITY + np.sqrt(GRAVITY**2 + 2 * stiffness * GRAVITY)) / stiffness
+    assert found.penetration.max() == pytest.approx(deepest, rel=1e-4)
+    np.testing.assert_allclose(found.total[:, 2], stiffness * found.penetration, rtol=1e-13)
+    assert result.energy_error < 1e-4
+    # what the ground has given is booked
+    assert result.momentum_error < 1e-6
+
+
+def test_damping_takes_energy_and_never_pulls():
+    """A critically damped ball comes to rest where its weight is carried; losses are booked."""
+    stiffness = 1e3
+    scene, body, contact = dropped(fl.Penalty(stiffness, damping=2 * np.sqrt(stiffness)))
+    result = run(scene, 3.0, 5e-4, radius=0.8)
+    assert result.position(body.centre)[-1, 2] - RADIUS == pytest.approx(
+        -GRAVITY / stiffness, rel=1e-6
+    )
+    forces = fl.contact_forces(result, contact).forces
+    assert forces[:, 2].min() >= 0.0
+    assert np.diff(result.balance[:, 1]).min() >= 0.0
+    assert result.balance[-1, 1] == pytest.approx(GRAVITY * 1.0, rel=2e-2)
+    assert result.energy_error < 1e-3
+
+
+@pytest.mark.parametrize("hollow", [False, True], ids=["outside", "inside"])
+def test_momenta_of_free_balls_stay(hollow):
+    """Oblique impacts of bodies on each other, and of one in another."""
+    if hollow:
+        two = ball((0.1, 0, 0), mass=3.0)
+        one = ball((0.3, 0.1, 0), (1.0, 0.3, -0.2))
+        surface = fl.Sphere(two.at((0.15, 0, 0)), 0.5, hollow=True)
+    else:
+        two = ball((0.5, 0.05, 0.02), mass=3.0)
+        one = ball((0, 0, 0), (1.0, 0, 0))
+        surface = fl.Sphere(two.at((0.5, 0.1, 0.0)), 2 * RADIUS)
+    touch = fl.Contact(surface, fl.Sphere(one.centre, RADIUS), fl.Penalty(200.0))
+    result = run(scene_with(one, two, touch, gravity=(0, 0, 0)), 2.0, 2e-3)
+    found = fl.contact_forces(result, touch)
+    assert found.touching.max() == 1
+    assert found.penetration.max() > 0.01
+    # the scheme keeps the momentum, and the angular momentum to its order
+    for momentum, allowed in ((result.momentum, 1e-9), (result.angular_momentum, 1e-5)):
+        np.testing.assert_allclose(momentum, np.tile(momentum[0], (len(momentum), 1)), atol=allowed)
+    assert result.energy_error < 2e-3
+
+
+def test_a_round_end_of_a_beam_lies_on_a_plane():
+    """In statics: a cantilever whose tip is pressed on a floor, by springs beside each other."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=8)
+    bending = SECTION.stiffness[4, 4]
+    gap, stiffness, force = 0.001, 300.0, 2.0
+    floor = fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.02 - gap))
+    touch = fl.Contact(fl.Sphere(beam.end, 0.02), floor, fl.Penalty(stiffness))
+    scene = scene_with(
+        beam, fl.Clamp(beam.start), fl.PointLoad(beam.end, (0, 0, -force)), touch, gravity=(0, 0, 0)
+    )
+    state = fl.statics(scene)
+    down = -state.position(beam.end)[-1, 2]
+    own = 3 * bending
+    assert down == pytest.approx((force + stiffness * gap) / (own + stiffness), rel=2e-3)
+    found = fl.contact_forces(state, touch)
+    assert found.total[-1, 2] == pytest.approx(stiffness * (down - gap), rel=1e-9)
+
+
+# --- who is near whom ---
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("shape", [(1, 1, 1), (100, 1, 0), (0, 0, 0), (1e9, 1, 1)])
+def test_pairs_are_those_of_all_pairs(seed, shape):
+    """Whatever the cells, in increasing order, and in any order of the places."""
+    rng = np.random.default_rng(seed)
+    X = rng.uniform(size=(300, 3)) * shape + [5.0, -3.0, 0.0]
+    reach = rng.uniform(0.02, 0.06, size=300)
+    i, j = np.triu_indices(300, 1)
+    distance = np.linalg.norm(X[i] - X[j], axis=1)
+    close = distance < reach[i] + reach[j]
+    expected = np.transpose([i[close], j[close]])
+    np.testing.assert_array_equal(near(X, reach), expected)
+    order = rng.permutation(300)
+    found = np.sort(order[near(X[order], reach[order])], axis=1)
+    np.testing.assert_array_equal(found[np.lexsort((found[:, 1], found[:, 0]))], expected)
+
+
+def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
+    """Balls that fly through each other in a box without gravity."""
+    rng = np.random.default_rng(5)
+    places = 0.21 * np.stack(np.meshgrid(*3 * [np.arange(3)], indexing="ij"), -1).reshape(-1, 3)
+    balls = [
+        ball(place, velocity)
+        for place, velocity in zip(places, rng.normal(size=(27, 3)), strict=True)
+    ]
+    surface = fl.Vertices([each.centre for each in balls], RADIUS)
+    law = fl.Penalty(2e3)
+    scene = scene_with(*balls, fl.Contact(surface, surface, law), gravity=(0, 0, 0))
+    box = fl.Box(fl.ground(), (1.3, 1.3, 1.3), inside=True)
+    scene.add(fl.Contact(surface, box, law))
+    return scene, balls
+
+
+def test_a_list_with_a_skin_has_all_that_touch():
+    """Forces along a run are those of a list that is made anew."""
+    scene, _ = pile()
+    system = System(scene, dynamics=True)
+    result = run(scene, 0.2, 2e-3)
+    term = next(t for t in system.terms if t.label == "contacts by penalty")
+    versions, touched = set(), 0
+    for frames in result.frames:
+        out, fresh = np.zeros((2, system.count, 6))
+        term.add_forces(frames, out)
+        versions.add(term.version)
+        (other,) = [t for t in System(scene, dynamics=True).terms if t.label == term.label][:1]
+        other.add_forces(frames, fresh)
+        np.testing.assert_array_equal(out, fresh)
+        touched += bool(out.any())
+    assert len(versions) > 3
+    assert touched > 20
+
+
+def test_balls_in_a_box_keep_their_energy():
+    scene, _ = pile()
+    result = run(scene, 0.4, 1e-3)
+    assert result.elastic.max() > 0.02 * result.kinetic[0]
+    assert result.energy_error < 5e-3
+    assert result.momentum_error < 1e-5
+
+
+def test_a_run_goes_on_to_the_last_bit(tmp_path):
+    """From a checkpoint at which other balls were near each other than in the beginning."""
+    scene, _ = pile()
+    options = {"duration": 0.2, "step": 2e-3, "progress": False}
+    scheme, file = fl.GeneralisedAlpha(radius=1.0), tmp_path / "run.h5"
+    whole = scheme.run(scene, **options, file=tmp_path / "whole.h5", checkpoint_every=60)
+    scheme.run(scene, **options, file=file, checkpoint_every=60)
+    resumed = scheme.resume(pile()[0], file, progress=False)
+    for name in ("frames", "velocities", "elastic"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+# --- bad input ---
+
+
+def one_body(item):
+    body = ball((0, 0, 1))
+    return scene_with(body, item(body))
+
+
+def two_bodies(item):
+    one, two = ball((0, 0, 1)), ball((0, 0, 2))
+    return scene_with(one, two, item(one, two))
+
+
+LAW = fl.Penalty(1e3)
+REFUSED = {
+    "no stiffness": (lambda: fl.Penalty(0.0), "stiffness must be a positive"),
+    "stiffness that is none": (lambda: fl.Penalty(float("nan")), "stiffness must be a finite"),
+    "negative damping": (lambda: fl.Penalty(1.0, damping=-1.0), "damping must not be negative"),
+    "flat ball": (lambda: fl.Sphere(fl.ground(), 0.0), "radius must be a positive"),
+    "inside out": (lambda: fl.Vertices([fl.ground()], -1.0), "radius must not be negative"),
+    "no points": (lambda: fl.Vertices([]), "must have a point"),
+    "flat box": (lambda: fl.Box(fl.ground(), (1, 0, 1)), "3 positive finite lengths"),
+    "no normal": (lambda: fl.Plane(fl.ground(), (0, 0, 0)), "must not be zero"),
+    "overlap": (
+        lambda: one_body(
+            lambda body: fl.Contact(
+                fl.Sphere(body.centre, 0.2), fl.Plane(fl.ground(), (0, 0, 1), at=(0, 0, 0.9)), LAW
+            )
+        ),
+        r"overlap by 0\.1 at \(0, 0, 0\.8\); start apart",
+    ),
+    "overlap of balls": (
+        lambda: two_bodies(
+            lambda one, two: fl.Contact(fl.Sphere(one.centre, 0.6), fl.Sphere(two.centre, 0.5), LAW)
+        ),
+        r"overlap by 0\.1 at",
+    ),
+    "same body": (
+        lambda: one_body(
+            lambda body: fl.Contact(
+                fl.Sphere(body.at((0, 0, 3)), 0.1), fl.Plane(body.centre, (0, 0, 1)), LAW
+            )
+        ),
+        "never move against each other",
+    ),
+    "two planes": (
+        lambda: one_body(lambda body: fl.Contact(fl.Plane(body.centre, (0, 0, -1)), FLOOR, LAW)),
+        "planes touch points",
+    ),
+    "two points": (
+        lambda: two_bodies(
+            lambda one, two: fl.Contact(fl.Vertices([one.centre]), fl.Vertices([two.centre]), LAW)
+        ),
+        "points never touch points",
+    ),
+    "ball on a box": (
+        lambda: two_bodies(
+            lambda one, two: fl.Contact(
+                fl.Box(one.centre, (1, 1, 1)), fl.Sphere(two.centre, 0.1), LAW
+            )
+        ),
+        "corners of a box touch planes",
+    ),
+    "hollows": (
+        lambda: two_bodies(
+            lambda one, two: fl.Contact(
+                fl.Sphere(one.centre, 3.0), fl.Sphere(two.centre, 2.0, hollow=True), LAW
+            )
+        ),
+        "must be smaller",
+    ),
+    "body that is not there": (
+        lambda: scene_with(fl.Contact(fl.Sphere(ball((0, 0, 1)).centre, 0.1), FLOOR, LAW)),
+        "is not in the scene",
+    ),
+    "conserving": (
+        lambda: fl.EnergyMomentum().run(dropped(LAW)[0], duration=0.1, step=1e-2),
+        "no contacts by penalty: use GeneralisedAlpha",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused(name):
+    make, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+WRONG = {
+    "law": (lambda: fl.Contact(FLOOR, FLOOR, 1e3), "Contact: law must be a law"),
+    "surface": (lambda: fl.Contact(FLOOR, fl.ground(), LAW), "Contact: b must be a surface"),
+    "point": (lambda: fl.Sphere((0, 0, 0), 1.0), "Sphere: point must be a point"),
+    "points": (lambda: fl.Vertices(fl.ground()), "Vertices: of must be points"),
+    "number": (lambda: fl.Penalty("1e3"), "stiffness must be a number"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_is_no_such_thing(name):
+    make, message = WRONG[name]
+    with pytest.raises(TypeError, match=message):
+        make()
