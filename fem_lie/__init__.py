@@ -103,6 +103,8 @@ from fem_lie.sections.shell_section import Orthotropic, Ply, ShellSection
 from fem_lie.sections.warping import Warping
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.alpha.options import Components, Index
+from fem_lie.solve.composed.composed import Composed
+from fem_lie.solve.composed.compositions import Composition, FiveStages, TripleJump
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.motion.policies import (
     Automatic,
@@ -156,6 +158,8 @@ __all__ = [
     "CoarseElementsWarning",
     "Collar",
     "Components",
+    "Composed",
+    "Composition",
     "ConstantStep",
     "ConstraintsOnly",
     "Contact",
@@ -179,6 +183,7 @@ __all__ = [
     "EquilibriumPath",
     "EveryIteration",
     "FieldImperfection",
+    "FiveStages",
     "Fixed",
     "Formulation",
     "FrameMap",
@@ -265,6 +270,7 @@ __all__ = [
     "SurfacePressure",
     "Table",
     "Temperature",
+    "TripleJump",
     "Twisted",
     "Units",
     "Universal",

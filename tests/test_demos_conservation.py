@@ -57,3 +57,13 @@ def test_conservation_against_time():
     record = main("conservation_against_time", repeats=1, steps=4)
     assert record["energy_momentum_order"] >= 1.8
     assert record["energy_momentum_energy_error"] <= 1e-12
+
+
+def test_order_four():
+    """In configuration, velocity and joint forces."""
+    record = main("order_four", steps=50, speed=False)
+    orders = {key: value for key, value in record.items() if key.startswith("order")}
+    assert len(orders) == 6
+    assert all(abs(order - 4.0) <= 0.1 for order in orders.values()), orders
+    assert record["energy_error"] <= 5e-12
+    assert record["angular_momentum_error"] <= 5e-12

@@ -77,13 +77,17 @@ class EnergyMomentum(Integrator):
             )
 
     def _equations(self, scene: Scene) -> Equations:
+        return self.equations(scene)
+
+    def equations(self, scene: Scene) -> Equations:
+        """Those of a scene; ``ValueError`` names what the scheme cannot do."""
         # translations are global, so the derivatives in velocities are those of R³×SO(3)
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         _refuse(equations)
         return equations
 
     def _integration(self, equations: Equations, step: float) -> Run:
-        return Run(self._told(), equations, step)
+        return Run(self.told(), equations, step)
 
     def _follow(
         self,
@@ -93,10 +97,11 @@ class EnergyMomentum(Integrator):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        equations, options = self._equations(scene), self._told()
+        equations, options = self._equations(scene), self.told()
         return variable.run(options, equations, duration, choice, saving, progress)
 
-    def _told(self) -> Options:
+    def told(self) -> Options:
+        """What a run is told."""
         return Options(self.tolerance, self.policy, self.max_iterations)
 
 
@@ -140,6 +145,7 @@ class EnergyDecaying(EnergyMomentum):
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
 
-    def _told(self) -> Options:
+    def told(self) -> Options:
+        """See the base class."""
         loss = (1.0 - self.radius) / (3.0 + self.radius)
         return Options(self.tolerance, self.policy, self.max_iterations, loss, 1.0 - loss)

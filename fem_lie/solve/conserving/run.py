@@ -18,7 +18,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.factors import factorise
+from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import local_rates
@@ -183,10 +183,8 @@ class Run(RunState):
         numbers[stopping.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
-        options, counters = self.options, self.counters
-        spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
-        limit = options.max_iterations * (_SLOW if always else 1)
-        given = (options.tolerance, limit, *rule, spare)
+        counters = self.counters
+        given = self._given(rule, self.options.max_iterations * (_SLOW if always else 1))
         while True:
             packed = self._packed
             tables = packed.model, packed.state, packed.step
@@ -210,6 +208,11 @@ class Run(RunState):
                 except SingularMatrixError:
                     self.numbers[stopping.INCREMENT] = np.inf
                     return loop.FAILED
+
+    def _given(self, rule: tuple[int, float], limit: int) -> tuple[float, int, int, float, float]:
+        """What the loop is told."""
+        spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
+        return self.options.tolerance, limit, *rule, spare
 
     def _failure(self, steps: int) -> str:
         increment = float(self.numbers[stopping.INCREMENT])
@@ -303,5 +306,9 @@ class Run(RunState):
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)
         self._note_rates()
+        self._factors = self._kept_factors(kept)
+
+    def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
+        """Those with which a restored run goes on, if there are any."""
         stale = np.isinf(self.numbers[stopping.EXCESS])
-        self._factors = None if stale else factorise(self.equations.matrix)
+        return None if stale else factorise(self.equations.matrix)

@@ -20,7 +20,7 @@ from fem_lie.solve.conserving.step import stopping
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.packing import Packed
-from fem_lie.solve.conserving.step.records import Scheme, Span
+from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
@@ -61,22 +61,31 @@ class RunState(Integration[History]):
         told: How steps were made that did not converge, see :mod:`.run`.
     """
 
-    def __init__(self, options: Options, equations: Equations, step: float) -> None:
+    def __init__(
+        self,
+        options: Options,
+        equations: Equations,
+        step: float,
+        shared: RunState | None = None,
+    ) -> None:
         """Allocate everything; nothing is computed yet.
 
         Args:
             options: Of the scheme.
             equations: Of the scene.
             step: Step size.
+            shared: A run of the same equations whose state this one changes, too; default: none.
         """
         super().__init__(options.policy, equations, step)
         self.options, self.rule = options, options.policy.rule()
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
-        self.cells = Cells(list(equations.tables.assemblies))
+        self.cells: Cells = (
+            Cells(list(equations.tables.assemblies)) if shared is None else shared.cells
+        )
         self._strained = equations.unknowns.strains_change
-        self.s = start_state(equations, self.cells)
-        self.this = room_for_step(equations, self.cells)
+        self.s: State = start_state(equations, self.cells) if shared is None else shared.s
+        self.this: Step = room_for_step(equations, self.cells) if shared is None else shared.this
         scheme = Scheme(self.h, options.loss, options.learning)
         self.model = model_of(equations, self.cells, scheme)
         self._packed = Packed(self.model, self.s, self.this)
@@ -209,11 +218,14 @@ class RunState(Integration[History]):
             H, end, v, ahead = s.H, s.H, self.local(s.V, s.H), 1.0
             a = 2.0 * np.einsum("nij,nkj->nki", H[:n, 1:], s.trend.reshape(n, 2, 3)).reshape(n, 6)
         a[:, :3] -= np.cross(v[:, 3:], v[:, :3])
-        # the constraints in the middle of the matrix's likely life: as old as the last one became
-        age = (self.index - self.counts[1]) // 2
+        age = self._age()
         joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
         forces_at = self._moved(H, v, 0.5 * ahead + age)
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
+
+    def _age(self) -> float:
+        """Steps to the middle of the matrix's likely life: as old as the last one became."""
+        return float((self.index - self.counts[1]) // 2)
 
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
         """Frames so many steps later."""

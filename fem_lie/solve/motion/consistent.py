@@ -89,7 +89,13 @@ def _moved(equations: Equations, velocities: Array, prescribed: Array) -> Array:
 
 
 def accelerations(
-    equations: Equations, solver: DirectSolver, H: Array, v: Array, time: float, step: float
+    equations: Equations,
+    solver: DirectSolver,
+    H: Array,
+    v: Array,
+    time: float,
+    step: float,
+    sweeps: int = 1,
 ) -> tuple[Array, Array]:
     """``v̇`` and multipliers from the equations of motion and twice differentiated constraints.
 
@@ -97,13 +103,18 @@ def accelerations(
 
         M v̇ + Bᵀ λ = f(H, v, t)          B v̇ = −Ḃ v
 
+    They are solved with ``M + h² K/4``, so that modes of which a step is no part of a period do not
+    take part. That is wrong by the order ``h²`` for the others; each sweep more, with what is left
+    of the equations, takes two orders away.
+
     Args:
         equations: Of the scene; their matrix and loads are overwritten.
         solver: For that matrix.
         H: Frames of all rows.
         v: Local velocities of all rows; those of prescribed motions are found here.
         time: The time.
-        step: Over which prescribed motions are differentiated.
+        step: Over which prescribed motions are differentiated; ``h``.
+        sweeps: How often they are solved.
 
     Returns:
         Shapes (n, 6) and (m,).
@@ -123,18 +134,31 @@ def accelerations(
     # ẍ = R (u̇ + ω × u) = 0, of which supports hold a part
     guided = supports.nodes
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
-    equations.residual(Instant(H, v, rate[:n], np.zeros(m)), np.ones(m), r, carried=True)
-    constraints = equations.constraints(H)
+    constraints, weights = equations.constraints(H), np.zeros(m)
     _, second = constraints.rates(v)
-    drive, _ = constraints.rates(rate)
-    r[6 * n :] = second + drive - prescribed.target_rates[1]
-    scale = _fill(equations, H, step)
-    r[6 * n :] *= scale
-    largest = float(np.abs(r).max(initial=0.0))
+    for sweep in range(sweeps):
+        equations.residual(Instant(H, v, rate[:n], weights), np.ones(m), r, carried=True)
+        drive, _ = constraints.rates(rate)
+        r[6 * n :] = second + drive - prescribed.target_rates[1]
+        if sweep == 0:
+            scale = _fill(equations, H, step)
+        r[6 * n :] *= scale
+        _solve_at_rest(solver, anew=sweep == 0)
+        found = solver.solution
+        supports.turn_back(H, found[: 6 * n].reshape(n, 6))
+        rate[:n] -= found[: 6 * n].reshape(n, 6)
+        weights -= scale * found[6 * n :]
+    return rate[:n], weights
+
+
+def _solve_at_rest(solver: DirectSolver, *, anew: bool) -> None:
+    """Solve for accelerations; ``anew``: with a new matrix."""
+    largest = float(np.abs(solver.right_hand_side).max(initial=0.0))
     if not largest < _LARGEST:
         raise ValueError(f"forces at the start are {largest:.1e}: they cannot be computed with")
     try:
-        solver.factorise()
+        if anew:
+            solver.factorise()
         solver.solve()
     except InaccurateSolutionError as error:
         raise ValueError(f"initial accelerations cannot be computed: {error}") from error
@@ -142,8 +166,6 @@ def accelerations(
         raise ValueError(
             "the mass matrix is singular: a body or section lacks (rotary) inertia"
         ) from error
-    supports.turn_back(H, solver.solution[: 6 * n].reshape(n, 6))
-    return rate[:n] - solver.solution[: 6 * n].reshape(n, 6), -scale * solver.solution[6 * n :]
 
 
 def _fill(equations: Equations, H: Array, step: float) -> Array:

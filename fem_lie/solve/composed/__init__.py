@@ -1,0 +1,1 @@
+"""Schemes of higher order that are made of steps of another one."""

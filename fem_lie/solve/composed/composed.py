@@ -1,0 +1,112 @@
+r"""A scheme of fourth order that conserves what the scheme in it conserves.
+
+Each step is made of steps of another scheme, some of which go back in time
+(:mod:`fem_lie.solve.composed.compositions`). What each of them keeps to round-off, energy, momentum
+and angular momentum, all of them keep, whatever their sizes and signs; joints hold at the end of
+each. Configurations and velocities are of fourth order, and so are joint forces and reactions,
+which are those of the equations of motion at the ends of steps; but what drives and prescribed
+motions need is of second order, for their accelerations are differences over a step.
+
+Each size of parts has a matrix of its own, and both are kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem_lie._arrays import instance
+from fem_lie.joints.equations.table import joint_table
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.solve.composed.compositions import Composition, FiveStages
+from fem_lie.solve.composed.run import ComposedRun
+from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.motion.events import events
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations
+
+
+@dataclass(frozen=True)
+class Composed(Integrator):
+    """Options of the scheme; :meth:`run` integrates with constant steps.
+
+    Functions of time, of loads, drives and motions, are followed back, too; they must be smooth,
+    and with :class:`~fem_lie.TripleJump` they are asked for times before the start of the run and
+    after its end. What dissipates is refused: backwards it would feed energy.
+
+    Joint forces and reactions take a factorisation for each state that is kept.
+
+    Attributes:
+        scheme: Of which steps are made; it must be symmetric, ``EnergyMomentum()`` is. Its policy
+            decides for each size of parts.
+        composition: Of which parts, :class:`~fem_lie.FiveStages` or :class:`~fem_lie.TripleJump`.
+    """
+
+    scheme: Integrator = field(default_factory=EnergyMomentum)
+    composition: Composition = field(default_factory=FiveStages)
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        instance(self.scheme, Integrator, "scheme", "a scheme such as EnergyMomentum()")
+        kind = "a Composition such as FiveStages()"
+        instance(self.composition, Composition, "composition", kind)
+        conserves = isinstance(self.scheme, EnergyMomentum)
+        if not conserves or isinstance(self.scheme, EnergyDecaying):
+            raise ValueError(
+                "only a symmetric scheme can be composed, such as EnergyMomentum(): what another "
+                f"one loses it would feed in parts that go back; got {self.scheme}"
+            )
+
+    @property
+    def _inner(self) -> EnergyMomentum:
+        assert isinstance(self.scheme, EnergyMomentum)
+        return self.scheme
+
+    def _equations(self, scene: Scene) -> Equations:
+        equations = self._inner.equations(scene)
+        _refuse(equations)
+        return equations
+
+    def _integration(self, equations: Equations, step: float) -> ComposedRun:
+        return ComposedRun(self._inner.told(), equations, step, self.composition.halves)
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        jumps = events(scene, duration)
+        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
+        raise ValueError(
+            "Composed makes constant steps over smooth functions of time: wanted the size of the "
+            f"step as a number and nothing that jumps, got {given}; use EnergyMomentum"
+        )
+
+
+def _refuse(equations: Equations) -> None:
+    """Raise ``ValueError`` for what cannot be followed back."""
+    tables, unknowns = equations.tables, equations.unknowns
+    dampers = joint_table(tables.joints).springs[:, 1]
+    reasons = {
+        "damping of materials": any(assembly.viscous for _, assembly in tables.assemblies),
+        "damping in proportion to mass": len(tables.damping.indptr) > 0,
+        "dampers in connections": bool(np.any(dampers != 0.0)),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(
+                f"Composed steps go back in time in part, where {what} would feed energy: wanted a "
+                "scene without, or EnergyMomentum or GeneralisedAlpha"
+            )
+    if unknowns.strains_change:
+        raise ValueError(
+            "Composed has no strains that change in time (Temperature, Eigenstrain with a history):"
+            " use EnergyMomentum or GeneralisedAlpha"
+        )

@@ -1,0 +1,218 @@
+"""A run of composed steps: the parts of each, what is told at its end, checkpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.results import Result
+from fem_lie.solve.composed import stages
+from fem_lie.solve.composed.part import Part
+from fem_lie.solve.conserving.run_state import PREFIX, Options
+from fem_lie.solve.conserving.step import loop, stopping
+from fem_lie.solve.motion.consistent import accelerations
+from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.result_row import ResultRow
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations, Instant
+
+
+class ComposedRun(Integration[History]):
+    """One integration."""
+
+    def __init__(
+        self, options: Options, equations: Equations, step: float, halves: tuple[float, ...]
+    ) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            options: Of the scheme of the parts.
+            equations: Of the scene.
+            step: Size of the whole steps.
+            halves: Sizes of their parts, over that; two of them differ.
+        """
+        super().__init__(options.policy, equations, step)
+        self.options, shares = options, list(dict.fromkeys(halves))
+        first = Part(options, equations, step, shares[0], halves.count(shares[0]), None)
+        other = Part(options, equations, step, shares[1], halves.count(shares[1]), first)
+        self._parts = first, other
+        # rows of one array each, for the compiled loop
+        self._counters = np.stack([part.counters for part in self._parts])
+        self._numbers = np.stack([part.numbers for part in self._parts])
+        for k, part in enumerate(self._parts):
+            part.counters, part.numbers = self._counters[k], self._numbers[k]
+        self._order = np.array([shares.index(half) for half in halves], dtype=np.int64)
+        self._ends = np.cumsum([0.0, *halves])
+        self._place = np.zeros(3, dtype=np.int64)
+        self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
+        self._solver: DirectSolver | None = None
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> History:
+        """See the base class."""
+        return History(self.equations.info, steps, self.h, saving, progress, store)
+
+    def start(self) -> None:
+        """See the base class."""
+        first, other = self._parts
+        first.start()
+        other.start_as(first)
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self._parts[0].frames
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return int(self._place[stages.MADE])
+
+    # --- steps ---
+
+    def _advance(self, history: History) -> bool:
+        last = history.next_stop(self.index)
+        while self.index < last:
+            if not (self._all_parts(last) if self._quick else self._one_part()):
+                return False
+        return True
+
+    @property
+    def _quick(self) -> bool:
+        """Whether there is nothing to do between parts."""
+        first, other = self._parts
+        kept = first.factors is not None and other.factors is not None
+        asked = first.rule is None or self.equations.unknowns.time_dependent
+        return kept and not asked and not first.still and not other.still
+
+    def _all_parts(self, last: int) -> bool:
+        """Go on to step ``last``, or to the end of a part that wants something."""
+        first, other = self._parts
+        assert first.factors is not None and other.factors is not None
+        code = stages.run(
+            (first.compiled_model, other.compiled_model),
+            *first.compiled_state,
+            (first.factors, other.factors),
+            first.compiled_options,
+            self._counters,
+            self._numbers,
+            (np.array([first.h, other.h]), self._order),
+            self._place,
+            last,
+        )
+        if code == loop.DONE:
+            return True
+        part = self._parts[self._order[self._place[stages.PART]]]
+        return self._passed(part.go_on(code, *self._span()))
+
+    def _one_part(self) -> bool:
+        """Make the next part; whether it is made."""
+        place = self._place
+        k = int(self._order[place[stages.PART]])
+        part, before = self._parts[k], self._parts[place[stages.SIZE]]
+        if place[stages.SIZE] != k:
+            stages.resize(part.s.carry, before.h, part.h)
+            place[stages.SIZE] = k
+        return self._passed(part.make(*self._span()))
+
+    def _passed(self, made: bool) -> bool:
+        place = self._place
+        if made:
+            place[stages.PART] += 1
+            if place[stages.PART] == len(self._order):
+                place[stages.PART] = 0
+                place[stages.MADE] += 1
+        return made
+
+    def _span(self) -> tuple[float, float]:
+        """Start and end of the present part."""
+        k = int(self._place[stages.PART])
+        start, end = (self.index + self._ends[k : k + 2]) * self.h
+        return float(start), float(end)
+
+    def _failure(self, steps: int) -> str:
+        part = self._parts[self._place[stages.SIZE]]
+        increment, left = (
+            float(part.numbers[stopping.INCREMENT]),
+            float(np.abs(part.this.r[0]).max()),
+        )
+        options, rescued = self.options, self.options.policy.rescue
+        limit, tolerance = options.max_iterations, options.tolerance
+        text = failure(*(self.index + 1, steps, self.h, limit, increment, left, tolerance, rescued))
+        return f"part {self._place[stages.PART] + 1} of {text}"
+
+    # --- results ---
+
+    @property
+    def _iterations(self) -> int:
+        return int(self._counters[:, stopping.TOTAL].sum())
+
+    def _record(self, history: History) -> bool:
+        wanted = history.wants(self.index)
+        if wanted:
+            self._keep_row(history)
+        if self.index:
+            history.update_if_due(self.index, self._iterations)
+        return wanted
+
+    def _result(self, history: History) -> Result:
+        factorisations = sum(int(part.counts[0]) for part in self._parts)
+        return history.result(factorisations, history.seconds)
+
+    def _keep_row(self, history: History) -> None:
+        """What is told of the end of a step, where forces are those of the equations of motion.
+
+        Those of the parts act over these: of no higher order than they are themselves.
+        """
+        equations, s, row = self.equations, self._parts[0].s, history.row
+        n, held = equations.unknowns.moving, len(equations.unknowns.supported) > 0
+        v, weights = equations.start.velocities.copy(), s.weights
+        rates: Array = np.zeros((n, 6))
+        v[:n] = self._parts[0].local(s.V, s.H)
+        if held or len(weights):
+            rates, weights = self._end_forces(v)
+        self._filled.by_rates(history, s.H, s.V, weights, s.books)
+        if held:
+            told = equations.report(s.H, v, rates, weights, carried=False)
+            history.reactions[row] = told.reactions
+        history.elastic[row] += s.W.sum()
+        history.keep(np.array([self.index]), np.array([self._iterations]))
+
+    def _end_forces(self, v: Array) -> tuple[Array, Array]:
+        """Accelerations and multipliers at the present state with twists ``v`` of all rows.
+
+        Of fourth order, with a matrix of its own at each state that is kept.
+        """
+        equations, s = self.equations, self._parts[0].s
+        if self._solver is None:
+            self._solver = DirectSolver(equations.matrix, PREFIX)
+        still = np.zeros((equations.unknowns.moving, 6))
+        # elements' own unknowns are those of the parts, and not yet known to the equations
+        equations.residual(Instant(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
+        time, size = self.index * self.h, min(abs(part.h) for part in self._parts)
+        return accelerations(equations, self._solver, s.H, v, time, size, sweeps=2)
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept: dict[str, Any] = {"place": self._place}
+        for k, part in enumerate(self._parts):
+            kept |= {f"part.{k}.{name}": value for name, value in part.memory().items()}
+        return kept
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        self._place[:] = kept["place"]
+        for k, part in enumerate(self._parts):
+            front = f"part.{k}."
+            own = {n.removeprefix(front): a for n, a in kept.items() if n.startswith(front)}
+            part.restore(own)

@@ -1,0 +1,211 @@
+"""Composed schemes: their order in all that is told, invariants, interruption, bad input."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.recording.recorder import History
+from tests.test_energy_momentum import ARRAYS, SQUARE, bars, plate, same
+
+COMPOSITIONS = {"five": fl.FiveStages(), "triple": fl.TripleJump()}
+SCHEMES = {name: fl.Composed(composition=how) for name, how in COMPOSITIONS.items()}
+
+
+def orders(scheme, scene, duration, numbers, names):
+    """Observed between the last three of runs with so many steps each, for each name."""
+    ends = []
+    for steps in numbers:
+        result = scheme.run(scene(), duration=duration, step=duration / steps, save_every=steps)
+        ends.append([getattr(result, name)[-1] for name in names])
+    far, near = (
+        [np.abs(a - b).max() for a, b in zip(one, two, strict=True)] for one, two in pairwise(ends)
+    )
+    return np.log2(np.array(far) / np.array(near))
+
+
+@pytest.mark.parametrize("how", COMPOSITIONS.values(), ids=COMPOSITIONS)
+def test_conditions_of_fourth_order(how):
+    assert sum(how.parts) == pytest.approx(1.0, abs=1e-14)
+    assert sum(part**3 for part in how.parts) == pytest.approx(0.0, abs=1e-14)
+    assert how.parts == how.parts[::-1]
+    assert sum(how.halves) == pytest.approx(1.0, abs=1e-14)
+
+
+def flying() -> fl.Scene:
+    """A soft beam that turns, flies and bends."""
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), SQUARE, cells=3))
+    beam.turn((3, 1, -8), about=(0.2, 0, 0))
+    beam.velocities[:, 2] += 4.0 * beam.frames[:, 0, 0]
+    return scene
+
+
+@pytest.mark.parametrize(("scheme", "steps"), [("five", (8, 16, 32)), ("triple", (32, 64, 128))])
+def test_fourth_order_of_a_flying_beam(scheme, steps):
+    found = orders(SCHEMES[scheme], flying, 0.01, steps, ("frames", "velocities"))
+    np.testing.assert_allclose(found, 4.0, atol=0.15)
+
+
+def rigid_pendulum() -> fl.Scene:
+    """Two rigid bodies with a revolute joint that is not linear, under gravity."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    one = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
+    two = scene.add(fl.RigidBody(0.7, (1e-3, 3e-3, 3e-3), position=(0.5, 0, 0)))
+    scene.add(fl.Revolute(fl.ground(), one.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.Revolute(one.centre, two.centre, at=(0.4, 0, 0), axis=(0, 1, 0.5)))
+    return scene
+
+
+def test_fourth_order_with_joints():
+    names = "frames", "velocities", "joint_forces"
+    found = orders(SCHEMES["five"], rigid_pendulum, 0.4, (16, 32, 64), names)
+    np.testing.assert_allclose(found, 4.0, atol=0.15)
+
+
+def driven() -> fl.Scene:
+    """A rigid arm that is driven, beside one that is held and pushed."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    arm = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), arm.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.Drive(hinge.angle, lambda t: 0.5 * (1.0 - np.cos(3.0 * t))))
+    soft = scene.add(fl.Beam.straight((0, 1, 0), (0.3, 1, 0), SQUARE, cells=2))
+    scene.add(fl.Clamp(soft.start))
+    scene.add(fl.PointLoad(soft.end, force=(0, 0, 0.1), history=lambda t: 1.0 - np.cos(40.0 * t)))
+    return scene
+
+
+def test_fourth_order_with_functions_of_time():
+    """But for what drives need, whose accelerations are differences of the second order."""
+    names = "frames", "velocities", "reactions"
+    found = orders(SCHEMES["five"], driven, 0.02, (16, 32, 64), names)
+    np.testing.assert_allclose(found, 4.0, atol=0.2)
+
+
+def test_work_is_booked():
+    result = SCHEMES["five"].run(driven(), duration=0.1, step=2e-3)
+    assert result.balance_error <= 1e-12
+    assert abs(result.balance[-1, 0]) > 1e-3
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+@pytest.mark.parametrize("joint", [fl.Spherical, fl.Revolute, fl.Fixed])
+def test_invariants_to_round_off(scheme, joint):
+    scene = bars(joint=joint)[0]
+    result = scheme.run(scene, duration=0.4, step=1e-2)
+    assert result.energy_error <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+    assert result.joint_violations.max() <= 1e-13
+    assert result.elastic.max() > 1e-3 * result.kinetic[0]
+
+
+@pytest.mark.parametrize("name", ["MITC4", "Hu-Washizu"])
+def test_shells(name):
+    scene, _ = plate(name)
+    result = SCHEMES["five"].run(scene, duration=0.05, step=5e-3)
+    assert result.energy_error <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+    assert result.momentum_error <= 1e-12
+
+
+def test_what_is_kept_in_between_changes_nothing():
+    """The compiled loop over steps, and one step after the other."""
+    scheme = SCHEMES["five"]
+    whole = scheme.run(bars()[0], duration=0.2, step=1e-2)
+    ends = scheme.run(bars()[0], duration=0.2, step=1e-2, save_every=20)
+    for name in set(ARRAYS) - {"iterations"}:
+        np.testing.assert_array_equal(getattr(ends, name)[-1], getattr(whole, name)[-1], name)
+
+
+def test_a_policy_that_must_be_asked():
+    """It is, for each size of parts; what it decides does not change the motion."""
+
+    class Asked(fl.Policy):
+        def begin(self, bound):
+            return fl.EveryIteration().begin(bound)
+
+    own = fl.Composed(fl.EnergyMomentum(policy=Asked()))
+    asked = own.run(bars()[0], duration=0.05, step=1e-2)
+    ruled = SCHEMES["five"].run(bars()[0], duration=0.05, step=1e-2)
+    np.testing.assert_allclose(asked.frames[-1], ruled.frames[-1], atol=1e-12)
+    assert asked.factorisations > ruled.factorisations
+
+
+# --- interruption ---
+
+
+class Stopped(Exception):
+    """Instead of a step."""
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+@pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
+    plan = {"duration": 0.12, "step": 4e-3}
+    whole = scheme.run(scene(), **plan)
+    file = tmp_path / "run.h5"
+    written = History.write_checkpoint
+
+    def stop(self, index, memory):
+        written(self, index, memory)
+        if index == 14:
+            raise Stopped
+
+    monkeypatch.setattr(History, "write_checkpoint", stop)
+    with pytest.raises(Stopped):
+        scheme.run(scene(), **plan, file=file, checkpoint_every=7)
+    monkeypatch.undo()
+    same(scheme.resume(scene(), file), whole)
+    same(fl.Result.load(file), whole)
+
+
+# --- bad input ---
+
+
+@pytest.mark.parametrize("scheme", [fl.EnergyDecaying(), fl.GeneralisedAlpha(radius=0.8)])
+def test_schemes_that_are_not_symmetric(scheme):
+    with pytest.raises(ValueError, match=r"only a symmetric scheme .* got .*radius=0.8"):
+        fl.Composed(scheme)
+
+
+def test_other_kinds():
+    with pytest.raises(TypeError, match="scheme"):
+        fl.Composed("energy momentum")
+    with pytest.raises(TypeError, match="composition"):
+        fl.Composed(fl.EnergyMomentum(), "yoshida")
+
+
+def test_steps_that_change():
+    with pytest.raises(ValueError, match=r"constant steps .* got AdaptiveStep"):
+        SCHEMES["five"].run(bars()[0], duration=0.1, step=fl.AdaptiveStep(1e-4))
+
+
+def test_jumps():
+    scene, one, _ = bars()
+    late = fl.Jumps(lambda t: float(t > 0.05), (0.05,))
+    scene.add(fl.PointLoad(one.end, force=(0, 0, 1), history=late))
+    with pytest.raises(ValueError, match=r"jumps at the times \[0.05\]"):
+        SCHEMES["five"].run(scene, duration=0.1, step=1e-2)
+
+
+def test_dissipation():
+    scene, one, two = bars()
+    ends = scene.add(fl.Distance(one.start, two.end))
+    scene.add(fl.Spring(ends.length, stiffness=1.0, damping=0.1))
+    with pytest.raises(ValueError, match="dampers in connections would feed energy"):
+        SCHEMES["five"].run(scene, duration=0.1, step=1e-2)
+
+
+def test_strains_that_change():
+    scene, one, _ = bars()
+    scene.add(fl.Temperature(one, 10.0, 1e-5, history=lambda t: t))
+    with pytest.raises(ValueError, match="strains that change in time"):
+        SCHEMES["five"].run(scene, duration=0.1, step=1e-2)
+
+
+def test_a_step_that_fails():
+    with pytest.raises(fl.ConvergenceError, match=r"part 1 of step 1 of 10 .* 2 iterations"):
+        fl.Composed(fl.EnergyMomentum(max_iterations=2, policy=fl.Never())).run(
+            bars()[0], duration=0.1, step=1e-2
+        )
