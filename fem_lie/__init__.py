@@ -91,6 +91,7 @@ from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
 from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
 from fem_lie.scene.scene import Scene
+from fem_lie.scene.solids.loads import BulkLoad, FaceLoad, FacePressure
 from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 from fem_lie.scene.surface_loads import AreaLoad, EdgeLoad, MassLoad, VolumeLoad
@@ -152,6 +153,7 @@ __all__ = [
     "Body",
     "Box",
     "BucklingModes",
+    "BulkLoad",
     "Cable",
     "Choices",
     "Clamp",
@@ -182,6 +184,8 @@ __all__ = [
     "EnergyMomentum",
     "EquilibriumPath",
     "EveryIteration",
+    "FaceLoad",
+    "FacePressure",
     "FieldImperfection",
     "FiveStages",
     "Fixed",

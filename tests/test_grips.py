@@ -10,6 +10,7 @@ from fem_lie.grips.follower import following
 from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import bend, changes, locate
 from fem_lie.grips.interpolated import interpolated
+from fem_lie.grips.patch import in_the_mean
 from fem_lie.grips.tangent import along_tangent
 
 seeds = st.integers(0, 2**32 - 1)
@@ -34,6 +35,31 @@ def moved_slopes(X, h):
     return moved
 
 
+def moved_places(X, h):
+    """Nodes that are places, along axes that stay."""
+    moved = X.copy()
+    moved[:, 0] += np.einsum("nij,ni->nj", X[:, 1:], h[:, :3])
+    return moved
+
+
+PLACES = np.array(
+    [[1.0, 0.2, 0], [-0.9, 0.1, 0.3], [0.1, 1.1, -0.2], [0.3, -0.8, 0.5], [0, 0, 1.2]]
+)
+PATCHES = {"patch": PLACES, "flat patch": PLACES[:4] * [1, 1, 0]}
+
+
+def patch(places):
+    axes = lie.se3_exp(np.array([0, 0, 0, 0.3, -0.5, 0.2]))[1:]
+    return in_the_mean(range(len(places)), places, np.arange(1.0, 1.0 + len(places)), axes)
+
+
+def near_patch(places, rng):
+    """Rows of nodes about a patch that is deformed and moved, with any axes."""
+    X = lie.se3_exp(rng.normal(size=(len(places), 6)))
+    X[:, 0] = places + 0.1 * rng.normal(size=places.shape)
+    return lie.se3_compose(lie.se3_exp(rng.normal(size=6)), X)
+
+
 OFFSET = lie.se3_exp(np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.3]))
 GRIPS = {
     "geodesic": (on_geodesic(0, 1, 0.3), moved_frames),
@@ -41,6 +67,7 @@ GRIPS = {
     "three directors": (interpolated((0, 1, 2), (0.28, -0.12, 0.84)), moved_frames),
     "follower": (following(0, OFFSET), moved_frames),
     "tangent": (along_tangent(0), moved_slopes),
+    **{name: (patch(places), moved_places) for name, places in PATCHES.items()},
 }
 """Each with how its nodes move: adding one here tests it."""
 
@@ -53,6 +80,8 @@ def state(name: str, seed: int):
     X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
     if name == "tangent":
         X[:, 1] *= 0.5 + rng.random()
+    if name in PATCHES:
+        X = near_patch(PATCHES[name], rng)
     return grip, np.array(grip.data), X, move, rng
 
 
@@ -117,6 +146,14 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
     if name == "tangent":
         np.testing.assert_allclose(H[1], X[0, 1] / np.linalg.norm(X[0, 1]), atol=1e-14)
         return  # it has no spin about that
+    if name in PATCHES:
+        twist = rng.normal(size=6)
+        about = np.cross(twist[3:], X[:, 0]) + twist[:3]
+        own = np.zeros((len(X), 6))
+        own[:, :3] = np.einsum("nij,nj->ni", X[:, 1:], about)
+        wanted = lie.se3_adjoint(lie.se3_inverse(H)) @ twist
+        np.testing.assert_allclose(np.einsum("kij,kj->i", J, own), wanted, atol=1e-12)
+        return
     # of a rigid motion the grip has the same as all nodes
     twist = rng.normal(size=6)
     own = np.array([lie.se3_adjoint(lie.se3_inverse(row)) @ twist for row in X])
@@ -130,3 +167,19 @@ def test_many_states_at_once():
     found = grip.frame(many)
     assert found.shape == (3, 4, 3)
     np.testing.assert_array_equal(found[1], grip.frame(many[1]))
+
+
+def test_an_unloaded_patch_is_where_it_was_with_its_axes():
+    places = PATCHES["flat patch"]
+    X = np.tile(lie.frame(np.zeros(3), np.eye(3)), (4, 1, 1))
+    X[:, 0] = places
+    found = patch(places).frame(X)
+    np.testing.assert_allclose(found[0], np.array([1, 2, 3, 4]) @ places / 10, atol=1e-15)
+    axes = lie.se3_exp(np.array([0, 0, 0, 0.3, -0.5, 0.2]))[1:]
+    np.testing.assert_allclose(found[1:], axes, atol=1e-15)
+
+
+def test_a_patch_on_a_line_is_refused():
+    places = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match="not on a line"):
+        in_the_mean(range(3), places, np.ones(3), np.eye(3))

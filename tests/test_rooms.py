@@ -44,6 +44,7 @@ MAY_IMPORT = {
     "contact": {"bodies"},
     "pictures": {"bodies.beams"},
     "scene": {"joints", "contact", "pictures", "bodies.rods", "bodies.shells", "bodies.solids"},
+    "scene.solids": {"scene"},
     "system.nodes": {"scene"},
     "system.constraint_sets": {"system.nodes", "linear"},
     "system.terms": {"system.constraint_sets"},

@@ -8,6 +8,7 @@ import pytest
 from dolfinx import mesh as dmesh
 
 import fem_lie as fl
+from fem_lie.system import System
 
 RUBBER = fl.NeoHooke(1e4, 0.3, 1.0)
 
@@ -100,6 +101,107 @@ def test_a_guide_across_the_axes():
     assert np.abs(moved[below] @ slope).max() < 1e-12
     assert np.abs(moved[below]).max() > 1e-4
     assert np.abs(moved[cube.nodes_of("b=0"), 1]).max() < 1e-12
+
+
+# --- loads and joints ---
+
+
+def test_a_face_carries_a_force_per_area():
+    """Also as a function of the place; moments about the origin of what is not uniform."""
+    body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
+    forces = fl.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
+    np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
+    moment = np.cross(body.places, forces[:, :3]).sum(axis=0)
+    # ∫ (y z, z y − x z, −y²) dA with x = 1
+    np.testing.assert_allclose(moment, (4.5 * 2, 4.5 * 2 - 9.0, -8.0), atol=1e-12)
+    bulk = fl.BulkLoad(body, lambda x: (x[0], 1.0, 0.0)).nodal().sum(axis=0)
+    np.testing.assert_allclose(bulk[:3], (3.0, 6.0, 0.0), atol=1e-12)
+
+
+@pytest.mark.parametrize("degree", (1, 2))
+def test_pressure_compresses_a_cube(degree):
+    """Of current area: ``σ = −p``, to finite strains."""
+    cube = brick((2, 2, 2), (1.0, 1.0, 1.0), degree=degree)
+    scene = scene_of(cube)
+    for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
+        cube.guide(f"{name}=0", normal)
+        scene.add(fl.FacePressure(cube, f"{name}=1", 3e3))
+    found = fl.statics(scene)
+    stretch = found.position(cube["111"])[-1]
+    np.testing.assert_allclose(stretch, stretch[0], rtol=1e-10)
+    λ, μ = RUBBER.parameters
+    s = stretch[0]
+    assert (μ * (s - 1 / s) + 3 * λ * np.log(s) / s) / s**2 == pytest.approx(-3e3, rel=1e-8)
+
+
+def test_pressure_follows_a_body_that_has_turned():
+    """The forces of a face, in its axes, are the same in any place."""
+    body = brick((2, 2, 2))
+    scene = scene_of(body)
+    scene.add(fl.FacePressure(body, "b=1", 7.0))
+    system = System(scene, dynamics=True)
+    H = system.frames.copy()
+    angle = 0.7
+    c, s = np.cos(angle), np.sin(angle)
+    Q = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    before, after = np.zeros((2, 6 * system.count))
+    system.terms.add_forces(H, before)
+    H[: system.count, 0] = H[: system.count, 0] @ Q.T + 5.0
+    for carried in system.carried:
+        carried.turn(H)
+    system.terms.add_forces(H, after)
+    np.testing.assert_allclose(after, before, atol=1e-10)
+    total = before.reshape(-1, 6).sum(axis=0)[:3]
+    np.testing.assert_allclose(total, (0, 7.0 * 1.0 * 0.2, 0), atol=1e-10)
+
+
+def test_a_moment_on_a_face_bends_a_brick():
+    """Spread over the nodes of the end, it does what the beam's does."""
+    bar = brick((10, 1, 1), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar.clamp("a=0")
+    scene = scene_of(bar)
+    end = bar.grip("a=1")
+    scene.add(fl.PointLoad(end, moment=(0, 0.5, 0)))
+    found = fl.statics(scene, load_steps=2)
+    angle = 0.5 / (1e6 * 0.1**4 / 12)
+    along = found.rotation(end)[-1, :, 0]
+    np.testing.assert_allclose(along, (np.cos(angle), 0, -np.sin(angle)), atol=2e-3)
+    wanted = np.sin(angle) / angle, 0.05, 0.05 - (1 - np.cos(angle)) / angle
+    np.testing.assert_allclose(found.position(end)[-1], wanted, atol=2e-3)
+
+
+def test_a_joint_to_a_face_holds_what_a_clamp_holds():
+    """Of a pendulum of one brick: the joint's forces are its weight."""
+    bar = brick((4, 1, 1), (1.0, 0.1, 0.1))
+    scene = scene_of(bar, gravity=(0, 0, -9.81))
+    joint = scene.add(fl.Fixed(fl.ground(), bar.grip("a=0")))
+    found = fl.statics(scene)
+    wrench = found.joint_force(joint)[-1]
+    weight = 9.81 * 0.01
+    np.testing.assert_allclose(np.linalg.norm(wrench[:3]), weight, rtol=1e-9)
+    assert np.linalg.norm(wrench[3:]) == pytest.approx(weight * 0.5, rel=2e-2)
+
+
+def test_a_pendulum_swings_about_a_face():
+    """Stiff: as a rigid body about the middle of its end, and it keeps few matrices."""
+    stiff = fl.NeoHooke(1e7, 0.3, 1.0)
+    bar = brick((4, 1, 1), (1.0, 0.1, 0.1), stiff)
+    scene = scene_of(bar, gravity=(0, 0, -9.81))
+    bar.turn((0, -2.0, 0), (0, 0.05, 0.05))
+    scene.add(fl.Revolute(fl.ground(), bar.grip("a=0"), axis=(0, 1, 0)))
+    found = fl.GeneralisedAlpha(radius=0.6).run(scene, duration=0.2, step=1e-3)
+    rigid = fl.RigidBody(0.01, 0.01 / 12 * np.array([0.02, 1.01, 1.01]), (0.5, 0.05, 0.05))
+    other = scene_of(rigid, gravity=(0, 0, -9.81))
+    rigid.turn((0, -2.0, 0), (0, 0.05, 0.05))
+    other.add(fl.Revolute(fl.ground(), rigid.at((0, 0.05, 0.05)), axis=(0, 1, 0)))
+    wanted = fl.GeneralisedAlpha(radius=0.6).run(other, duration=0.2, step=1e-3)
+    middle = found.frames[:, bar.nodes_of("a=1"), 0].mean(axis=1)
+    np.testing.assert_allclose(
+        (middle + found.frames[:, bar.nodes_of("a=0"), 0].mean(axis=1))[-1] / 2,
+        wanted.frames[-1, 0, 0],
+        atol=2e-3,
+    )
+    assert found.factorisations <= 4
 
 
 # --- time ---
@@ -252,6 +354,35 @@ def test_bad_input():
         brick((1, 1, 1), material=fl.Material(1.0, 0.3, 1.0))
     with pytest.raises(ValueError, match="nodes with frames"):
         scene_of(body).add(fl.PointLoad(body["111"], moment=(1, 0, 0)))
+
+
+def test_loads_and_grips_refuse():
+    body = brick((2, 1, 1))
+    scene = scene_of(body)
+    with pytest.raises(ValueError, match="no face 'a=2'; it has: a=0"):
+        scene.add(fl.FacePressure(body, "a=2", 1.0))
+    with pytest.raises(TypeError, match="a Solid"):
+        fl.FaceLoad("body", "a=1", (1, 0, 0))
+    with pytest.raises(ValueError, match="FaceLoad on"):
+        scene.add(fl.FaceLoad(body, "a=1", (1, 0)))
+    inside = fl.VolumeMesh(body.mesh.mesh, faces={"cut": inner_facets(body)})
+    with pytest.raises(ValueError, match="lies between cells"):
+        cut = fl.Solid(inside, RUBBER)
+        scene_of(cut).add(fl.FacePressure(cut, "cut", 1.0))
+    with pytest.raises(ValueError, match="not on a line"):
+        body.grip("a=0,b=0")
+    with pytest.raises(ValueError, match="right-handed"):
+        body.grip("a=0", np.diag([1.0, 1.0, -1.0]))
+    with pytest.raises(ValueError, match="nodes with frames"):
+        scene.add(fl.RigidLink(body["000"], body["111"]))
+
+
+def inner_facets(body):
+    mesh = body.mesh.mesh
+    mesh.topology.create_connectivity(2, 3)
+    count = mesh.topology.index_map(2).size_local
+    cells = mesh.topology.connectivity(2, 3)
+    return np.array([f for f in range(count) if len(cells.links(f)) == 2])
 
 
 def test_motion_needs_a_density():

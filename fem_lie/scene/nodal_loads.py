@@ -49,7 +49,7 @@ class PointLoad(NodalLoad):
         vector(self.moment, 3, f"moment at {self.point.label}")
         if self.point.is_ground:
             raise ValueError("a load needs a point of a body, got ground")
-        if self.following or np.any(self.moment):
+        if self.point.grip is None and (self.following or np.any(self.moment)):
             self.body.require_frames("a moment, or a load that follows,")
 
     def contribute(self, to: Sum) -> None:

@@ -118,6 +118,11 @@ class Connections:
         """Rows that anything holds on to, in increasing order."""
         return np.unique(np.concatenate([each.held for each in self.sets]))
 
+    @property
+    def bound(self) -> Indices:
+        """Those of them whose own axes matter, as not to grips on places."""
+        return np.unique(np.concatenate([each.bound for each in self.sets]))
+
     # --- equations ---
 
     def add_others(

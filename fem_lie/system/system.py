@@ -125,7 +125,7 @@ class System:
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
-        axes = CarriedAxes(numbering, self.held, self.connections.nodes)
+        axes = CarriedAxes(numbering, self.held, self.connections.bound)
         self.carried: list[CarriedDrilling | CarriedAxes] = [
             each for each in (self.carried_drilling, axes) if each
         ]

@@ -12,7 +12,17 @@ import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
 
-from fem_lie._arrays import Indices, diameter, instance, log_coincident, text, vector, whole
+from fem_lie._arrays import (
+    Array,
+    Indices,
+    diameter,
+    instance,
+    log_coincident,
+    numbers,
+    text,
+    vector,
+    whole,
+)
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.per_cell import of_groups
@@ -21,12 +31,15 @@ from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
 from fem_lie.bodies.solids.supports import SupportedSolid
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
 from fem_lie.elements.solids.materials import SolidMaterial
+from fem_lie.grips.patch import in_the_mean
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.volumes.blocks import brick
 from fem_lie.mesh.volumes.integrals import VolumeRule
 from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
 
 _log = logging.getLogger(__name__)
+
+_ORTHONORMAL = 1e-8
 
 SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
 
@@ -45,6 +58,7 @@ class Solid(SupportedSolid):
         mesh: As it is unloaded.
         degree: Of the interpolation of places.
         connectivity: Nodes of each cell, shape (m, k).
+        places: Of the nodes, unloaded, shape (n, 3).
         material: The law of all cells.
         parameters: That the law takes in each cell, shape (m, p).
         density: Of each cell, shape (m,).
@@ -100,7 +114,8 @@ class Solid(SupportedSolid):
         self._space = fem.functionspace(mesh.mesh, ("P", self.degree))
         self.connectivity: Indices = self._space.dofmap.list.astype(np.int64)
         self.rule = VolumeRule.of(mesh.mesh, self.degree)
-        places = self._space.tabulate_dof_coordinates()
+        places: Array = self._space.tabulate_dof_coordinates()
+        self.places = places
         frames = np.concatenate([places[:, np.newaxis], np.tile(np.eye(3), (len(places), 1, 1))], 1)
         super().__init__(
             frames,
@@ -230,10 +245,40 @@ class Solid(SupportedSolid):
         """
         return faces_of(self._space, self.mesh.face(name), self.degree)
 
+    def grip(self, name: str, axes: npt.ArrayLike | None = None) -> Point:
+        """A frame in the mean of a named part, for joints, springs, drives, motions and loads.
+
+        Its place is the mean of those of the nodes, on a face by the areas that they carry; it
+        turns by the mean rotation of the part, which may deform. What acts on it is spread over
+        the nodes with these weights.
+
+        Args:
+            name: A face, curve, group of cells, or several points of one name.
+            axes: Of the frame, unloaded, as rows, shape (3, 3); default: global ones.
+
+        Raises:
+            ValueError: There is nothing of this name, its nodes are on a line, or the axes are not
+                right-handed and orthonormal.
+        """
+        nodes = self.nodes_of(name)
+        weights: Array = np.ones(len(nodes))
+        if name in self.mesh.faces:
+            faces, total = self.facets(name), np.zeros(len(self.frames))
+            np.add.at(total, faces.nodes, faces.shares(self.places))
+            weights = total[nodes]
+        chosen: Array = np.eye(3) if axes is None else numbers(axes, f"axes of {self.label}.{name}")
+        if chosen.shape != (3, 3) or not _is_rotation(chosen):
+            raise ValueError(
+                f"axes of {self.label}.{name} must be three unit vectors as rows, each across the "
+                f"others, right-handed; got\n{chosen}"
+            )
+        grip = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
+        return Point(self, int(nodes[0]), name, grip)
+
     def nearest(self, place: npt.ArrayLike) -> Point:
         """The node that is nearest to a place, unloaded, shape (3,)."""
-        wanted = vector(place, 3, "place")
-        return self.node(int(np.linalg.norm(self.frames[:, 0] - wanted, axis=1).argmin()))
+        away = self.places - vector(place, 3, "place")
+        return self.node(int(np.linalg.norm(away, axis=1).argmin()))
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).
@@ -242,3 +287,8 @@ class Solid(SupportedSolid):
             ValueError: There is no such group; the message lists those that exist.
         """
         return np.arange(self.mesh.cells) if group is None else self.mesh.group(group)
+
+
+def _is_rotation(axes: Array) -> bool:
+    gap = np.abs(axes @ axes.T - np.eye(3)).max()
+    return bool(gap <= _ORTHONORMAL and np.linalg.det(axes) > 0.0)

@@ -99,6 +99,11 @@ class ConstraintSet(ABC):
         """Rows that it holds on to, each at least once."""
         return np.concatenate([self.pairs[0].ravel(), self.border.nodes])
 
+    @property
+    def bound(self) -> Indices:
+        """Those of them whose own axes it is written in."""
+        return self.held
+
     # --- equations ---
 
     @abstractmethod

@@ -139,6 +139,11 @@ class OnGrips(ConstraintSet):
         )
 
     @property
+    def bound(self) -> Indices:
+        """Those that it does not hold by grips."""
+        return self._rows.moving
+
+    @property
     def empty(self) -> bool:
         """See the base class."""
         return self.inner.empty

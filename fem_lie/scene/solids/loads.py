@@ -1,0 +1,175 @@
+"""Loads on solids: on faces, in space or as pressure that follows them, and in the volume."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, instance, number, text, vector
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.solids.faces import Faces
+from fem_lie.bodies.solids.solid import Solid
+from fem_lie.scene.load import History, Load, NodalLoad, Sum
+from fem_lie.scene.surface_pressure import SurfacePushes
+
+SolidField: TypeAlias = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
+"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
+
+
+@dataclass(frozen=True, eq=False)
+class FaceLoad(NodalLoad):
+    """Force per unloaded area on a named face of a solid, fixed in space.
+
+    Attributes:
+        solid: What carries it.
+        face: Name of the face.
+        force: Three components per area, global, or a function of the unloaded place.
+        history: Factor as a function of time.
+    """
+
+    solid: Solid
+    face: str
+    force: SolidField
+    history: History | None = None
+
+    following = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        super().__post_init__()
+        _require_solid(self, self.solid)
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the load is not finite or the solid has no such face."""
+        self.nodal()
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.solid
+
+    def nodal(self) -> Array:
+        """Consistent nodal forces, shape (n, 6)."""
+        faces, x = self.solid.facets(self.face), self.solid.places
+        rule = faces.rule
+        areas = np.linalg.norm(rule.normals(x, faces.nodes), axis=2)
+        what = f"FaceLoad on {self.solid.label}"
+        density = _at_places(self.force, rule.places(x, faces.nodes), what)
+        values = np.zeros((len(x), 6))
+        shares = np.einsum("gk,fg,fgj->fkj", rule.values, areas, density)
+        np.add.at(values[:, :3], faces.nodes, shares)
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class FacePressure(Load):
+    """Pressure on a named face of a solid: against its outside, per *current* area.
+
+    Its load stiffness is in the matrix, which is symmetric where the face is closed or ends on
+    places that are held.
+
+    Attributes:
+        solid: What carries it.
+        face: Name of the face.
+        pressure: Force per area; positive ones push into the body.
+        gradient: Increase of the pressure per length, at the current place, global components; with
+            it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
+        history: Factor as a function of time.
+    """
+
+    solid: Solid
+    face: str
+    pressure: float
+    gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        super().__post_init__()
+        _require_solid(self, self.solid)
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if it is not finite, or there is no such face or it has no side."""
+        number(self.pressure, f"pressure on {self.solid.label}")
+        vector(self.gradient, 3, f"gradient of the pressure on {self.solid.label}")
+        if not self._faces.outward.all():
+            raise ValueError(
+                f"pressure needs a face on the outside, but {self.face!r} of {self.solid.label} "
+                "lies between cells"
+            )
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.solid
+
+    @property
+    def _faces(self) -> Faces:
+        return self.solid.facets(self.face)
+
+    def contribute(self, to: Sum) -> None:
+        """Forces on the facets."""
+        faces = self._faces
+        gradient = np.asarray(self.gradient, dtype=np.float64)
+        values = -faces.outward[:, np.newaxis] * np.array([self.pressure, *gradient])
+        to.add_term(SurfacePushes(to.nodes(self.solid)[faces.nodes], faces.rule, values))
+
+
+@dataclass(frozen=True, eq=False)
+class BulkLoad(NodalLoad):
+    """Force per unloaded volume in a solid or in some of its cells, fixed in space.
+
+    Attributes:
+        solid: What carries it.
+        force: Three components per volume, global, or a function of the unloaded place.
+        cells: Name of a group of cells; default: all.
+        history: Factor as a function of time.
+    """
+
+    solid: Solid
+    force: SolidField
+    cells: str | None = None
+    history: History | None = None
+
+    following = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        super().__post_init__()
+        _require_solid(self, self.solid)
+        if self.cells is not None:
+            text(self.cells, "BulkLoad: cells")
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the load is not finite or the solid has no such cells."""
+        self.nodal()
+
+    @property
+    def body(self) -> Body:
+        """The body that carries the load."""
+        return self.solid
+
+    def nodal(self) -> Array:
+        """Consistent nodal forces, shape (n, 6)."""
+        rule, chosen = self.solid.rule, self.solid.cells_of(self.cells)
+        density = _at_places(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
+        shares = np.einsum("gk,mg,mgj->mkj", rule.values, rule.volumes[chosen], density)
+        values = np.zeros((len(self.solid.frames), 6))
+        np.add.at(values[:, :3], self.solid.connectivity[chosen], shares)
+        return values
+
+
+def _require_solid(load: Load, solid: object) -> None:
+    instance(solid, Solid, f"{type(load).__name__}: solid", "a Solid")
+
+
+def _at_places(force: SolidField, places: Array, what: str) -> Array:
+    """A force per area or volume at places (m, g, 3), checked."""
+    if not callable(force):
+        return np.broadcast_to(vector(force, 3, what), places.shape)
+    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
+    return np.array(values).reshape(places.shape)
