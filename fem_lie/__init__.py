@@ -9,6 +9,8 @@ from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
+from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
@@ -39,6 +41,7 @@ from fem_lie.elements.solids.materials import (
     SaintVenantKirchhoff,
     SolidMaterial,
 )
+from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -150,6 +153,7 @@ __all__ = [
     "AreaLoad",
     "Automatic",
     "Beam",
+    "BicubicHermite",
     "Body",
     "Box",
     "BucklingModes",
@@ -259,6 +263,7 @@ __all__ = [
     "ShellSection",
     "Sleeve",
     "Sliding",
+    "SmoothPatch",
     "Solid",
     "SolidFormulation",
     "SolidMaterial",
@@ -274,6 +279,7 @@ __all__ = [
     "SurfacePressure",
     "Table",
     "Temperature",
+    "ThinShell",
     "TripleJump",
     "Twisted",
     "Units",
@@ -303,6 +309,7 @@ __all__ = [
     "resultant_series",
     "resultants",
     "section_forces",
+    "smooth_patch",
     "statics",
     "surface",
     "surface_from_dolfinx",

@@ -11,7 +11,9 @@ from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import bend, changes, locate
 from fem_lie.grips.interpolated import interpolated
 from fem_lie.grips.patch import in_the_mean
+from fem_lie.grips.surface import on_surface
 from fem_lie.grips.tangent import along_tangent
+from fem_lie.lie import kinds
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -60,6 +62,28 @@ def near_patch(places, rng):
     return lie.se3_compose(lie.se3_exp(rng.normal(size=6)), X)
 
 
+SURFACES = np.repeat([kinds.SURFACE, kinds.CROSSING], 2)
+
+
+def moved_surface(X, h):
+    """Two nodes of a point of a surface; their axes stay."""
+    moved = np.empty_like(X)
+    kinds.follow_all(SURFACES, X, h, moved)
+    return moved
+
+
+def turned_with(motion, X, name):
+    """All nodes moved rigidly, axes that are no rows, too."""
+    moved = lie.se3_compose(motion, X)
+    if name == "surface":
+        axes = kinds.all_axes(SURFACES, X) @ motion[1:]
+        kinds.set_all_axes(SURFACES, moved, axes)
+    return moved
+
+
+OF_PLACES = [[0.6, -1.0, 0.1], [0.4, 1.0, -0.1], [0.0, 0.1, 0.2], [0.1, -0.1, 0.1]]
+OF_SLOPES = [[0.1, 0.6, 0.1], [-0.1, 0.4, 0.1], [0.1, 0.2, 0.6], [-0.1, 0.1, 0.5]]
+SHARES = np.stack([OF_PLACES, OF_SLOPES], axis=1)
 OFFSET = lie.se3_exp(np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.3]))
 GRIPS = {
     "geodesic": (on_geodesic(0, 1, 0.3), moved_frames),
@@ -68,6 +92,7 @@ GRIPS = {
     "follower": (following(0, OFFSET), moved_frames),
     "tangent": (along_tangent(0), moved_slopes),
     **{name: (patch(places), moved_places) for name, places in PATCHES.items()},
+    "surface": (on_surface(range(4), SHARES), moved_surface),
 }
 """Each with how its nodes move: adding one here tests it."""
 
@@ -140,7 +165,7 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
     H, J = one(grip, data, X)
     np.testing.assert_allclose(H[1:] @ H[1:].T, np.eye(3), atol=1e-14)
     motion = lie.se3_exp(rng.normal(size=6))
-    moved, same = one(grip, data, lie.se3_compose(motion, X))
+    moved, same = one(grip, data, turned_with(motion, X, name))
     np.testing.assert_allclose(moved, lie.se3_compose(motion, H), atol=1e-13)
     np.testing.assert_allclose(same, J, atol=1e-13)
     if name == "tangent":
@@ -156,6 +181,11 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
         return
     # of a rigid motion the grip has the same as all nodes
     twist = rng.normal(size=6)
+    if name == "surface":
+        rigid = kinds.rigid_motions(SURFACES, X, np.zeros(3))
+        shown = np.concatenate([H[1:] @ (twist[:3] + np.cross(twist[3:], H[0])), H[1:] @ twist[3:]])
+        np.testing.assert_allclose(np.einsum("kij,kjl,l->i", J, rigid, twist), shown, atol=1e-13)
+        return
     own = np.array([lie.se3_adjoint(lie.se3_inverse(row)) @ twist for row in X])
     wanted = lie.se3_adjoint(lie.se3_inverse(H)) @ twist
     np.testing.assert_allclose(np.einsum("kij,kj->i", J, own), wanted, atol=1e-13)

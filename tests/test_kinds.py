@@ -6,7 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
-from fem_lie.lie.kinds import SLOPE, TRAITS, NodeKind
+from fem_lie.lie.kinds import POINT, SLOPE, SURFACE, TRAITS, NodeKind
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.system import System
 from fem_lie.system.nodes import inertia, numbering
@@ -29,12 +29,13 @@ class Node:
         rng = np.random.default_rng(seed)
         self.kind, self.kinds = kind, np.array([kind])
         self.H = lie.se3_exp(rng.normal(size=(1, 6)))
-        self.rows = TRAITS[NodeKind.FRAME if kind < SLOPE else NodeKind(kind)].rows
-        if kind == SLOPE:
+        rows = TRAITS[NodeKind.FRAME if kind < SLOPE else NodeKind(kind)].rows
+        self.rows, self.placed = slice(rows.start, rows.stop), rows.start == 0
+        if kind in (SLOPE, SURFACE):
             self.H[:, 1] *= 1.3
         self.v, self.a, self.h = rng.normal(size=(3, 1, 6))
         self.f = np.zeros((1, 4, 3))
-        self.f[:, : self.rows] = rng.normal(size=(1, self.rows, 3))
+        self.f[:, self.rows] = rng.normal(size=(1, 4, 3))[:, self.rows]
 
     def follow(self, h):
         out = np.empty_like(self.H)
@@ -73,8 +74,8 @@ class Node:
 def test_push_is_how_the_rows_move(kind):
     node = Node(kind)
     ahead, behind = node.follow(STEP * node.v), node.follow(-STEP * node.v)
-    numeric = (ahead - behind)[:, : node.rows] / (2 * STEP)
-    np.testing.assert_allclose(node.push(node.H, node.v)[:, : node.rows], numeric, atol=1e-8)
+    numeric = (ahead - behind)[:, node.rows] / (2 * STEP)
+    np.testing.assert_allclose(node.push(node.H, node.v)[:, node.rows], numeric, atol=1e-8)
 
 
 @every_kind
@@ -83,7 +84,7 @@ def test_increments_move_as_velocities_do(kind):
     node = Node(kind)
     numeric = (node.at(0.3 + STEP)[0] - node.at(0.3 - STEP)[0]) / (2 * STEP)
     pushed = node.push(*node.at(0.3))
-    np.testing.assert_allclose(pushed[:, : node.rows], numeric[:, : node.rows], atol=1e-7)
+    np.testing.assert_allclose(pushed[:, node.rows], numeric[:, node.rows], atol=1e-7)
 
 
 @every_kind
@@ -108,7 +109,7 @@ def test_acceleration_is_the_second_derivative_of_the_rows(kind):
     node, t, found = Node(kind), 1e-3, np.empty((1, 4, 3))
     inertia.accelerations(node.kinds, node.H, node.v, node.a, found)
     numeric = sum(w * node.at(k * t)[0] for k, w in WEIGHTS.items()) / t**2
-    numeric, found = numeric[:, : node.rows], found[:, : node.rows]
+    numeric, found = numeric[:, node.rows], found[:, node.rows]
     np.testing.assert_allclose(found, numeric, atol=1e-7 * np.abs(numeric).max())
 
 
@@ -117,7 +118,7 @@ def test_power_of_inertia_is_the_rate_of_kinetic_energy(kind):
     """``v · Lᵀ G (L a + L̇ v) = d/dt ½ q̇ · G q̇`` with any constant matrix."""
     node, t = Node(kind), 1e-3
     root = np.random.default_rng(5).normal(size=(4, 4))
-    root[node.rows :] = 0.0
+    root[[row for row in range(4) if row not in range(4)[node.rows]]] = 0.0
     G = root @ root.T
 
     def energy(time):
@@ -161,7 +162,7 @@ def test_what_increments_lack_of_the_series_of_velocities(kind):
         whole = np.empty_like(H)
         d = h * v + 0.5 * h**2 * vdot + h**3 / 12 * bend
         kinds.move_all(node.kinds, node.H, d, whole)
-        return np.abs(H - whole)[:, : node.rows].max()
+        return np.abs(H - whole)[:, node.rows].max()
 
     assert gap(0.02) < 1e-13 or gap(0.04) / gap(0.02) > 12
 
@@ -173,9 +174,10 @@ def test_rigid_motions(kind):
     motions = kinds.rigid_motions(node.kinds, node.H, about)[0]
     ξ = np.array([0.4, 1.0, -0.3, 0.7, -0.2, 0.5])
     expected = np.cross(ξ[3:], node.H[0])
-    expected[0] = ξ[:3] + np.cross(ξ[3:], node.H[0, 0] - about)
+    if node.placed:
+        expected[0] = ξ[:3] + np.cross(ξ[3:], node.H[0, 0] - about)
     found = node.push(node.H, (motions @ ξ)[np.newaxis])[0]
-    np.testing.assert_allclose(found[: node.rows], expected[: node.rows], atol=1e-14)
+    np.testing.assert_allclose(found[node.rows], expected[node.rows], atol=1e-14)
 
 
 @every_kind
@@ -195,11 +197,27 @@ def test_shown_velocities_are_of_the_rows(kind):
     """The place moves by ``Σ uₖ rowₖ``, and where only rotation counts the rows turn by θ."""
     node, shown = Node(kind), np.empty((1, 6))
     kinds.shown_all(node.kinds, node.H, node.v, shown)
+    if not node.placed:
+        np.testing.assert_array_equal(shown, 0.0)
+        return
     rates = node.push(node.H, node.v)[0]
     np.testing.assert_allclose(shown[0, :3] @ node.H[0, 1:], rates[0], atol=1e-13)
     spin, first = shown[0, 3:] @ node.H[0, 1:], node.H[0, 1]
     across = rates[1] - first * (first @ rates[1]) / (first @ first)
     np.testing.assert_allclose(np.cross(spin, first), across, atol=1e-13)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in NodeKind if kind >= POINT])
+def test_axes_are_what_they_were_set_to(kind):
+    """Straight rows stay, and so do the axes in any motion."""
+    node, R = Node(kind), lie.se3_exp(np.random.default_rng(8).normal(size=(1, 6)))[:, 1:]
+    H = node.H.copy()
+    kinds.set_all_axes(node.kinds, H, R)
+    np.testing.assert_array_equal(H[:, node.rows], node.H[:, node.rows])
+    moved = np.empty_like(H)
+    kinds.move_all(node.kinds, H, node.h, moved)
+    for rows in (H, moved):
+        np.testing.assert_allclose(kinds.all_axes(node.kinds, rows), R, atol=1e-14)
 
 
 def test_carried_axes_stay_unit_vectors_without_twist():

@@ -6,7 +6,7 @@ kind. It knows nothing of unknowns, solvers or other bodies.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, choice, instance, text, vector
+from fem_lie._arrays import Array, Indices, choice, instance, text, vector
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.loadable import Loadable
 from fem_lie.bodies.node_checks import check_nodes
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import dolfinx
 
     from fem_lie.bodies.turning import Turning
-    from fem_lie.forms.assembly import Assembly
+    from fem_lie.forms.body_term import BodyTerm
 
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
 """What takes hold of the rotations of each body's nodes in a scene; bodies may be missing."""
@@ -36,6 +36,10 @@ NO_HOLDS: Holds = MappingProxyType({})
 
 
 AnyBody = TypeVar("AnyBody", bound="Body")
+
+Follower: TypeAlias = Callable[[Array], None]
+"""Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
+:func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
 
 
 class Body(Loadable):
@@ -58,11 +62,13 @@ class Body(Loadable):
             node's own, shape (n, 3, 3).
         uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
             by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
+        compound: Whether a point of it is several nodes.
         source: DOLFINx's own mesh, if it was made of one.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
     uncoupled: ClassVar[bool] = False
+    compound: ClassVar[bool] = False
     group: Group = Group.SE3
     source: dolfinx.mesh.Mesh | None = None
 
@@ -106,12 +112,21 @@ class Body(Loadable):
         return NodeKind.FRAME
 
     @property
+    def node_kinds(self) -> Indices:
+        """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
+        return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
+
+    def follower(self) -> Follower | None:
+        """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
+        return None
+
+    @property
     def kind(self) -> Hashable:
         """Bodies of one kind are assembled together by :meth:`assemble`."""
         return type(self).__name__
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly | None:
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm | None:
         """The assembly of bodies of one kind, or ``None`` if they are rigid.
 
         Args:
@@ -181,7 +196,7 @@ class Body(Loadable):
 
     def check(self) -> None:
         """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
-        check_nodes(self.label, self.node_kind, self.frames, self.velocities)
+        check_nodes(self.label, self.node_kinds, self.frames, self.velocities)
 
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.
@@ -220,8 +235,10 @@ class Body(Loadable):
         return None
 
     def _add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
-        kinds = np.full(len(self.frames), int(self.node_kind))
-        self.velocities += rigid_motions(kinds, self.frames, about) @ [*translation, *spin]
+        self.velocities += rigid_motions(self.node_kinds, self.frames, about) @ [
+            *translation,
+            *spin,
+        ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
-from fem_lie.lie.kinds import NodeKind, all_axes
+from fem_lie._arrays import Array, Indices
+from fem_lie.lie.kinds import all_axes
 
 _ORTHONORMAL = 1e-8  # as of prescribed motions
 
 
-def check_nodes(label: str, kind: NodeKind, frames: Array, velocities: Array) -> None:
+def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) -> None:
     """Refuse what is no node, and velocities that are none.
 
     Args:
         label: Of the body, for messages.
-        kind: Of its nodes.
+        kinds: What its nodes are, shape (n,).
         frames: Their rows, shape (n, 4, 3).
         velocities: Wanted of shape (n, 6).
 
@@ -27,7 +27,7 @@ def check_nodes(label: str, kind: NodeKind, frames: Array, velocities: Array) ->
         raise ValueError(
             f"velocities of {label} must be finite and of shape ({count}, 6), got\n{velocities}"
         )
-    axes = all_axes(np.full(count, int(kind)), frames)
+    axes = all_axes(kinds, frames)
     gap = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     right = np.linalg.det(axes) > 0.0
     finite = np.isfinite(frames).all(axis=(1, 2))

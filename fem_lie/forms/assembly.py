@@ -6,21 +6,18 @@ once; only the nodal frames are written anew before each call, by one compiled l
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
+from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellForm, Pattern
+from fem_lie.forms.cell_sums import CellForm
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.forms.term import Pairs, Term
 
 
 @compiled
@@ -34,34 +31,11 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
                 k += 1
 
 
-@dataclass(frozen=True, eq=False)
-class NodalInertia:
-    """Constant blocks of (x, d₁, d₂, d₃) in the pattern of an assembly.
+class Assembly(BodyTerm):
+    """Bodies of one kind whose elements are forms of DOLFINx."""
 
-    Attributes:
-        mass: Shape (nnz, 4, 4).
-        damping: The same of mass-proportional damping, or ``None`` without.
-    """
-
-    mass: Array
-    damping: Array | None = None
-
-
-class Assembly(Term):
-    """Elastic forces, tangent, energy and inertia of all bodies of one kind.
-
-    Attributes:
-        count: Number of nodes.
-        order: Node of this assembly for each node of the bodies, one body after the other.
-        cell_order: Likewise its cells.
-        indptr: Rows of the pattern of node pairs, with ``indices``.
-        inertia: In that pattern, or ``None`` without mass.
-        around: If the axes of its nodes are to follow the motion, factors ``b_ik`` of each pair in
-            that pattern, shape (nnz, 3): around node i the mean deformation is ``Σ x_k ⊗ b_ik``.
-        beside: Other terms on its nodes.
-    """
-
-    label, of_bodies, carries, conserved = "elements", True, True, True
+    conserved = True
+    cells: npt.NDArray[np.int32]
 
     def __init__(
         self,
@@ -76,22 +50,17 @@ class Assembly(Term):
         Args:
             frames: Frames in the unloaded configuration, in the nodes' order of DOLFINx.
             forms: The element in local frames.
-            order: See the class.
-            cell_order: See the class.
+            order: See the base class.
+            cell_order: See the base class.
             eigenstrain: Strain without stress, a DG0 function that the forms contain, or ``None``
                 without one.
         """
-        self.order, self.cell_order, self.count = order, cell_order, len(order)
-        self.inertia: NodalInertia | None = None
-        self.around: Array | None = None
-        self.beside: list[Term] = []
-        self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         cells = frames.function.function_space.dofmap.list
+        super().__init__(cells, order, cell_order)
+        self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         self._residual = CellForm(forms.residual, kernels.residual_kernel, cells)
         self._energy = CellForm(forms.energy, kernels.energy_kernel, cells)
         self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells)
-        self._pattern = Pattern.of(cells, self.count)
-        self.indptr, self.indices = self._pattern.indptr, self._pattern.indices
         self._unknowns = forms.increment.function_space.dofmap.bs
         self.viscous = forms.viscous is not None
         if forms.viscous is not None:
@@ -99,12 +68,6 @@ class Assembly(Term):
             self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
             self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
             self._velocity_at = forms.velocity_at
-
-    @cached_property
-    def pairs(self) -> Pairs:
-        """Those of the pattern."""
-        rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
-        return rows, self.indices.astype(np.int64)
 
     @property
     def forms(self) -> LocalFrameForms:
@@ -120,20 +83,6 @@ class Assembly(Term):
     def tables(self) -> tuple[FormTable, FormTable] | None:
         """Of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
         return self._residual.table, self._energy.table
-
-    @property
-    def cells(self) -> npt.NDArray[np.int32]:
-        """Nodes of each cell, shape (m, k)."""
-        return self._residual.cells
-
-    def summed(self, elements: Array) -> Array:
-        """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
-        size = elements.shape[2]
-        blocks = np.zeros((len(self.indices), size, size))
-        np.add.at(
-            blocks, self._pattern.place, elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
-        )
-        return blocks
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, six of each node."""
@@ -193,10 +142,8 @@ class Assembly(Term):
         self.carried[:] = carried
 
     def reset(self, carried: Array) -> None:
-        """Be as when it was made; ``carried``: what was carried then."""
-        self.restore(carried)
-        for term in self.beside:
-            term.clear_stress()
+        """See the base class."""
+        super().reset(carried)
         self._forms.increment.x.array[:] = 0.0
         if self._eigenstrain is not None:
             self._eigenstrain.x.array[:] = 0.0

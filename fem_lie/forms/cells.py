@@ -8,6 +8,7 @@ the cells. One compiled loop goes through it, whatever the elements.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import dolfinx
@@ -20,6 +21,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack
 from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import call_kernel, pointer
 
@@ -85,7 +87,7 @@ class Cells:
         places: Number of pairs of a cell and one of its nodes.
     """
 
-    def __init__(self, assemblies: list[tuple[slice, Assembly]]) -> None:
+    def __init__(self, assemblies: Sequence[tuple[slice, BodyTerm]]) -> None:
         """Pack everything once.
 
         Args:
@@ -107,8 +109,9 @@ class Cells:
         )
         self.count, self.places = len(self.table.x), len(self.table.nodes)
 
-    def _rows(self, start: int, assembly: Assembly) -> dict[str, Indices]:
+    def _rows(self, start: int, assembly: BodyTerm) -> dict[str, Indices]:
         """Columns of the table for one assembly."""
+        assert isinstance(assembly, Assembly)
         forms, count = assembly.forms, len(assembly.cells)
         forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
         packed: list[_Form | None] = [

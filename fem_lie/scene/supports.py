@@ -29,6 +29,12 @@ class Clamp:
         if self.point.is_ground:
             raise ValueError("a clamp needs a point of a body, got ground")
         require_node(self.point, "a clamp")
+        body = self.point.body
+        if body is not None and body.compound:
+            raise ValueError(
+                f"a clamp holds one node, and a point of {body.label} is several: hold an edge or "
+                f"corner by {type(body).__name__}.clamp"
+            )
 
 
 @dataclass(frozen=True, eq=False)

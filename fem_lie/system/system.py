@@ -24,7 +24,7 @@ from fem_lie.system.frame_rows import FrameRows
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.carried_axes import CarriedAxes
+from fem_lie.system.nodes.carried_axes import CarriedAxes, FollowingAxes
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
@@ -126,8 +126,8 @@ class System:
         self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
         axes = CarriedAxes(numbering, self.held, self.connections.bound)
-        self.carried: list[CarriedDrilling | CarriedAxes] = [
-            each for each in (self.carried_drilling, axes) if each
+        self.carried: list[CarriedDrilling | CarriedAxes | FollowingAxes] = [
+            each for each in (self.carried_drilling, axes, FollowingAxes(numbering)) if each
         ]
         self._check_redundant()
         self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))

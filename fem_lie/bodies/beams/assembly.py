@@ -13,7 +13,8 @@ import numpy as np
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices, number, numbers
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.forms.assembly import Assembly, NodalInertia
+from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.body_term import NodalInertia
 from fem_lie.forms.frames import NodalFrames
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.drilling import DrillingAssembly
 from fem_lie.elements.shells.element import ShellFormulation
-from fem_lie.forms.assembly import Assembly, NodalInertia
+from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.body_term import NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.motions import add_turnings
 from fem_lie.mesh.surfaces import SurfaceMesh

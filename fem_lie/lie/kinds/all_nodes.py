@@ -8,7 +8,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.lie import motions
 from fem_lie.lie.kinds.forces import pull, push
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.kinds.kind import axes, set_axes
 from fem_lie.lie.kinds.motion import (
     bend,
     follow,
@@ -23,7 +23,7 @@ from fem_lie.lie.kinds.motion import (
     turn,
     turn_back,
 )
-from fem_lie.lie.tuples import store_rows
+from fem_lie.lie.tuples import load_row, store_rows
 
 
 @compiled
@@ -34,6 +34,13 @@ def all_axes(kinds: Indices, H: Array) -> Array:
         d1, d2, d3 = axes(kinds[i], H[i])
         store_rows(out[i], 0, d1, d2, d3)
     return out
+
+
+@compiled
+def set_all_axes(kinds: Indices, H: Array, R: Array) -> None:
+    """:func:`set_axes` of nodes (n,) to rows (n, 3, 3)."""
+    for i in range(kinds.shape[0]):
+        set_axes(kinds[i], H[i], load_row(R[i], 0), load_row(R[i], 1), load_row(R[i], 2))
 
 
 @compiled

@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import directors
-from fem_lie.lie.kinds.kind import SLOPE, axes, slope, straight, turning
+from fem_lie.lie.kinds.kind import SLOPE, axes, first, slope, straight, turning
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -34,8 +34,9 @@ def push(kind: int, H: Array, v: Array, out: Array) -> None:
     else:
         d1, d2, d3 = axes(kind, H)
         out[:] = 0.0
+        at = first(kind)
         for k in range(straight(kind)):
-            store_row(out, k, rotate(d1, d2, d3, load(v, 3 * k)))
+            store_row(out, at + k, rotate(d1, d2, d3, load(v, 3 * k)))
 
 
 @inlined
@@ -45,8 +46,9 @@ def pull(kind: int, H: Array, f: Array, sign: float, r: Array) -> None:
         directors.pull(H, f, sign, r)
     else:
         d1, d2, d3 = axes(kind, H)
+        at = first(kind)
         for k in range(straight(kind)):
-            local = rotate_back(d1, d2, d3, load_row(f, k))
+            local = rotate_back(d1, d2, d3, load_row(f, at + k))
             store(r, 3 * k, combined(1.0, load(r, 3 * k), sign, local))
 
 
@@ -57,12 +59,13 @@ def pull_derivative(kind: int, H: Array, f: Array, sign: float, block: Array) ->
         directors.pull_derivative(H, f, sign, block)
     else:
         d1, d2, d3 = axes(kind, H)
+        at = first(kind)
         for j in range(3):
             # the axes turn by ψ, and what stands still in them by −ψ × Rᵀf
             unit = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
             ψ = turning(kind, H, unit)
             for k in range(straight(kind)):
-                turned = cross(ψ, rotate_back(d1, d2, d3, load_row(f, k)))
+                turned = cross(ψ, rotate_back(d1, d2, d3, load_row(f, at + k)))
                 for i in range(3):
                     block[3 * k + i, 3 + j] -= sign * turned[i]
 
@@ -75,10 +78,11 @@ def acceleration(kind: int, H: Array, v: Array, a: Array, local: Array, out: Arr
         directors.to_global(H, local, out)
     else:
         (d1, d2, d3), ψ = axes(kind, H), turning(kind, H, load(v, 3))
+        at = first(kind)
         out[:] = 0.0
         for k in range(straight(kind)):
             rate = plus(load(a, 3 * k), cross(ψ, load(v, 3 * k)))
-            store_row(out, k, rotate(d1, d2, d3, rate))
+            store_row(out, at + k, rotate(d1, d2, d3, rate))
 
 
 @compiled
@@ -108,18 +112,25 @@ def acceleration_derivatives(
             directors.to_global(H, x[:, :, column], X[:, :, column])
     else:
         d1, d2, d3 = axes(kind, H)
+        at = first(kind)
         for j in range(3):
             for k in range(straight(kind)):
-                W[k, j, 3 * k] = mass * d1[j]
-                W[k, j, 3 * k + 1] = mass * d2[j]
-                W[k, j, 3 * k + 2] = mass * d3[j]
+                W[at + k, j, 3 * k] = mass * d1[j]
+                W[at + k, j, 3 * k + 1] = mass * d2[j]
+                W[at + k, j, 3 * k + 2] = mass * d3[j]
 
 
 @inlined
 def wrench(kind: int, H: Array, r: Array) -> tuple[Vector, Vector]:
-    """Force, and moment about the node, that ``r`` (6,) in its axes is; global components."""
+    """Force, and moment about the node, that ``r`` (6,) in its axes is; global components.
+
+    What acts on rows that are no place has a moment alone.
+    """
     d1, d2, d3 = axes(kind, H)
     force, moment = rotate(d1, d2, d3, load(r, 0)), rotate(d1, d2, d3, load(r, 3))
     if kind >= SLOPE:
         moment = cross(slope(kind, H), moment)
+        if first(kind) > 0:
+            moment = plus(moment, cross(load_row(H, first(kind)), force))
+            force = (0.0, 0.0, 0.0)
     return force, moment

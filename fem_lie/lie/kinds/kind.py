@@ -1,10 +1,11 @@
 r"""What a kind of node is, and all in which nodes that are no frames differ: compiled, one node.
 
 A number says which kind a node is: ``group + 2 · parametrisation`` of a frame, below :data:`SLOPE`,
-or one of :class:`NodeKind`. Of the others the first rows of ``H``, :func:`straight` of them, have
-increments that add, and ``v`` is their rates along the node's axes; the rows after these are
-carried along, have no inertia and feel no force, and only say in which components the equations are
-written. To add such a kind: a number, its traits, and its branch in each of the functions here.
+or one of :class:`NodeKind`. Of the others some rows of ``H``, :func:`straight` of them from
+:func:`first` on, have increments that add, and ``v`` is their rates along the node's axes; the
+other rows are carried along, have no inertia and feel no force, and only say in which components
+the equations are written. To add such a kind: a number, its traits, and its branch in each of the
+functions here.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.motions import Parametrisation
+from fem_lie.lie.series import exponential, rotation_vector
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -28,11 +30,10 @@ from fem_lie.lie.tuples import (
     minus,
     plus,
     scaled,
-    store_frame,
     store_row,
 )
 
-SLOPE, POINT = 4, 5
+SLOPE, POINT, SURFACE, CROSSING = 4, 5, 6, 7
 """Numbers of the kinds that are no frames; all frames have smaller ones."""
 
 _OPPOSITE = 1e-12  # 1 + cosine: there is no smallest rotation to the opposite direction
@@ -44,6 +45,8 @@ class NodeKind(IntEnum):
     FRAME = 0
     SLOPE = SLOPE
     POINT = POINT
+    SURFACE = SURFACE
+    CROSSING = CROSSING
 
 
 class Traits(NamedTuple):
@@ -51,23 +54,27 @@ class Traits(NamedTuple):
 
     Attributes:
         unknowns: How many it has.
-        rows: How many of the rows of ``H`` have inertia and take forces.
+        rows: Which rows of ``H`` have inertia and take forces.
         clamped: Which unknowns are zero where place and direction do not change, shape (6,).
         what: Such nodes have, for messages.
     """
 
     unknowns: int
-    rows: int
+    rows: range
     clamped: tuple[bool, ...]
     what: str
 
 
+_SURFACES = "places and slopes of a surface"
+
 TRAITS = MappingProxyType(
     {
-        NodeKind.FRAME: Traits(6, 4, (True,) * 6, "frames"),
+        NodeKind.FRAME: Traits(6, range(4), (True,) * 6, "frames"),
         # the slope's length is stretch, and stays free
-        NodeKind.SLOPE: Traits(6, 2, (True, True, True, False, True, True), "places and slopes"),
-        NodeKind.POINT: Traits(3, 1, (True,) * 6, "places"),
+        NodeKind.SLOPE: Traits(6, range(2), (True,) * 3 + (False, True, True), "places and slopes"),
+        NodeKind.POINT: Traits(3, range(1), (True,) * 6, "places"),
+        NodeKind.SURFACE: Traits(6, range(2), (True,) * 3 + (False, False, True), _SURFACES),
+        NodeKind.CROSSING: Traits(6, range(1, 3), (False, False, True) * 2, _SURFACES),
     }
 )
 
@@ -88,32 +95,63 @@ def on_r3(kinds: Indices) -> Flags:
     return np.asarray((kinds < SLOPE) & (kinds & 1 == 1))
 
 
+def placed(kinds: Indices) -> Flags:
+    """Which nodes have a place of their own."""
+    return np.asarray(kinds != CROSSING)
+
+
 @inlined
 def straight(kind: int) -> int:
     """How many rows of a node that is no frame have increments that add."""
-    return 2 if kind == SLOPE else 1
+    return 1 if kind == POINT else 2
+
+
+@inlined
+def first(kind: int) -> int:
+    """Which row is the first of these: the place, unless another node has it."""
+    return 1 if kind == CROSSING else 0
 
 
 @inlined
 def axes(kind: int, H: Array) -> tuple[Vector, Vector, Vector]:
     """The node's own axes, unit vectors in global components."""
-    first = load_row(H, 1)
+    if kind == CROSSING:
+        _, e1, e2, e3 = exponential((0.0, 0.0, 0.0), load_row(H, 3))
+        return e1, e2, e3
+    second, third = load_row(H, 2), load_row(H, 3)
+    if kind == SURFACE:
+        return cross(second, third), second, third
+    along = load_row(H, 1)
     if kind == SLOPE:
-        first = _unit(first)
-    return first, load_row(H, 2), load_row(H, 3)
+        along = _unit(along)
+    return along, second, third
+
+
+@inlined
+def set_axes(kind: int, H: Array, e1: Vector, e2: Vector, e3: Vector) -> None:
+    """Turn the axes of a node whose straight rows do not say them: of all but frames and slopes."""
+    if kind == CROSSING:
+        store_row(H, 3, rotation_vector(e1, e2, e3))
+        return
+    if kind == POINT:
+        store_row(H, 1, e1)
+    store_row(H, 2, e2)
+    store_row(H, 3, e3)
 
 
 @inlined
 def slope(kind: int, H: Array) -> Vector:
     """The second straight row of a node that is no frame, zero if there is none."""
-    return load_row(H, 1) if kind == SLOPE else (0.0, 0.0, 0.0)
+    if kind == POINT:
+        return 0.0, 0.0, 0.0
+    return load_row(H, first(kind) + 1)
 
 
 @inlined
 def turning(kind: int, H: Array, rate: Vector) -> Vector:
     """Angular velocity of the axes, in them, for the ``rate`` ``v[3:]``.
 
-    Those of a slope have ``e₁ × Rᵀẋ' / |x'|``, those of a point keep their directions.
+    Those of a slope have ``e₁ × Rᵀẋ' / |x'|``, all others keep their directions.
     """
     if kind != SLOPE:
         return 0.0, 0.0, 0.0
@@ -125,8 +163,11 @@ def turning(kind: int, H: Array, rate: Vector) -> Vector:
 @compiled
 def carry(kind: int, H: Array, d: Array, out: Array) -> None:
     """The node ``H`` that is no frame moved by ``d``; axes of slopes by the smallest rotation."""
-    if kind == POINT:
-        store_frame(out, plus(load_row(H, 0), load(d, 0)), *axes(kind, H))
+    if kind != SLOPE:
+        at = first(kind)
+        out[:] = H
+        for k in range(straight(kind)):
+            store_row(out, at + k, plus(load_row(H, at + k), load(d, 3 * k)))
         return
     old, beside, new = load_row(H, 1), load_row(H, 2), plus(load_row(H, 1), load(d, 3))
     old, tangent = _unit(old), _unit(new)

@@ -14,7 +14,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
-from fem_lie.lie.kinds.kind import SLOPE, axes, carry, slope, turning
+from fem_lie.lie.kinds.kind import CROSSING, SLOPE, SURFACE, axes, carry, first, slope, turning
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -25,6 +25,7 @@ from fem_lie.lie.tuples import (
     plus,
     rotate,
     rotate_back,
+    scaled,
     store,
 )
 
@@ -166,20 +167,38 @@ def rigid(kind: int, H: Array, out: Array) -> None:
     """``v`` of the six rigid motions: along the fixed axes, and about those through the origin."""
     x, (d1, d2, d3) = load_row(H, 0), axes(kind, H)
     out[:] = 0.0
+    placed = kind < SLOPE or first(kind) == 0
+    if not placed:
+        x = load_row(H, first(kind))
     for k in range(3):
         e = (1.0 if k == 0 else 0.0), (1.0 if k == 1 else 0.0), (1.0 if k == 2 else 0.0)
         moved, lever = rotate_back(d1, d2, d3, e), rotate_back(d1, d2, d3, cross(e, x))
         turned = moved if kind < SLOPE else rotate_back(d1, d2, d3, cross(e, slope(kind, H)))
         for j in range(3):
-            out[j, k], out[j, 3 + k], out[3 + j, 3 + k] = moved[j], lever[j], turned[j]
+            out[j, k], out[j, 3 + k] = (moved[j] if placed else 0.0), lever[j]
+            out[3 + j, 3 + k] = turned[j]
 
 
 @compiled
 def shown(kind: int, H: Array, v: Array, out: Array) -> None:
-    """``v`` as results have it: translation and rotation along the rows of ``H``, (6,)."""
+    """``v`` as results have it: translation and rotation along the rows of ``H``, (6,).
+
+    A node without a place has none.
+    """
     for k in range(6):
         out[k] = v[k]
-    if kind >= SLOPE:
-        first = load_row(H, 1)
-        out[0] = v[0] / sqrt(dot(first, first))
+    if kind == CROSSING:
+        out[:] = 0.0
+    elif kind == SURFACE:
+        along, (d1, d2, d3) = load_row(H, 1), axes(kind, H)
+        a1, a2, a3 = rotate_back(d1, d2, d3, along)
+        square = a1 * a1 + a2 * a2 + a3 * a3
+        spin = scaled(1.0 / square, cross((a1, a2, a3), load(v, 3)))
+        # row 1 is no axis, but has parts along all of them
+        for at, w in ((0, load(v, 0)), (3, spin)):
+            share = w[0] / a1
+            store(out, at, (share, w[1] - a2 * share, w[2] - a3 * share))
+    elif kind >= SLOPE:
+        along = load_row(H, 1)
+        out[0] = v[0] / sqrt(dot(along, along))
         store(out, 3, turning(kind, H, load(v, 3)))

@@ -113,7 +113,7 @@ def _refuse(equations: Equations) -> None:
     reasons = dict.fromkeys(unknowns.other_constraints, True) | {
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "nodes that are no frames (Cable, Solid)": bool((unknowns.kinds >= SLOPE).any()),
+        "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
         f"shells with six parameters ({drilling})": bool(drilling),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }

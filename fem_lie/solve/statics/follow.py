@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import turn_all
+from fem_lie.lie.kinds import placed, turn_all
 from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
@@ -125,6 +125,7 @@ class SceneEquilibrium:
         self.equations = equations = Equations(scene, dynamics=False)
         unknowns = equations.unknowns
         self.diameter, self._moving = unknowns.length, unknowns.moving
+        self._placed = placed(unknowns.kinds)
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
@@ -204,14 +205,14 @@ class SceneEquilibrium:
         return self.equations.report(state.frames, weights=state.multipliers).joints.forces
 
     def positions(self) -> Array:
-        """Of the nodes, shape (n, 3)."""
-        return self._H[: self._moving, 0].copy()
+        """Of the nodes that have places, shape (n, 3)."""
+        return self._H[: self._moving, 0][self._placed]
 
     def translations(self, dx: Array) -> Array:
-        """Velocities of the nodes that ``dx`` means, shape (n, 3), components in space."""
+        """Velocities of these that ``dx`` means, shape (n, 3), components in space."""
         moved = dx[: 6 * self._moving].copy()
         turn_all(self.equations.unknowns.kinds, self._H, moved)
-        return moved.reshape(-1, 6)[:, :3]
+        return moved.reshape(-1, 6)[self._placed, :3]
 
     def twists(self, dx: Array) -> Array:
         """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""

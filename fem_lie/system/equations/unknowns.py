@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.scene.choices import Redundant
@@ -172,7 +172,7 @@ class Tables(NamedTuple):
     ends: Indices
     whole: Indices
     supported: Flags
-    assemblies: Sequence[tuple[slice, Assembly]]
+    assemblies: Sequence[tuple[slice, BodyTerm]]
     terms: Sequence[Term]
     complete: bool
     in_one_sum: bool

@@ -5,6 +5,9 @@ they turn as its neighbourhood does, forces and matrices do not see a rigid moti
 deformation around node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants that the elements give; the
 axes are those of the start turned by its rotation, by polar decomposition. What is written in the
 old axes, velocities and their rates, is written in the new ones.
+
+Bodies whose nodes' rows say themselves where the axes are have a
+:data:`~fem_lie.bodies.body.Follower` for it.
 """
 
 from __future__ import annotations
@@ -13,6 +16,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie.bodies.body import Follower
+from fem_lie.lie.kinds import all_axes
 from fem_lie.lie.polar import polar_rotation
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -116,3 +121,44 @@ class CarriedAxes:
         self.turn(H)
         for k in np.flatnonzero(local):
             _turn_vectors(motion[k], self._moves, self._turns)
+
+
+class FollowingAxes:
+    """Axes to be turned as their bodies say."""
+
+    def __init__(self, numbering: Numbering) -> None:
+        """Ask the bodies.
+
+        Args:
+            numbering: Of all nodes.
+        """
+        leader = numbering.attachment.leader
+        self._parts: list[tuple[Indices, Follower]] = []
+        for body, nodes in numbering.nodes.items():
+            follower = body.follower()
+            if follower is not None:
+                self._parts.append((leader[nodes], follower))
+
+    def __bool__(self) -> bool:
+        """Whether there is anything to turn."""
+        return bool(self._parts)
+
+    def turn(self, H: Array) -> None:
+        """Turn the axes of the rows at the head of ``H`` (≥ n, 4, 3)."""
+        for nodes, follower in self._parts:
+            rows = H[nodes]
+            follower(rows)
+            H[nodes] = rows
+
+    def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
+        """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
+        for nodes, follower in self._parts:
+            rows, own = H[nodes], kinds[nodes]
+            before = all_axes(own, rows)
+            follower(rows)
+            turn = all_axes(own, rows) @ before.transpose(0, 2, 1)
+            H[nodes] = rows
+            for k in np.flatnonzero(local):
+                halves = motion[k, nodes].reshape(-1, 2, 3)
+                turned = np.einsum("nij,naj->nai", turn, halves)
+                motion[k, nodes] = turned.reshape(-1, 6)

@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.catalogue import BodyInfo
 from fem_lie.bodies.points import require_node
-from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.body_term import BodyTerm
 from fem_lie.joints import RigidLink
 from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.system.nodes.attachment import Attachment
@@ -56,7 +56,7 @@ class Numbering:
                 in the unknowns of the node it follows.
         """
         self.nodes: dict[Body, Indices] = {}
-        self.assemblies: list[tuple[slice, Assembly]] = []
+        self.assemblies: list[tuple[slice, BodyTerm]] = []
         self.members: list[list[Body]] = []
         for body in bodies:
             body.check()
@@ -87,7 +87,7 @@ class Numbering:
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
-            groups[nodes], kinds[nodes] = body.group, body.node_kind
+            groups[nodes], kinds[nodes] = body.group, body.node_kinds
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes] = body.held.any(axis=1)
             held[nodes, 5] |= not self.drills[body]

@@ -1,0 +1,1 @@
+"""Thin shells on smooth patches: places, slopes and mixed derivatives."""

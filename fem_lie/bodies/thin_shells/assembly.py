@@ -1,0 +1,157 @@
+"""All thin shells of one element, assembled together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.elements.thin_shells import cells as kernels
+from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unloaded
+from fem_lie.elements.thin_shells.rows import NODES, VECTORS
+from fem_lie.forms.body_term import BodyTerm, NodalInertia
+from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_sums import CellSum
+
+MEMBRANE_AND_BENDING = slice(0, 6)
+"""Of the eight strains of a section those that a shell without shear has."""
+
+
+class ThinShellData(Protocol):
+    """What the assembly asks of a thin shell, see :class:`~fem_lie.ThinShell`."""
+
+    frames: Array
+    connectivity: Indices
+    sizes: Array
+    stiffness: Array
+    axes: Array
+    formulation: BicubicHermite
+    has_mass: bool
+
+    def vectors(self) -> Array:
+        """Vectors of the interpolation of each cell, shape (m, 16, 3)."""
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
+
+
+class ThinShellAssembly(BodyTerm):
+    """Thin shells of one element; nodes and cells are as in the bodies, one after the other.
+
+    Attributes:
+        rule: Tables of the element.
+        turned: From covariant strains at the points to those along sections' axes, (m, g, 6, 6).
+        stiffness: Of the sections, shape (m, 6, 6).
+    """
+
+    def __init__(self, bodies: Sequence[ThinShellData]) -> None:
+        """Put the data of all cells together; coincident nodes stay apart."""
+        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+        pairs = zip(bodies, starts[:-1], strict=True)
+        cells = np.concatenate([body.connectivity + start for body, start in pairs])
+        super().__init__(cells, np.arange(starts[-1]), np.arange(len(cells)))
+        element = bodies[0].formulation
+        self.rule = rule = element.rule()
+        sampled, strains, z = unloaded(rule, np.concatenate([body.vectors() for body in bodies]))
+        self.turned, areas = to_axes(z, np.concatenate([body.axes for body in bodies]))
+        section = np.concatenate([body.stiffness for body in bodies])
+        self.stiffness = section[:, MEMBRANE_AND_BENDING, MEMBRANE_AND_BENDING]
+        weighted = self.stiffness[:, np.newaxis] * (areas * element.weights())[..., None, None]
+        D = np.einsum("mgia,mgij,mgjb->mgab", self.turned, weighted, self.turned)
+        head = np.concatenate([body.sizes for body in bodies])
+        parts = (
+            np.zeros((len(cells), 12 * NODES)),
+            head,
+            sampled,
+            strains,
+            D,
+            np.zeros_like(strains),
+        )
+        self._values = np.concatenate([part.reshape(len(cells), -1) for part in parts], axis=1)
+        self._tables, nowhere = rule.packed(), np.zeros((len(cells), 1))
+
+        def summed(kernel: int) -> CellSum:
+            return CellSum(cells, kernel, self._values, self._tables, nowhere)
+
+        self._energy = summed(kernels.energy_kernel.address)
+        self._forces = summed(kernels.force_kernel.address)
+        self._matrix = summed(kernels.tangent_kernel.address)
+        self._points = strains.shape[1]
+        at = kernels.stress_at(sampled.shape[1], self._points)
+        self._carried = self._values[:, at:]
+        place = self._values.ctypes.data, self._values.shape[1]
+        self._place = cells, place, int(self._tables.ctypes.data)
+        self._contents = np.concatenate([head, sampled, D.reshape(len(cells), -1)], axis=1)
+        if all(body.has_mass for body in bodies):
+            elements = np.concatenate([body.element_inertia() for body in bodies])
+            self.inertia = NodalInertia(self.summed(elements))
+
+    @property
+    def contents(self) -> tuple[str, list[Array], list[Array]]:
+        """What the energy is: its name, the tables of the element, and the data of the cells."""
+        return "bicubic Hermite thin shell", [self._tables.copy()], [self._contents]
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy."""
+        return self._forces.table, self._energy.table
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """See the base class."""
+        self._forces.add_vector(H, out.reshape(-1))
+
+    def energy(self, H: Array) -> float:
+        """See the base class."""
+        return self._energy.scalar(H)
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
+        blocks = np.zeros((len(self.indices), 6, 6))
+        self._matrix.add_matrix(H, self._pattern, blocks)
+        return blocks
+
+    def strains(self, H: Array) -> Array:
+        """Strains along the sections' axes at the points of integration, shape (m, g, 6)."""
+        found = np.empty((len(self.cells), self._points, 6))
+        kernels.all_strains(H, *self._place, found)
+        return np.asarray(np.einsum("mgij,mgj->mgi", self.turned, found))
+
+    # --- what is carried ---
+
+    @property
+    def carried(self) -> Array:
+        """Stress at the points of integration, as forces on the covariant strains, flat."""
+        return np.ascontiguousarray(self._carried).ravel()
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        kernels.carry_stress(H, h.reshape(-1, 6), *self._place)
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        self._carried[:] = carried.reshape(self._carried.shape)
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        self._carried[:] = 0.0
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class."""
+        self.carry(H, np.zeros((self.count, 6)))
+
+
+def mass_matrices(formulation: BicubicHermite, q: Array, density: Array) -> Array:
+    """``∫ ρ Nₐ N_b dA`` of cells with vectors ``q`` (m, 16, 3), shape (m, 16, 16).
+
+    Args:
+        formulation: Its points of integration are taken, one more in either direction.
+        q: See above.
+        density: Mass per area of each cell, shape (m,).
+    """
+    values, slopes, weights = formulation.surface_rule(1)
+    r1, r2 = (np.einsum("ga,maj->mgj", slopes[:, k], q) for k in range(2))
+    areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * weights * density[:, np.newaxis]
+    assert values.shape[1] == VECTORS
+    return np.asarray(np.einsum("mg,ga,gb->mab", areas, values, values, optimize=True))

@@ -1,0 +1,203 @@
+"""Supports of thin shells: clamps, hinges, planes of symmetry, directions held in space.
+
+A place that is held along an edge has a derivative along it that is held, too. What is held is
+along the axes of a point, which then stay as they are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Flags, direction
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.thin_shells.joining import Edge
+from fem_lie.lie.kinds import NodeKind, set_all_axes
+
+_AGREE = 1e-9
+_ACROSS = 1e-6  # components of slopes that are meant to be normal to a plane
+
+_KINDS = np.array([int(NodeKind.SURFACE), int(NodeKind.CROSSING)])
+
+PLACE, ALONG_A, ALONG_B, MIXED = range(4)
+"""Vectors of a point."""
+
+_HALVES = ((0, 0), (0, 1), (1, 1), (1, 0))
+"""Of each vector: whether it is in the point's second node, and which half of its motion it is."""
+
+
+class HeldSurface(Body):
+    """A body of points with places and slopes.
+
+    Attributes:
+        points_count: Number of points; their second nodes follow the first ones.
+    """
+
+    points_count: int
+    _edges: dict[str, Edge]
+
+    def edge(self, name: str) -> Edge:
+        """An edge, or a corner as an edge of one point.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        if name in self._edges:
+            return self._edges[name]
+        if name in self._points:
+            none = np.empty(0, dtype=np.int64)
+            return Edge(np.array([self._points[name]]), -1, none, 0)
+        known = ", ".join([*self._edges, *self._points])
+        raise ValueError(f"{self.label} has no edge or corner {name!r}; it has: {known}")
+
+    def points(self, name: str) -> list[Point]:
+        """All points of an edge.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        return [self.node(int(i)) for i in self.edge(name).points]
+
+    def clamp(self, name: str) -> list[Point]:
+        """Hold places and normals of an edge or corner; strains across the edge stay free.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        edge = self.edge(name)
+        for point in map(int, edge.points):
+            slopes = self.frames[point, 1], self.frames[point + self.points_count, 2]
+            n = direction(np.cross(*slopes), f"the normal of {self.label}")
+            axis = self._axis_along(point, n, name)
+            self._held(point, PLACE)[:] = True
+            for k in (ALONG_A, ALONG_B, MIXED):
+                if k == ALONG_A + edge.along:
+                    self._held(point, k)[:] = True
+                elif k != MIXED or edge.along >= 0:
+                    self._held(point, k)[axis] = True
+        return self.points(name)
+
+    def hinge(self, name: str) -> list[Point]:
+        """Hold the places of an edge or corner, not the normals.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        edge = self.edge(name)
+        for point in edge.points:
+            self._held(point, PLACE)[:] = True
+            if edge.along >= 0:
+                self._held(point, ALONG_A + edge.along)[:] = True
+        return self.points(name)
+
+    def guide(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold displacements of an edge or corner along a direction fixed in space.
+
+        Two guides along the same edge are a diaphragm.
+
+        Args:
+            name: Of the edge or corner.
+            normal: The direction, global components.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is nothing of this name, the direction is zero, or a point is held
+                along others that are neither this one nor across it.
+        """
+        edge, n = self.edge(name), direction(normal, f"the direction of guide {name!r}")
+        for point in edge.points:
+            axis = self._axis_along(int(point), n, name)
+            self._held(point, PLACE)[axis] = True
+            if edge.along >= 0:
+                self._held(point, ALONG_A + edge.along)[axis] = True
+        return self.points(name)
+
+    def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Let an edge lie on a plane of symmetry: the surface goes on as in a mirror.
+
+        Args:
+            name: Of the edge.
+            normal: Of the plane, global components.
+
+        Returns:
+            The points that are held, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such edge, it is not in a plane with that normal, or the
+                parameter lines that end on it are not normal to the plane.
+        """
+        edge, n = self.edge(name), direction(normal, f"the normal of symmetry {name!r}")
+        self._check_symmetry(edge, n, name)
+        for point in edge.points:
+            axis = self._axis_along(int(point), n, name)
+            others = np.arange(3) != axis
+            self._held(point, PLACE)[axis] = True
+            self._held(point, ALONG_A + edge.along)[axis] = True
+            self._held(point, ALONG_B - edge.along)[others] = True
+            self._held(point, MIXED)[others] = True
+        return self.points(name)
+
+    def axes_are_held(self) -> Flags:
+        """Points of which components along their axes are held, shape (n,)."""
+        found = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
+        return np.asarray(found[0].any(axis=1) | found[1].any(axis=1))
+
+    def _held(self, point: int, vector: int) -> Flags:
+        """What is held of a vector of a point, shape (3,), to be written into."""
+        second, half = _HALVES[vector]
+        return self.held[point + second * self.points_count, 3 * half : 3 * half + 3]
+
+    def _axis_along(self, point: int, n: Array, name: str) -> int:
+        """The axis of a point that is along ``n``; its axes are turned if none is."""
+        first, second = point, point + self.points_count
+        rows = self.frames[first]
+        axes = np.array([np.cross(rows[2], rows[3]), rows[2], rows[3]])
+        found = np.flatnonzero(np.abs(axes @ n) > 1.0 - _AGREE)
+        if len(found):
+            return int(found[0])
+        held = np.array([self._held(point, k) for k in range(4)])
+        used = np.asarray(held[held.sum(axis=1) % 3 > 0].any(axis=0)).reshape(3)
+        if np.abs(axes[used] @ n).max(initial=0.0) > _AGREE:
+            raise ValueError(
+                f"{name!r} of {self.label}: the point at {rows[0]} is held along "
+                f"{axes[used].tolist()} already, which are neither along nor across {n.tolist()}"
+            )
+        free = np.flatnonzero(~used)
+        axis = int(free[np.abs(axes[free] @ n).argmax()])
+        one, last = (axis + 1) % 3, (axis + 2) % 3
+        if used[last] or (not used[one] and abs(axes[last] @ n) < abs(axes[one] @ n)):
+            one, last = last, one
+        # the one that is used, or nearer to being across, changes least
+        new = np.empty((3, 3))
+        new[axis] = n * np.sign(axes[axis] @ n)
+        new[one] = axes[one] - (axes[one] @ n) * n
+        new[one] /= np.linalg.norm(new[one])
+        new[last] = np.cross(new[(last + 1) % 3], new[(last + 2) % 3])
+        both = self.frames[[first, second]]
+        set_all_axes(_KINDS, both, np.array([new, new]))
+        self.frames[[first, second]] = both
+        return axis
+
+    def _check_symmetry(self, edge: Edge, n: Array, name: str) -> None:
+        if edge.along < 0:
+            raise ValueError(f"a plane of symmetry needs an edge of {self.label}, got {name!r}")
+        across = ALONG_B - edge.along
+        x, rows = self.frames[edge.points], self.frames[edge.points + self.points_count]
+        slopes = x[:, 1] if across == ALONG_A else rows[:, 2]
+        sizes = np.linalg.norm(slopes, axis=1)
+        skew = np.linalg.norm(np.cross(slopes, n), axis=1) / sizes
+        height = np.ptp(x[:, 0] @ n)
+        if height > _ACROSS * self.size or skew.max() > _ACROSS:
+            raise ValueError(
+                f"{name!r} of {self.label} is not on a plane of symmetry with the normal {n}: "
+                f"places vary by {height:.2e} along it, and the sine between it and the parameter "
+                f"lines that end there is up to {skew.max():.2e}"
+            )

@@ -1,0 +1,1 @@
+"""Thin shells without shear: a file for each element."""

@@ -1,0 +1,104 @@
+"""From the nodes of a cell to the vectors of its interpolation, and forces back: compiled.
+
+A corner of a cell is two nodes, a SURFACE and a CROSSING of :mod:`fem_lie.lie.kinds`; a cell has
+its four SURFACE nodes first, then their CROSSING ones. Vectors ``q`` (16, 3) are at each corner the
+place and its derivatives along ξ and η and both; what the nodes have is derivatives in the patch's
+own parameters, the mixed one times an area.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds.kind import CROSSING, SURFACE, axes
+from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, store
+
+CORNERS, VECTORS, NODES, UNKNOWNS = 4, 16, 8, 48
+
+
+@inlined
+def node_of(a: int) -> int:
+    """Which node of the cell has the vector ``a`` of the interpolation."""
+    return a // 4 + (CORNERS if a % 4 >= 2 else 0)
+
+
+@inlined
+def half_of(a: int) -> int:
+    """Whether its motion is the first or the second half of the node's."""
+    return 1 if a % 4 == 1 or a % 4 == 2 else 0
+
+
+@inlined
+def row_of(a: int) -> int:
+    """In which of the node's rows it stands."""
+    return half_of(a) + (1 if a % 4 >= 2 else 0)
+
+
+@inlined
+def scale_of(a: int, sizes: Array) -> float:
+    """What the row is multiplied by; ``sizes`` (3,): of ∂ξ, ∂η and both."""
+    return 1.0 if a % 4 == 0 else sizes[a % 4 - 1]
+
+
+@inlined
+def _kind(node: int) -> int:
+    return SURFACE if node < CORNERS else CROSSING
+
+
+@compiled
+def gather(H: Array, sizes: Array, q: Array) -> None:
+    """``q`` (16, 3) from the rows of a cell's nodes (8, 4, 3)."""
+    for a in range(VECTORS):
+        store(q[a], 0, scaled(scale_of(a, sizes), load_row(H[node_of(a)], row_of(a))))
+
+
+@compiled
+def gather_motion(H: Array, sizes: Array, h: Array, q: Array) -> None:
+    """``δq`` (16, 3) from motions ``h`` (8, 6) of the nodes along their axes."""
+    for a in range(VECTORS):
+        node = node_of(a)
+        d1, d2, d3 = axes(_kind(node), H[node])
+        moved = rotate(d1, d2, d3, load(h[node], 3 * half_of(a)))
+        store(q[a], 0, scaled(scale_of(a, sizes), moved))
+
+
+@compiled
+def pull(H: Array, sizes: Array, f: Array, out: Array) -> None:
+    """Add forces ``f`` (16, 3) on the vectors to those on the nodes, ``out`` (8, 6)."""
+    for node in range(NODES):
+        d1, d2, d3 = axes(_kind(node), H[node])
+        for a in range(4 * (node % CORNERS), 4 * (node % CORNERS) + 4):
+            if node_of(a) == node:
+                local = rotate_back(d1, d2, d3, scaled(scale_of(a, sizes), load(f[a], 0)))
+                for k in range(3):
+                    out[node, 3 * half_of(a) + k] += local[k]
+
+
+@compiled
+def pull_matrix(H: Array, sizes: Array, K: Array, R: Array, out: Array) -> None:
+    """Add ``K`` (48, 48) on the vectors to the matrix of the nodes, ``out`` (8, 6, 8, 6).
+
+    ``R``: work, shape (8, 3, 3).
+    """
+    for node in range(NODES):
+        for k, axis in enumerate(axes(_kind(node), H[node])):
+            store(R[node, k], 0, axis)
+    turned = np.empty((3, 3))
+    for a in range(VECTORS):
+        i, first = node_of(a), 3 * half_of(a)
+        for b in range(VECTORS):
+            j, second = node_of(b), 3 * half_of(b)
+            scale = scale_of(a, sizes) * scale_of(b, sizes)
+            for m in range(3):
+                for n in range(3):
+                    turned[m, n] = 0.0
+                    for k in range(3):
+                        turned[m, n] += K[3 * a + m, 3 * b + k] * R[j, n, k]
+            for m in range(3):
+                for n in range(3):
+                    s = 0.0
+                    for k in range(3):
+                        s += R[i, m, k] * turned[k, n]
+                    out[i, first + m, j, second + n] += scale * s

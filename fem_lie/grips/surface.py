@@ -1,0 +1,110 @@
+"""A place on a surface of places, slopes and mixed derivatives, as joints see it.
+
+The place and its derivatives along the two parameters are sums over the rows of nodes,
+``x = Σ c₀ row``, ``r₁ = Σ c₁ row``, ``r₂ = Σ c₂ row``. The frame's first axis is along ``r₁``, its
+third the normal. With ``r₁ = s d₁``, ``r₂ = p d₁ + q d₂`` and the rates ``a``, ``b`` of both along
+these axes it turns by::
+
+    ω = (b₃/q − a₃ p/(s q), −a₃/s, a₂/s)
+
+so that moments are forces on ``r₁`` and ``r₂``: ``(0, f₆, −f₅ − f₄ p/q)/s`` and ``(0, 0, f₄/q)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled
+from fem_lie.grips.grip import Grip, GripKind
+from fem_lie.lie.kinds import CROSSING, SURFACE, axes
+from fem_lie.lie.tuples import store
+
+# the first half of the nodes are places with slopes, the others what belongs to them
+
+
+@compiled
+def _row(i: int, half: int, nodes: int) -> int:
+    return half if 2 * i < nodes else half + 1
+
+
+@compiled
+def _frame(X: Array, c: Array, H: Array, Q: Array) -> tuple[float, float, float]:
+    """Sets the frame and ``Qᵢ``, its axes times those of the nodes; returns ``s, p, q``."""
+    k, first, second = X.shape[0], np.zeros(3), np.zeros(3)
+    H[:] = 0.0
+    for i in range(k):
+        for half in range(2):
+            row = X[i, _row(i, half, k)]
+            H[0] += c[i, half, 0] * row
+            first += c[i, half, 1] * row
+            second += c[i, half, 2] * row
+    s = np.sqrt(np.dot(first, first))
+    H[1] = first / s
+    m = np.cross(first, second)
+    H[3] = m / np.sqrt(np.dot(m, m))
+    H[2] = np.cross(H[3], H[1])
+    R = np.empty((3, 3))
+    for i in range(k):
+        for a, axis in enumerate(axes(SURFACE if 2 * i < k else CROSSING, X[i])):
+            store(R[a], 0, axis)
+        Q[i] = H[1:] @ R.T
+    return s, np.dot(second, H[1]), np.dot(second, H[2])
+
+
+@compiled
+def _locate(X: Array, data: Array, H: Array, J: Array) -> None:
+    k = X.shape[0]
+    c, Q = data.reshape((k, 2, 3)), np.empty((k, 3, 3))
+    s, p, q = _frame(X, c, H, Q)
+    for i in range(k):
+        for half in range(2):
+            own = J[i, :, 3 * half : 3 * half + 3]
+            own[:3] = c[i, half, 0] * Q[i]
+            first, second = c[i, half, 1], c[i, half, 2]
+            own[3] = (second / q - first * p / (s * q)) * Q[i, 2]
+            own[4] = -first / s * Q[i, 2]
+            own[5] = first / s * Q[i, 1]
+
+
+@compiled
+def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
+    """The frame turns with the force, and ``s``, ``p``, ``q`` change; axes of nodes stay."""
+    k = X.shape[0]
+    c, Q, H = data.reshape((k, 2, 3)), np.empty((k, 3, 3)), np.empty((4, 3))
+    s, p, q = _frame(X, c, H, Q)
+    n, ω, on_first, on_second = f[:3].copy(), np.empty(3), np.zeros(3), np.zeros(3)
+    on_first[1], on_first[2] = f[5] / s, -f[4] / s - f[3] * p / (s * q)
+    on_second[2] = f[3] / q
+    changed_first, changed_second = np.zeros(3), np.zeros(3)
+    for j in range(k):
+        for half in range(2):
+            for m in range(3):
+                a, b = c[j, half, 1] * Q[j, :, m], c[j, half, 2] * Q[j, :, m]
+                ω[0], ω[1], ω[2] = b[2] / q - a[2] * p / (s * q), -a[2] / s, a[1] / s
+                ds, dp, dq = a[0], b[0] + ω[2] * q, b[1] - ω[2] * p
+                changed_first[1] = -on_first[1] * ds / s
+                change = dp / (s * q) - p * ds / (s * s * q) - p * dq / (s * q * q)
+                changed_first[2] = f[4] * ds / (s * s) - f[3] * change
+                changed_second[2] = -on_second[2] * dq / q
+                for i in range(k):
+                    for other in range(2):
+                        c0, c1, c2 = c[i, other, 0], c[i, other, 1], c[i, other, 2]
+                        g = c0 * n + c1 * on_first + c2 * on_second
+                        dg = np.cross(ω, g) + c1 * changed_first + c2 * changed_second
+                        K[i, 3 * other : 3 * other + 3, j, 3 * half + m] = Q[i].T @ dg
+
+
+ON_SURFACE = GripKind(_locate, _bend)
+
+
+def on_surface(nodes: Sequence[int], shares: Array) -> Grip:
+    """A place between nodes, those with places first.
+
+    Args:
+        nodes: SURFACE nodes, then as many CROSSING ones.
+        shares: Of their two straight rows in the place and its two derivatives, shape (k, 2, 3).
+    """
+    return Grip(ON_SURFACE, tuple(map(int, nodes)), tuple(map(float, shares.ravel())))

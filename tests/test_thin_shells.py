@@ -1,0 +1,329 @@
+"""Thin shells of bicubic patches: laws of the element, supports, statics against closed forms."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly
+from fem_lie.lie import kinds
+
+STEEL = fl.Material(1e3, 0.3, 2.0)
+LAYER = fl.ShellSection.layer(0.1, STEEL)
+UNSYMMETRIC = fl.ShellSection.laminate(
+    [fl.Ply(0.04, fl.Material(3e3, 0.2, 1.0)), fl.Ply(0.06, STEEL)]
+)
+ELEMENTS = {
+    "default": fl.BicubicHermite(),
+    "3×3 shear": fl.BicubicHermite(share=0.0, shear=3),
+    "not assumed": fl.BicubicHermite(share=1.0),
+}
+every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+
+
+def wavy(a, b):
+    return np.array([a, b * (1 + 0.3 * a), 0.2 * a * b + 0.1 * np.sin(2 * a)])
+
+
+def flat(a, b):
+    return np.array([2.0 * a, b, 0.0])
+
+
+class Shell:
+    """A thin shell by itself."""
+
+    def __init__(self, function=wavy, cells=(2, 2), element=None, section=UNSYMMETRIC):
+        self.body = fl.ThinShell(fl.smooth_patch(function, cells), section, formulation=element)
+        self.term, self.kinds = ThinShellAssembly([self.body]), self.body.node_kinds
+        self.count = len(self.kinds)
+        self.rng = np.random.default_rng(1)
+
+    def follow(self, H, h):
+        out = np.empty_like(H)
+        kinds.follow_all(self.kinds, H, h, out)
+        return out
+
+    def deformed(self, size=0.03):
+        return self.follow(self.body.frames, size * self.rng.normal(size=(self.count, 6)))
+
+    def forces(self, H):
+        out = np.zeros((self.count, 6))
+        self.term.add_forces(H, out)
+        return out
+
+    def matrix(self, H):
+        self.term.reset_stress(H)
+        K, (rows, columns) = np.zeros((self.count, 6, self.count, 6)), self.term.pairs
+        K[rows, :, columns] = self.term.tangent(H, np.empty((0, 6)))
+        return K.reshape(6 * self.count, -1)
+
+    def turned(self, H, motion):
+        """Moved rigidly, the axes as the body turns them then."""
+        moved = H @ motion[1:]
+        moved[:, 0] += motion[0]
+        # row 3 of the second nodes is no vector: the body sets it
+        self.body.follower()(moved)
+        return moved
+
+
+@every_element
+def test_forces_are_the_gradient_of_the_energy(element):
+    shell, step = Shell(element=element), 1e-5
+    H, d = shell.deformed(), np.random.default_rng(2).normal(size=(shell.count, 6))
+    ahead, behind = (shell.term.energy(shell.follow(H, s * step * d)) for s in (1, -1))
+    assert np.vdot(shell.forces(H), d) == pytest.approx((ahead - behind) / (2 * step), rel=1e-7)
+
+
+@every_element
+def test_tangent_is_the_derivative_of_the_forces(element):
+    shell, step = Shell(element=element), 1e-5
+    H, d = shell.deformed(), np.random.default_rng(2).normal(size=(shell.count, 6))
+    ahead, behind = (shell.forces(shell.follow(H, s * step * d)) for s in (1, -1))
+    numeric = ((ahead - behind) / (2 * step)).ravel()
+    K = shell.matrix(H)
+    np.testing.assert_allclose(K @ d.ravel(), numeric, atol=1e-7 * np.abs(numeric).max())
+    np.testing.assert_allclose(K, K.T, atol=1e-13 * np.abs(K).max())
+
+
+def test_carried_stress_is_linear_along_the_increment():
+    """That of the next state to first order, and exactly where the increment is zero."""
+    shell, step = Shell(), 1e-4
+    H, d = shell.deformed(), np.random.default_rng(2).normal(size=(shell.count, 6))
+    shell.term.carry(H, step * d)
+    carried = shell.term.carried
+    shell.term.reset_stress(shell.follow(H, step * d))
+    here = shell.term.carried
+    shell.term.reset_stress(H)
+    gap, change = np.abs(carried - here).max(), np.abs(here - shell.term.carried).max()
+    assert 0.0 < gap < 0.01 * change
+
+
+@every_element
+def test_rigid_motion_changes_nothing_in_local_axes(element):
+    """Claim 5: no energy, forces that turn along, and the same matrix to round-off."""
+    shell = Shell(element=element)
+    H = shell.turned(shell.deformed(), np.eye(4, 3, -1))
+    moved = shell.turned(H, lie.se3_exp(np.array([3.0, -2.0, 1.0, 2.0, 0.5, -1.5])))
+    rest = shell.turned(shell.body.frames, lie.se3_exp(np.array([1.0, 2.0, 3.0, -1.0, 2.0, 1.0])))
+    assert shell.term.energy(rest) < 1e-25
+    force, K = shell.forces(H), shell.matrix(H)
+    np.testing.assert_allclose(shell.forces(moved), force, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(shell.matrix(moved), K, atol=1e-12 * np.abs(K).max())
+
+
+@every_element
+@pytest.mark.parametrize("function", [flat, wavy])
+def test_only_rigid_motions_have_no_energy(element, function):
+    shell = Shell(function, (1, 1), element)
+    K = shell.matrix(shell.body.frames)
+    stiffness = np.linalg.eigvalsh(K)
+    assert np.abs(stiffness[:6]).max() < 1e-12 * stiffness[-1]
+    assert stiffness[6] > 1e-8 * stiffness[-1]
+    rigid = kinds.rigid_motions(shell.kinds, shell.body.frames, np.zeros(3)).reshape(-1, 6)
+    np.testing.assert_allclose(K @ rigid, 0.0, atol=1e-12 * stiffness[-1])
+
+
+def test_constant_strains_are_in_equilibrium():
+    """Patch test on parallelograms: all of a plate is strained and bent alike."""
+
+    def skew(a, b):
+        return np.array([2.0 * a + 0.7 * b, 1.5 * b, 0.0])
+
+    shell, strain = Shell(skew, (3, 2)), np.array([[1.01, 0.02, 0], [-0.01, 0.98, 0], [0, 0, 1.0]])
+    H = shell.body.frames.copy()
+    count = shell.body.points_count
+    H[:count, :2] @= strain.T
+    H[count:, 1:3] @= strain.T
+    E = shell.term.strains(H)
+    C = strain.T @ strain
+    wanted = [0.5 * (C[0, 0] - 1), 0.5 * (C[1, 1] - 1), C[0, 1], 0, 0, 0]
+    np.testing.assert_allclose(E, np.broadcast_to(wanted, E.shape), atol=1e-11)
+    edge = np.unique(np.concatenate([e.points for e in shell.body._edges.values()]))
+    inner = np.setdiff1d(np.arange(count), edge)
+    residual = shell.forces(H)[np.concatenate([inner, inner + count])]
+    assert len(inner) == 2
+    np.testing.assert_allclose(residual, 0.0, atol=1e-10 * np.abs(shell.forces(H)).max())
+
+
+def test_curvature_of_a_rolled_plate():
+    """A plate rolled up without stretch has ``K₁₁ = −1/R`` of its normals, to the order four."""
+    gaps = []
+    for cells in (4, 8):
+        shell = Shell(flat, (cells, 1))
+        rolled = fl.smooth_patch(lambda a, b: [np.sin(2 * a), b, 1 - np.cos(2 * a)], (cells, 1))
+        other = fl.ThinShell(rolled, LAYER)
+        strains = shell.term.strains(other.frames)
+        gaps.append(np.abs(strains - [0, 0, 0, -1, 0, 0]).max(axis=(0, 1)))
+    assert gaps[1][0] < 1e-4 and gaps[0][3] / gaps[1][3] > 3.5
+    assert gaps[1][[1, 2, 4, 5]].max() < 1e-9
+
+
+def strip(cells, thickness, **options):
+    """A cantilever of length 10 and width 1, without contraction."""
+    section = fl.ShellSection.layer(thickness, fl.Material(1.2e6, 0.0, 1.0))
+    patch = fl.smooth_patch(lambda a, b: [10 * a, b, 0.0], (cells, 1))
+    body = fl.ThinShell(patch, section, name="strip", **options)
+    body.clamp("a=0")
+    return body
+
+
+@pytest.mark.parametrize("thickness", [1e-1, 1e-2, 1e-3])
+def test_elastica(thickness):
+    """End force P ℓ² = 4 EI, deflections 0.67 ℓ and 0.329 ℓ, whatever the slenderness."""
+    body, scene = strip(8, thickness), fl.Scene()
+    scene.add(body)
+    load = 4 * 1.2e6 * thickness**3 / 12 / 100
+    for point in ("10", "11"):
+        scene.add(fl.PointLoad(body[point], force=(0, 0, load / 2)))
+    end = fl.statics(scene).position("strip.10")[-1]
+    # Bisshopp & Drucker (1945)
+    assert end[2] / 10 == pytest.approx(0.66996, rel=2e-3)
+    assert 1 - end[0] / 10 == pytest.approx(0.32894, rel=4e-3)
+
+
+def hemisphere(cells, thickness, load):
+    """A quarter of a pinched hemisphere with a hole, see demos/hemisphere.py."""
+
+    def place(a, b):
+        azimuth, height = a * np.pi / 2, b * np.radians(72)
+        level = np.cos(height)
+        return [10 * level * np.cos(azimuth), 10 * level * np.sin(azimuth), 10 * np.sin(height)]
+
+    section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
+    body = fl.ThinShell(fl.smooth_patch(place, (cells, cells)), section, name="hemisphere")
+    body.symmetry("a=0", (0, 1, 0))
+    body.symmetry("a=1", (1, 0, 0))
+    body.guide("00", (0, 0, 1))
+    scene = fl.Scene()
+    scene.add(body)
+    scene.add(fl.PointLoad(body["00"], force=(load / 2, 0, 0)))
+    scene.add(fl.PointLoad(body["10"], force=(0, -load / 2, 0)))
+    return scene
+
+
+def test_pinched_hemisphere():
+    result = fl.statics(hemisphere(8, 0.04, 400.0))
+    outward = result.position("hemisphere.00")[-1][0] - 10
+    inward = 10 - result.position("hemisphere.10")[-1][1]
+    assert outward == pytest.approx(4.0753, rel=0.012)
+    assert inward == pytest.approx(8.1524, rel=0.008)
+    assert result.total_iterations <= 16
+
+
+def test_held_components_stay_exactly():
+    """Planes of symmetry hold what they say in all states, with axes that stay."""
+    scene = hemisphere(4, 0.04, 400.0)
+    body = scene.bodies[0]
+    result = fl.statics(scene)
+    for name, k in (("a=0", 1), ("a=1", 0)):
+        points = body.edge(name).points
+        first, second = result.frames[-1][points], result.frames[-1][points + body.points_count]
+        assert np.abs(first[:, :1, k]).max() < 1e-10
+        others = [i for i in range(3) if i != k]
+        assert np.abs(first[:, 1][:, others]).max() < 1e-10  # ∂u is across
+        assert np.abs(second[:, 2, k]).max() < 1e-10  # ∂v is within
+    moved = body.follower()
+    assert body.axes_are_held()[body.edge("a=0").points].all()
+    rows = result.frames[-1].copy()
+    moved(rows)
+    np.testing.assert_array_equal(rows, result.frames[-1])
+
+
+def test_patches_joined_are_one_surface():
+    """Half a cylinder of two patches against one of one."""
+
+    def half(start, end):
+        def place(a, b):
+            angle = start + (end - start) * a
+            return [np.cos(angle), np.sin(angle), 2.0 * b]
+
+        return place
+
+    def pinched(patches, corner):
+        body = fl.ThinShell(patches, LAYER, name="half")
+        for name in ("a=0", "left.a=0"):
+            if name in body._edges:
+                body.clamp(name)
+        scene = fl.Scene()
+        scene.add(body)
+        scene.add(fl.PointLoad(body[corner], force=(0.0, 0.05, 0.0)))
+        return fl.statics(scene).position(f"half.{corner}")[-1]
+
+    two = {
+        "left": fl.smooth_patch(half(0, np.pi / 2), (3, 2)),
+        "right": fl.smooth_patch(half(np.pi / 2, np.pi), (3, 2)),
+    }
+    one = pinched(fl.smooth_patch(half(0, np.pi), (6, 2)), "10")
+    np.testing.assert_allclose(pinched(two, "right.10"), one, atol=1e-6)
+    assert np.linalg.norm(one - [-1, 0, 0]) > 0.1
+
+
+def test_a_closed_cylinder_is_joined_to_itself():
+    def round_(a, b):
+        return [np.cos(2 * np.pi * a), np.sin(2 * np.pi * a), b]
+
+    patch = fl.smooth_patch(round_, (6, 2))
+    assert fl.ThinShell(patch, LAYER).points_count == 7 * 3
+    assert fl.ThinShell(patch, LAYER, joined=True).points_count == 6 * 3
+
+
+def test_gravity_is_the_weight_of_all():
+    """Of reactions the sum; the consistent share of slopes has none."""
+    body, scene = strip(4, 0.1), fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(body)
+    result = fl.statics(scene)
+    total = sum(result.reaction(point)[-1][2] for point in body.points("a=0"))
+    assert total == pytest.approx(9.81 * 10 * 1 * 0.1, rel=1e-9)
+
+
+def kinked():
+    return {
+        "floor": fl.smooth_patch(lambda a, b: [a, b, 0], (2, 2)),
+        "wall": fl.smooth_patch(lambda a, b: [1, b, a], (2, 2)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fl.smooth_patch(flat, (0, 2)), "at least one cell along a, got 0"),
+        (lambda: fl.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor along"),
+        (lambda: fl.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the place at"),
+        (lambda: fl.ThinShell(kinked(), LAYER), "parametrisations do not agree"),
+        (lambda: fl.ThinShell({}, LAYER), "at least one patch"),
+        (lambda: Shell().body.clamp("c=0"), "no edge or corner 'c=0'; it has: a=0"),
+        (lambda: Shell(flat).body.symmetry("a=0", (0, 1, 0)), "not on a plane of symmetry"),
+        (lambda: Shell(flat).body.symmetry("00", (0, 1, 0)), "needs an edge"),
+        (lambda: Shell(wavy).body.cells_of("roof"), "no patch 'roof'"),
+        (lambda: fl.ThinShell(fl.smooth_patch(flat, (1, 1)), LAYER, along=(0, 0, 1)), "normal to"),
+        (lambda: fl.ThinShell(kinked(), {"floor": LAYER}, joined=False), "no section"),
+        (lambda: fl.BicubicHermite(share=2.0), "between 0 and 1"),
+        (lambda: fl.BicubicHermite(across=2), "across must be at least 3"),
+    ],
+)
+def test_bad_input(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_directions_that_cannot_be_held_together():
+    body = Shell(flat).body
+    body.guide("00", (1, 1, 0))
+    with pytest.raises(ValueError, match="neither along nor across"):
+        body.guide("00", (1, 0, 0))
+
+
+def test_conserving_schemes_refuse():
+    scene = fl.Scene()
+    scene.add(strip(2, 0.1))
+    with pytest.raises(ValueError, match="ThinShell"):
+        fl.EnergyMomentum().run(scene, duration=0.1, step=0.1)
+
+
+def test_moments_and_clamps_of_single_points_are_refused():
+    body, scene = strip(2, 0.1), fl.Scene()
+    scene.add(body)
+    with pytest.raises(ValueError, match="places and slopes of a surface"):
+        scene.add(fl.PointLoad(body["10"], moment=(0, 1, 0)))
+    with pytest.raises(ValueError, match="ThinShell"):
+        scene.add(fl.Clamp(body["00"]))
