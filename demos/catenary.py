@@ -21,7 +21,8 @@ alone.
 The element can be chosen by --element:
 
 - cable has places and slopes, and is of fourth order,
-- slack is the same, but a weak spring where the strain is below 1e-4, instead of being pushed: it
+- discrete has places alone, with springs between its edges, and is of second order,
+- slack is as cable, but a weak spring where the strain is below 1e-4, instead of being pushed: it
   may be laid as one likes, and is laid straight between its ends here, a quarter too short. Without
   that it would be found in an arch, the catenary upside down, or not at all.
 """
@@ -47,6 +48,7 @@ GRAVITY = 10.0  # a mass of one per length
 ELEMENTS: dict[str, fl.Formulation] = {
     "cable": fl.HermiteCable(),
     "slack": fl.HermiteCable(slack=1e-4),
+    "discrete": fl.DiscreteCable(),
 }
 
 

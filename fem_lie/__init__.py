@@ -7,6 +7,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
+from fem_lie.bodies.rods.net import Net
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
@@ -18,6 +19,7 @@ from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.elements.rods.cable import HermiteCable
+from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.elements.shells.element import (
     Displacement,
@@ -178,6 +180,7 @@ __all__ = [
     "Damping",
     "Decisions",
     "Director",
+    "DiscreteCable",
     "Displacement",
     "DisplacementControl",
     "Distance",
@@ -221,6 +224,7 @@ __all__ = [
     "ModeImperfection",
     "Modes",
     "NeoHooke",
+    "Net",
     "Never",
     "Newton",
     "NodalFrames",

@@ -176,6 +176,8 @@ TERMS: dict[str, Case] = {
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
+    "discrete cable": Case(lambda: cable(formulation=fl.DiscreteCable()), "elements"),
+    "bending springs": Case(lambda: cable(formulation=fl.DiscreteCable()), "bending springs"),
     "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
     "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),
     "plain geodesic beam": Case(lambda: beam(fl.Geodesic(False)), "elements"),

@@ -230,6 +230,10 @@ class Body(Loadable):
                 "space act on them"
             )
 
+    def require_direction(self, node: int) -> None:
+        """Raise ``ValueError`` if a node has none that a clamp could hold."""
+        return
+
     def turning(self) -> Turning | None:
         """How far its elements may turn from end to end, or ``None`` if it has none."""
         return None

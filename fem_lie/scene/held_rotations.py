@@ -16,6 +16,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.points import ground
 from fem_lie.joints import Connection, RigidLink
+from fem_lie.lie.kinds import NodeKind
 from fem_lie.scene.load import Load
 from fem_lie.scene.nodal_loads import PointLoad
 from fem_lie.scene.supports import Clamp, PrescribedMotion
@@ -37,8 +38,8 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
-    # only shells have the choice
-    if not any(body is not None and body.uncoupled for body in item.bodies):
+    # only shells have the choice, and only places have none
+    if not any(body is not None and _asks(body) for body in item.bodies):
         return
     turns = item.turns
     for tie in item.ties():
@@ -49,6 +50,10 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
             yield from _by_each_other(item.label, tie.a, ground())
     for rolling in item.velocity_ties():
         yield from _by_each_other(item.label, rolling.a, rolling.b)
+
+
+def _asks(body: Body) -> bool:
+    return body.uncoupled or body.node_kind == NodeKind.POINT
 
 
 def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:

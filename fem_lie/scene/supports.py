@@ -35,6 +35,8 @@ class Clamp:
                 f"a clamp holds one node, and a point of {body.label} is several: hold an edge or "
                 f"corner by {type(body).__name__}.clamp"
             )
+        if body is not None:
+            body.require_direction(self.point.node)
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,8 @@ _STRETCH, _BENDING = 0, 4
 
 
 @frame_function
-def _pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+def pull_rows(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    """Forces on places and slopes, along the axes of their nodes."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     r = numba.carray(out, (nodes, 6))
     for i in range(nodes):
@@ -61,7 +62,8 @@ def _pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) 
 
 
 @frame_function
-def _push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+def push_rows(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+    """Increments along these axes as those of places and slopes."""
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     rates = numba.carray(out, (nodes, 4, 3))
     for i in range(nodes):
@@ -78,8 +80,8 @@ def _geometric(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: 
 
 _SLOPES = FrameMap(
     coordinates=None,
-    pull=_pull,
-    push=_push,
+    pull=pull_rows,
+    push=push_rows,
     geometric=_geometric,
     values=12,
     unknowns=6,
@@ -116,18 +118,7 @@ class HermiteCable(Formulation):
 
     def check(self, stiffness: Array) -> None:
         """Refuse what couples stretch and bending, or bends otherwise about other axes."""
-        EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))
-        if abs(EI - other) > _ALIKE * max(EI, other):
-            raise ValueError(
-                "a Cable has no direction across, so its section must bend alike about all axes, "
-                f"got EI = {EI:g} and {other:g}"
-            )
-        coupling = np.abs(stiffness[[0, 0, 4], [4, 5, 5]]).max()
-        if coupling > _ALIKE * max(EI, np.sqrt(EA * EI)):
-            raise ValueError(
-                "a Cable is stretched along its centre: its section must not couple stretch and "
-                f"bending, got the stiffness\n{stiffness}"
-            )
+        check_section(stiffness)
 
     def placed(self, frames: Array, stretch: float) -> Array:
         """Slopes are as long as the line over the cable."""
@@ -211,6 +202,22 @@ def stretch_energy(strain: Expr, slack: float | None) -> Expr:
     return 0.5 * weak * (1 + strain) ** 2 + (1 - weak) * ufl.conditional(
         ufl.lt(beyond, -width), 0 * strain, more
     )
+
+
+def check_section(stiffness: Array) -> None:
+    """Raise ``ValueError`` if a section has directions across, or couples stretch and bending."""
+    EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))
+    if abs(EI - other) > _ALIKE * max(EI, other):
+        raise ValueError(
+            "a Cable has no direction across, so its section must bend alike about all axes, "
+            f"got EI = {EI:g} and {other:g}"
+        )
+    coupling = np.abs(stiffness[[0, 0, 4], [4, 5, 5]]).max()
+    if coupling > _ALIKE * max(EI, np.sqrt(EA * EI)):
+        raise ValueError(
+            "a Cable is stretched along its centre: its section must not couple stretch and "
+            f"bending, got the stiffness\n{stiffness}"
+        )
 
 
 class _CableEnergy(StrainEnergy):

@@ -1,0 +1,106 @@
+"""Nets: threads that share nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices, indices_of, instance, points_of, positive
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.beams.line_body import Placed
+from fem_lie.bodies.rods.threads import Threads
+from fem_lie.elements.rods.bends import Successive
+from fem_lie.elements.rods.discrete import DiscreteCable
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.section import Section
+
+
+class Net(Threads):
+    """Threads from point to point, knotted where they share one.
+
+    Each bends over its points; knots are hinges between threads. Nodes are the points, in their
+    order: :meth:`node`. What holds and loads them is as for :class:`~fem_lie.Cable`.
+    """
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        threads: Sequence[Sequence[int]],
+        section: Section,
+        *,
+        stretch: float = 1.0,
+        formulation: DiscreteCable | None = None,
+        damping: Damping | None = None,
+        name: str = "",
+    ) -> None:
+        """Place the nodes.
+
+        Args:
+            points: Places, shape (n, 3).
+            threads: Numbers of the points along each, two or more; one that ends where it began is
+                closed.
+            section: Of all threads.
+            stretch: Lengths as they are laid over those unstretched.
+            formulation: The element; default: :class:`~fem_lie.DiscreteCable`.
+            damping: Of its motion in space.
+            name: How messages and results call it.
+
+        Raises:
+            ValueError: A thread has less than two points, turns back, or runs where another does; a
+                point has no thread; points of an edge are the same.
+            TypeError: An argument is of another kind than wanted.
+        """
+        places, wanted = points_of(points), DiscreteCable | None
+        instance(formulation, wanted, "Net: formulation", "a DiscreteCable or None")
+        edges, along = _followed(threads, len(places))
+        chords = np.diff(places[edges], axis=1)[:, 0]
+        lengths = np.linalg.norm(chords, axis=1)
+        if not lengths.min() > 0.0:
+            a, b = edges[lengths.argmin()]
+            raise ValueError(f"points of an edge of a net are apart, but {a} and {b} are the same")
+        tangents = chords / lengths[:, np.newaxis]
+        mesh = LineMesh(places, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
+        frames = _frames(places, edges, tangents)
+        lengths = lengths / positive(stretch, "Net: stretch")
+        placed = Placed(frames, edges, lengths, np.arange(len(places)), edges)
+        element = DiscreteCable() if formulation is None else formulation
+        super().__init__(mesh, placed, along, section, element, damping, name)
+
+
+def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
+    """Edges of all threads, shape (m, 2), and those that follow each other."""
+    edges: list[tuple[int, int]] = []
+    nodes: list[tuple[int, int, int]] = []
+    pairs: list[tuple[int, int]] = []
+    for number, thread in enumerate(threads):
+        path = [int(k) for k in indices_of(thread, count, f"points of thread {number}")]
+        if len(path) < 2:
+            raise ValueError(f"a thread goes through two points or more, got {path}")
+        first = len(edges)
+        edges += pairwise(path)
+        nodes += zip(path, path[1:], path[2:], strict=False)
+        pairs += pairwise(range(first, len(edges)))
+        if path[0] == path[-1]:
+            nodes.append((path[-2], path[0], path[1]))
+            pairs.append((len(edges) - 1, first))
+    if not edges:
+        raise ValueError("a net has threads, got none")
+    along = Successive(
+        np.array(nodes, np.int64).reshape(-1, 3), np.array(pairs, np.int64).reshape(-1, 2)
+    )
+    return np.array(edges, np.int64), along
+
+
+def _frames(places: Array, edges: Indices, tangents: Array) -> Array:
+    """Places, with the first axis along any edge of each."""
+    first = np.zeros((len(places), 3))
+    for side in (1, 0):
+        first[edges[:, side]] = tangents
+    across = np.eye(3)[np.abs(first).argmin(axis=1)]
+    second = np.cross(across, first)
+    norm = np.linalg.norm(second, axis=1, keepdims=True)
+    second = second / np.where(norm > 0, norm, 1.0)  # points without threads are refused later
+    return np.stack([places, first, second, np.cross(first, second)], axis=1)

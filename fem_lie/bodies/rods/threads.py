@@ -1,0 +1,193 @@
+"""What all cables and nets have: threads of places, or of places and slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.line_body import LineBody, Placed
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.points import require_point
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
+from fem_lie.elements.rods.discrete import DiscreteCable
+from fem_lie.forms.assembly import Assembly
+from fem_lie.lie.kinds import TRAITS, NodeKind
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.sections.section import Section
+
+_EI = 4
+"""Where it is in a section's stiffness on (Γ, κ)."""
+
+
+class Threads(LineBody):
+    """Lines without directions across."""
+
+    def __init__(
+        self,
+        mesh: LineMesh,
+        placed: Placed,
+        successive: Successive,
+        section: Section,
+        formulation: Formulation,
+        damping: Damping | None,
+        name: str,
+    ) -> None:
+        """Refuse what an element has no unknowns for.
+
+        Args:
+            mesh: The lines.
+            placed: Their nodes.
+            successive: Elements that bend together, where elements do not bend themselves.
+            section: Of all of it.
+            formulation: The element.
+            damping: Default: none.
+            name: For messages and results.
+
+        Raises:
+            ValueError: The element has no unknowns for the section or the damping, or is one of
+                frames.
+            TypeError: An argument is of another kind than wanted.
+        """
+        what = type(self).__name__
+        instance(section, Section, f"{what}: section", "a Section")
+        instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
+        if formulation.node_kind == NodeKind.FRAME:
+            raise ValueError(
+                f"a {what} has nodes of places and slopes, those of {formulation} are frames"
+            )
+        formulation.check(section.stiffness)
+        if damping is not None:
+            _check_damping(damping, formulation)
+        sections = [section] * len(placed.elements)
+        super().__init__(mesh, placed, sections, formulation, damping, name)
+        self._clamped: list[int] = []
+        self._springs: Bends | None = None
+        if isinstance(formulation, DiscreteCable):
+            places = self.frames[:, 0]
+            self._springs = Bends.between(
+                places, successive, self._flexibility, formulation.natural
+            )
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+        """All of one kind together, with the springs between their elements."""
+        assembly = BeamAssembly(bodies)
+        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        found = [
+            part._replace(nodes=assembly.order[part.nodes + start])
+            for body, start in zip(bodies, starts, strict=False)
+            for part in body.bends
+        ]
+        if found:
+            assembly.beside.append(BendingSprings(Bends.joined(found), assembly.count))
+        return assembly
+
+    @property
+    def bends(self) -> list[Bends]:
+        """Springs between its elements, and at clamped ends, if elements do not bend themselves."""
+        if self._springs is None:
+            return []
+        edges = np.array([self._edge_at(node) for node in self._clamped], dtype=np.int64)
+        ends = self.elements[edges]
+        nodes = np.array(self._clamped, dtype=np.int64)
+        other = np.where(ends[:, 0] == nodes, ends[:, 1], ends[:, 0])
+        # along the line at the end, and into it
+        tangents, inwards = self.frames[nodes, 1], self.frames[other, 0] - self.frames[nodes, 0]
+        tangents = tangents * np.sign(np.einsum("bj,bj->b", tangents, inwards))[:, np.newaxis]
+        pairs = np.column_stack([nodes, other])
+        return [self._springs, Bends.at_ends(pairs, tangents, self._flexibility[edges])]
+
+    def pin(self, *points: Point) -> None:
+        """Hold the places of points of this body, and leave its directions there free.
+
+        Raises:
+            ValueError: One is not a point of this body.
+            TypeError: One is no point.
+        """
+        for node in self._own(points, "pin"):
+            self.held[node, :3] = True
+
+    def clamp(self, *points: Point) -> None:
+        """Hold the places of points of this body, and its directions there.
+
+        Raises:
+            ValueError: One is not a point of this body; one of a discrete rod is no end.
+            TypeError: One is no point.
+        """
+        nodes = self._own(points, "clamp")
+        if self._springs is not None:
+            for node in nodes:
+                self._edge_at(node)
+            self._clamped += [node for node in nodes if node not in self._clamped]
+        for node in nodes:
+            self.held[node] |= np.array(TRAITS[self.node_kind].clamped)
+
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether its nodes turn: as all but those that are places.
+
+        Raises:
+            ValueError: They are, and something takes hold of their rotations.
+        """
+        if self._springs is not None and len(holds):
+            self.require_direction(0)
+        return True
+
+    def require_direction(self, node: int) -> None:
+        """Raise ``ValueError`` if its nodes have none that a clamp could hold."""
+        if self._springs is not None:
+            raise ValueError(
+                f"{self.label} has places and no directions at its nodes: clamp its ends by "
+                "clamp(point), or hold places by pin(point) and spherical joints"
+            )
+
+    @property
+    def _flexibility(self) -> Array:
+        """``ℓ/EI`` of each element."""
+        return np.asarray(self.lengths / self.stiffness[:, _EI, _EI])
+
+    def _own(self, points: Sequence[Point], what: str) -> list[int]:
+        for point in points:
+            require_point(point, f"{type(self).__name__}.{what}: a point")
+            if point.body is not self:
+                raise ValueError(f"{self.label} cannot hold {point.label}: it is not its own")
+        return [point.node for point in points]
+
+    def _edge_at(self, node: int) -> int:
+        edges = np.flatnonzero((self.elements == node).any(axis=1))
+        if len(edges) != 1:
+            raise ValueError(
+                f"the direction of {self.label} can be held at ends, but node {node} has "
+                f"{len(edges)} elements"
+            )
+        return int(edges[0])
+
+
+def successive(elements: Indices) -> Successive:
+    """Elements (m, 2) that meet at a node that no other has."""
+    order = np.argsort(elements.ravel(), kind="stable")
+    node = elements.ravel()[order]
+    first = np.flatnonzero(node[:-1] == node[1:])
+    edges = np.column_stack([order[first] // 2, order[first + 1] // 2])
+    sides = np.column_stack([order[first] % 2, order[first + 1] % 2])
+    ends = np.take_along_axis(elements[edges], (1 - sides)[:, :, np.newaxis], axis=2)[:, :, 0]
+    return Successive(np.column_stack([ends[:, 0], node[first], ends[:, 1]]), edges)
+
+
+def _check_damping(damping: Damping, formulation: Formulation) -> None:
+    """Refuse what the element has no forces for."""
+    factors = damping.factors()
+    if factors.any() and not formulation.viscous:
+        raise ValueError(
+            f"{formulation} has damping with mass only, got stiffness = {damping.stiffness!r}"
+        )
+    if factors[4] != factors[5]:
+        raise ValueError(
+            "a Cable has no direction across, so bending must be damped alike about all axes, got "
+            f"stiffness = {damping.stiffness!r}"
+        )

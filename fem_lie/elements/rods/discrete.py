@@ -1,0 +1,77 @@
+"""Discrete rod without twist: places alone, stretch of edges, springs between these for bending.
+
+With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
+
+    W = Σ ½ EA ε² ℓ + Σ ½ EI/ℓ (|κb| − κ₀)²
+
+the second sum over successive edges (:mod:`fem_lie.elements.rods.bends`). Three unknowns of each
+node, and no direction across: for ropes and nets. Of second order. (Bergou et al., *ACM Trans.
+Graph.* 27 (2008) 63, without twist.) Slack edges are as those of
+:mod:`fem_lie.elements.rods.cable`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import ufl
+
+from fem_lie._arrays import Array, positive
+from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.rods.cable import check_section, pull_rows, push_rows, stretch_energy
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frame_map import FrameMap
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.lie.kinds import NodeKind
+
+# the rows of places are unit vectors, and forces and increments of theirs are nil
+_PLACES = FrameMap(None, pull_rows, push_rows, None, values=12, unknowns=6)
+
+
+@dataclass(frozen=True)
+class DiscreteCable(Formulation):
+    """Edges between places, with springs between them.
+
+    Attributes:
+        natural: Whether it is naturally as bent as it is laid, to whatever side; default: straight.
+        degree: One, there are no nodes inside.
+        slack: As of :class:`~fem_lie.HermiteCable`.
+
+    Raises:
+        ValueError: The strain is not positive.
+    """
+
+    node_kind = NodeKind.POINT
+    viscous = False
+    degree: int = 1
+    natural: bool = False
+    slack: float | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` if the strain is not positive, ``TypeError`` if it is none."""
+        if self.slack is not None:
+            positive(self.slack, "DiscreteCable: slack")
+
+    @property
+    def slackens(self) -> bool:
+        """With ``slack``."""
+        return self.slack is not None
+
+    def check(self, stiffness: Array) -> None:
+        """Refuse what couples stretch and bending, or bends otherwise about other axes."""
+        check_section(stiffness)
+
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """Stretch of the edges; of the stiffness only that counts here."""
+        mesh = nodal.function.function_space.mesh
+        length = cellwise(mesh, cells.lengths)
+        EA = cellwise(mesh, cells.stiffness[:, 0, 0])
+        chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
+        energy = StrainEnergy(
+            strain=ufl.as_vector([ufl.sqrt(ufl.dot(chord, chord)) / length - 1]),
+            law=lambda ε: EA * stretch_energy(ε[0], self.slack),
+            dx=ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0}),
+            weight=length / ufl.CellVolume(mesh),
+        )
+        return LocalFrameForms(energy, nodal.function, nodal.increment, _PLACES)

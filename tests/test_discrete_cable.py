@@ -1,0 +1,271 @@
+"""Discrete rods without twist, and nets: closed forms, and laws of mechanics."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import fem_lie as fl
+from demos.elastica import BENDING, FORCE, LENGTH, elastica
+from fem_lie import lie
+from fem_lie.lie import kinds
+from fem_lie.lie.kinds import POINT
+from fem_lie.mesh.curves import curve, straight
+
+
+def section(EA: float, EI: float, mass: float = 1.0) -> fl.Section:
+    return fl.Section.from_stiffness([EA] * 3 + [EI] * 3, mass=mass)
+
+
+def straight_cable(cells: int, ratio: float) -> tuple[fl.Scene, fl.Cable]:
+    """The cantilever of the elastica."""
+    own = section(ratio * BENDING / LENGTH**2, BENDING)
+    cable = fl.Cable(
+        straight((0, 0, 0), (LENGTH, 0, 0), cells), own, formulation=fl.DiscreteCable()
+    )
+    scene = fl.Scene()
+    scene.add(cable)
+    cable.clamp(cable.start)
+    scene.add(fl.PointLoad(cable.end, (0, 0, FORCE)))
+    return scene, cable
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e10])
+def test_elastica_is_of_second_order_however_slender(ratio):
+    """Extension of the order of 1/ratio is not in the closed form."""
+    errors = []
+    for cells in (8, 16, 32):
+        scene, cable = straight_cable(cells, ratio)
+        result = fl.statics(scene)
+        assert result.iterations.sum() <= 10 and result.failed_iterations == 0
+        moved = result.position(cable.end)[-1] - (LENGTH, 0, 0)
+        errors.append(np.linalg.norm(moved - elastica(FORCE)) / LENGTH)
+    assert errors[-1] < 4e-4
+    assert errors[0] / errors[2] > 10 or ratio < 1e6
+
+
+def test_load_steps_take_few_iterations():
+    scene, _ = straight_cable(32, 1e10)
+    assert fl.statics(scene, load_steps=10).iterations.mean() <= 5
+
+
+def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
+    """A closed thread along a circle, and its energy."""
+    angle = 2 * np.pi * np.arange(cells) / cells
+    points = 2.0 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    net = fl.Net(
+        points,
+        [[*range(cells), 0]],
+        section(1e4, 3.0),
+        formulation=fl.DiscreteCable(natural=natural),
+    )
+    assembly = fl.Net.assemble([net])
+    H = np.empty_like(net.frames)
+    H[assembly.order] = net.frames
+    (springs,) = assembly.beside
+    return net, assembly.energy(H) + springs.energy(H)
+
+
+def test_energy_of_a_ring():
+    """``π EI/R`` of a straight thread that is bent to it; nothing if it is naturally so."""
+    errors = [ring(cells, False)[1] / (np.pi * 3.0 / 2.0) - 1 for cells in (16, 32, 64)]
+    assert errors[0] / errors[2] == pytest.approx(16, rel=0.1) and errors[2] < 3e-3
+    assert ring(32, True)[1] == pytest.approx(0, abs=1e-20)
+
+
+def test_frequencies_of_a_cantilever():
+    """β²√(EI/ρA), βL = 1.875104 and 4.694091."""
+    errors = []
+    for cells in (8, 16, 32):
+        scene, _ = straight_cable(cells, 1e6)
+        found = fl.vibrations(scene.with_loads(), 4).frequencies[::2]
+        exact = np.array([1.875104068711961, 4.694091132974175]) ** 2 * np.sqrt(BENDING) / LENGTH**2
+        errors.append(np.abs(found / exact - 1).max())
+    assert errors[0] / errors[1] > 3.4 and errors[1] / errors[2] > 3.6 and errors[2] < 5e-3
+
+
+# --- nets -----------------------------------------------------------------------------------------
+
+
+def cross(slack: float | None = None) -> fl.Net:
+    """Two threads over each other in their middle; four arms of unit length in three edges."""
+    s = np.linspace(-1, 1, 7)
+    points = np.vstack([np.outer(s, (1, 0, 0)), np.outer(np.delete(s, 3), (0, 1, 0))])
+    threads = [range(7), [7, 8, 9, 3, 10, 11, 12]]
+    element = fl.DiscreteCable(slack=slack)
+    return fl.Net(points, threads, section(100.0, 1e-9), formulation=element)
+
+
+def test_load_on_a_knot():
+    """``P = 4 N sin``, with the strain of arms that have gone down by ``d``."""
+    net, load = cross(), 2.0
+    scene = fl.Scene()
+    scene.add(net)
+    net.pin(*(net.node(k) for k in (0, 6, 7, 12)))
+    scene.add(fl.PointLoad(net.node(3), (0, 0, -load)))
+    found = fl.statics(scene).position(net.node(3))[-1]
+    length = lambda d: np.hypot(1.0, d)  # noqa: E731
+    d = brentq(lambda d: 4 * 100 * (length(d) - 1) * d / length(d) - load, 0.0, 1.0, xtol=1e-14)
+    np.testing.assert_allclose(found, (0, 0, -d), atol=1e-7)
+
+
+def test_slack_net_hangs():
+    """Laid wider than its supports are apart; forces on these carry its weight."""
+    net = fl.Net(
+        *grid(4, 2.0), section(1e3, 1e-6), stretch=0.8, formulation=fl.DiscreteCable(slack=1e-4)
+    )
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(net)
+    net.pin(*(net.node(k) for k in (0, 4, 20, 24)))
+    result = fl.statics(scene)
+    weight = 9.81 * net.lengths.sum()
+    np.testing.assert_allclose(result.reactions[-1][:, :3].sum(axis=0), (0, 0, weight), atol=1e-6)
+    places = np.array([result.position(net.node(k))[-1] for k in range(25)]).reshape(5, 5, 3)
+    np.testing.assert_allclose(places[:, :, 2], places[::-1, :, 2], atol=1e-7)
+    np.testing.assert_allclose(places[:, :, 2], places.transpose(1, 0, 2)[:, :, 2], atol=1e-7)
+    assert places[2, 2, 2] < -0.5
+
+
+def grid(cells: int, edge: float) -> tuple[np.ndarray, list[list[int]]]:
+    """Points and threads of a square net."""
+    n = cells + 1
+    s = np.linspace(0, edge, n)
+    x, y = np.meshgrid(s, s, indexing="ij")
+    number = np.arange(n * n).reshape(n, n)
+    points = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+    return points, [*number.tolist(), *number.T.tolist()]
+
+
+def test_fall_of_a_net():
+    """Momentum by gravity alone, energy and angular momentum to the order of the step."""
+    net = fl.Net(*grid(4, 1.0), section(1e3, 1e-3, 0.2))
+    net.turn((1.0, 2.0, 3.0), net.node(0))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(net)
+    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
+    result = scheme.run(scene, duration=0.2, step=1e-3)
+    change = result.momentum - result.momentum[:1]
+    weight = 9.81 * 0.2 * net.lengths.sum()
+    expected = np.outer(result.times, (0, 0, -weight))
+    np.testing.assert_allclose(change, expected, atol=1e-6 * weight)
+    assert result.energy_error < 1e-4
+
+
+# --- laws of the springs --------------------------------------------------------------------------
+
+
+class Bent:
+    """A thread with a clamped end in any state, and the springs on its nodes."""
+
+    def __init__(self, natural: bool) -> None:
+        rng = np.random.default_rng(3)
+        line = curve(lambda s: (3 * s, s * s, 0.5 * s**3), 5)
+        element = fl.DiscreteCable(natural=natural)
+        self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
+        self.cable.clamp(self.cable.start, self.cable.end)
+        assembly = fl.Cable.assemble([self.cable])
+        (self.springs,) = assembly.beside
+        H = np.empty_like(self.cable.frames)
+        H[assembly.order] = self.cable.frames
+        self.h = rng.normal(size=(6, 6)) * (1, 1, 1, 0, 0, 0)
+        self.H = self.moved(H, 0.2 * rng.normal(size=(6, 6)))
+
+    def moved(self, H, h):
+        out = np.empty_like(H)
+        kinds.follow_all(np.full(6, POINT), H, h, out)
+        return out
+
+    def forces(self, H):
+        out = np.zeros((6, 6))
+        self.springs.add_forces(H, out)
+        return out
+
+
+@pytest.mark.parametrize("natural", [False, True], ids=["straight", "as laid"])
+def test_forces_and_matrix_are_derivatives_of_the_energy(natural):
+    bent, step = Bent(natural), 1e-6
+    ahead, behind = (bent.moved(bent.H, s * step * bent.h) for s in (1, -1))
+    slope = (bent.springs.energy(ahead) - bent.springs.energy(behind)) / (2 * step)
+    assert np.vdot(bent.forces(bent.H), bent.h) == pytest.approx(slope, rel=1e-7)
+    change = (bent.forces(ahead) - bent.forces(behind)) / (2 * step)
+    blocks, product = bent.springs.tangent(bent.H, bent.springs.room()), np.zeros((6, 6))
+    for row, column, block in zip(*bent.springs.pairs, blocks, strict=True):
+        product[row] += block @ bent.h[column]
+    np.testing.assert_allclose(product, change, atol=1e-6 * np.abs(change).max())
+
+
+def test_springs_do_not_feel_rigid_motions():
+    """Those between edges; what is clamped is so in space."""
+    net, _ = ring(7, True)
+    assembly = fl.Net.assemble([net])
+    (springs,) = assembly.beside
+    H = np.empty_like(net.frames)
+    H[assembly.order] = net.frames
+    H[:, 0] += 0.3 * np.random.default_rng(1).normal(size=(7, 3))
+    turn = lie.se3_exp(np.array([1.0, -2, 3, 0.8, -2.0, 1.1]))
+    turned = H @ lie.rotation(turn).T
+    turned[:, 0] += turn[0]
+    assert springs.energy(turned) == pytest.approx(springs.energy(H), rel=1e-12)
+    forces = [np.zeros((7, 6)) for _ in range(2)]
+    for state, out in zip((H, turned), forces, strict=True):
+        springs.add_forces(state, out)
+    np.testing.assert_allclose(*forces, atol=1e-10)
+
+
+# --- what cannot be -------------------------------------------------------------------------------
+
+POINTS = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0.5, 0, 0)]
+
+
+def cable() -> fl.Cable:
+    return fl.Cable(
+        straight((0, 0, 0), (1, 0, 0), 3), section(1, 1), formulation=fl.DiscreteCable()
+    )
+
+
+def clamped():
+    scene, line = fl.Scene(), cable()
+    scene.add(line)
+    scene.add(fl.Clamp(line.start))
+
+
+def revolute():
+    scene, line = fl.Scene(), cable()
+    scene.add(line)
+    scene.add(fl.Revolute(fl.ground(), line.start, axis=(1, 0, 0)))
+
+
+REFUSED = {
+    "kink of π": (lambda: fl.Net(POINTS, [[0, 2, 3, 1]], section(1, 1)), "goes back"),
+    "edge without length": (
+        lambda: fl.Net([(0, 0, 0), (0, 0, 0)], [[0, 1]], section(1, 1)),
+        "apart",
+    ),
+    "one point": (lambda: fl.Net(POINTS, [[0]], section(1, 1)), "two points"),
+    "no thread": (lambda: fl.Net(POINTS, [], section(1, 1)), "threads"),
+    "point without a thread": (lambda: fl.Net(POINTS, [[0, 1]], section(1, 1)), "point"),
+    "edge twice": (
+        lambda: fl.Net(POINTS, [[0, 1, 2], [1, 0, 3]], section(1, 1)),
+        "twice",
+    ),
+    "other element": (
+        lambda: fl.Net(POINTS, [[0, 1]], section(1, 1), formulation=fl.HermiteCable()),
+        "DiscreteCable",
+    ),
+    "stretch": (lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), stretch=0.0), "stretch"),
+    "damping": (
+        lambda: fl.Net(POINTS[:3], [[0, 1, 2]], section(1, 1), damping=fl.Damping(stiffness=1.0)),
+        "mass only",
+    ),
+    "slack": (lambda: fl.DiscreteCable(slack=-1.0), "positive"),
+    "clamp in the middle": (lambda: (line := cable()).clamp(line.node(1)), "at ends"),
+    "clamp of another": (lambda: cable().clamp(cable().start), "its own"),
+    "clamp of a scene": (clamped, r"clamp\(point\)"),
+    "direction by a joint": (revolute, "no directions"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED.values(), ids=REFUSED.keys())
+def test_refused(case):
+    call, words = case
+    with pytest.raises((ValueError, TypeError), match=words):
+        call()
