@@ -91,6 +91,7 @@ from fem_lie.results.steps import StepHistory
 from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series, resultants
+from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
 from fem_lie.results.vibrations import Modes
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
@@ -271,6 +272,7 @@ __all__ = [
     "Solid",
     "SolidFormulation",
     "SolidMaterial",
+    "SolidStresses",
     "Sphere",
     "Spherical",
     "Spring",
@@ -314,6 +316,7 @@ __all__ = [
     "resultants",
     "section_forces",
     "smooth_patch",
+    "solid_stresses",
     "statics",
     "surface",
     "surface_from_dolfinx",

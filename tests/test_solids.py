@@ -5,12 +5,15 @@ from mpi4py import MPI
 import gmsh
 import numpy as np
 import pytest
+import pyvista
 from dolfinx import mesh as dmesh
+from dolfinx.io import VTXWriter
 
 import fem_lie as fl
 from fem_lie.system import System
 
 RUBBER = fl.NeoHooke(1e4, 0.3, 1.0)
+SECTION = fl.Section.from_stiffness([1e3, 1e3, 1e3, 10, 10, 10], mass=1.0, rotary=(0.01, 0.01))
 
 
 def brick(cells=(4, 2, 2), lengths=(1.0, 0.4, 0.2), material=RUBBER, **options):
@@ -255,6 +258,82 @@ def test_vibrations_of_a_bar():
 def test_conserving_schemes_refuse_solids():
     with pytest.raises(ValueError, match="Solid"):
         fl.EnergyMomentum().run(scene_of(brick((1, 1, 1))), duration=0.1, step=0.1)
+
+
+# --- stresses, pictures, files ---
+
+
+def pulled_cube(cell, degree):
+    """Uniform Cauchy stress ``(σ, 0, 0)``, by a force on the face as it will be."""
+    cube = brick((2, 2, 2), (1.0, 1.0, 1.0), cell=cell, degree=degree)
+    scene = scene_of(cube)
+    for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
+        cube.guide(f"{name}=0", normal)
+    scene.add(fl.FaceLoad(cube, "a=1", (2e3, 0, 0)))
+    return cube, fl.statics(scene)
+
+
+@pytest.mark.parametrize("degree", (1, 2))
+@pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
+def test_cauchy_stress_of_a_pulled_cube(cell, degree):
+    cube, found = pulled_cube(cell, degree)
+    stresses = fl.solid_stresses(found, cube)
+    _, b, c = found.position(cube["111"])[-1]
+    wanted = np.zeros((3, 3))
+    wanted[0, 0] = 2e3 / (b * c)
+    np.testing.assert_allclose(
+        stresses.at_points, np.broadcast_to(wanted, stresses.at_points.shape), atol=1e-5
+    )
+    np.testing.assert_allclose(stresses.nodal - wanted, 0.0, atol=1e-5)
+    np.testing.assert_allclose(stresses.von_mises, wanted[0, 0], rtol=1e-7)
+    np.testing.assert_allclose(stresses.pressure, -wanted[0, 0] / 3, rtol=1e-7)
+    assert (stresses.points.max(axis=(0, 1)) < found.position(cube["111"])[-1]).all()
+    with pytest.raises(ValueError, match="no quantity 'mises'"):
+        stresses.values("mises")
+
+
+def test_stress_in_bending_is_linear():
+    bar = brick((8, 1, 2), (1.0, 0.1, 0.1), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar.clamp("a=0")
+    scene = scene_of(bar)
+    scene.add(fl.PointLoad(bar.grip("a=1"), moment=(0, 1e-3, 0)))
+    stresses = fl.solid_stresses(fl.statics(scene), bar)
+    node = bar.nearest((0.5, 0.05, 0.1)).node
+    assert stresses.nodal[node, 0, 0] == pytest.approx(1e-3 * 0.05 / (0.1**4 / 12), rel=1e-3)
+
+
+@pytest.mark.parametrize("degree", (1, 2))
+@pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
+def test_pictures_and_files(cell, degree, tmp_path):
+    cube, found = pulled_cube(cell, degree)
+    stresses = fl.solid_stresses(found, cube)
+    stresses.write_vtk(tmp_path / "cube.vtu")
+    grid = pyvista.read(tmp_path / "cube.vtu")
+    assert grid.volume == pytest.approx(np.prod(found.position(cube["111"])[-1]), rel=1e-6)
+    np.testing.assert_allclose(grid.point_data["von Mises"], stresses.von_mises)
+    for name in ("displacement", "stress", "von Mises"):
+        with VTXWriter(MPI.COMM_SELF, tmp_path / f"{name}.bp", stresses.function(name)) as file:
+            file.write(0.0)
+    f = stresses.function("displacement")
+    assert f.x.array.max() == pytest.approx(stresses.displacement.max())
+    if cell == "hexahedron":
+        stresses.picture(tmp_path / "stress.png")
+        found.picture(tmp_path / "states.png")
+        assert (tmp_path / "stress.png").stat().st_size > 10_000
+        assert (tmp_path / "states.png").stat().st_size > 5_000
+
+
+def test_motions_are_drawn_and_written(tmp_path):
+    body, beam = brick((1, 1, 1)), fl.Beam.straight((2, 0, 0), (3, 0, 0), SECTION, cells=2)
+    body.turn((0, 1, 0), (0, 0, 0))
+    found = fl.GeneralisedAlpha().run(scene_of(body, beam), duration=0.02, step=0.01)
+    found.write_vtk(tmp_path / "motion.pvd")
+    files = sorted((tmp_path / "motion").iterdir())
+    assert len(files) == 3
+    grid = pyvista.read(files[-1])
+    np.testing.assert_allclose(grid.points[:8], found.frames[-1, :8, 0], atol=1e-6)
+    found.picture(tmp_path / "motion.png")
+    assert (tmp_path / "motion.png").stat().st_size > 5_000
 
 
 # --- meshes ---

@@ -9,9 +9,8 @@ import numpy as np
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
-from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.pictures.stage import INK, Canvas, add_frame, plotting, target_of
-from fem_lie.pictures.vtk import surface_grid
+from fem_lie.pictures.vtk import CellKind, surface_grid
 
 # of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
@@ -30,7 +29,7 @@ class DrawnSurface(NamedTuple):
         unloaded: Places of the points, shape (p, 3).
     """
 
-    mesh: SurfaceMesh
+    mesh: CellKind
     cells: Indices
     unloaded: Array
 

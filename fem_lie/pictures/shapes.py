@@ -30,6 +30,7 @@ class Shape:
         box: Edges of a rigid body's box, shape (3,).
         steps: Pieces in which a cell is drawn.
         sheet: Thickness of a shell at each of its nodes, enlarged likewise, shape (n,).
+        skin: Whether the faces are those of a solid, without a thickness.
     """
 
     faces: Indices
@@ -38,9 +39,12 @@ class Shape:
     box: Array
     steps: int
     sheet: Array = field(default_factory=lambda: np.empty(0))
+    skin: bool = False
 
     def points(self, frames: Array) -> Array:
         """Corners of the polygons for the frames of all nodes, shape (N, 4, 3)."""
+        if self.skin:
+            return np.asarray(frames[self.body.nodes, 0])
         if len(self.body.faces):
             middle = frames[self.body.nodes]
             half = 0.5 * self.sheet[:, np.newaxis] * middle[:, 3]
@@ -101,7 +105,17 @@ def _sheet(body: BodyInfo, size: float) -> Shape:
     )
 
 
+def _skin(body: BodyInfo) -> Shape:
+    """The outside of a solid."""
+    number = np.full(body.nodes.max() + 1, -1)
+    number[body.nodes] = np.arange(len(body.nodes))
+    faces = _polygons(number[body.faces])
+    return Shape(faces, body, np.empty((0, 0, 2)), np.zeros(3), 1, skin=True)
+
+
 def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
+    if len(body.faces) and not body.thickness.any():
+        return _skin(body)
     if len(body.faces):
         return _sheet(body, size)
     box: Array = np.full(3, 4.0 * _THINNEST * size)

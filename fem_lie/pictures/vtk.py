@@ -16,6 +16,8 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
+    from dolfinx import fem
+
     from fem_lie.bodies.beams.beam import Beam
 
 # type of cell, and its nodes in VTK's order
@@ -25,6 +27,18 @@ _VTK_CELLS = {
     ("triangle", 2): (22, (0, 1, 2, 5, 3, 4)),
     ("quadrilateral", 2): (28, (0, 1, 3, 2, 4, 6, 7, 5, 8)),
 }
+
+
+class CellKind(Protocol):
+    """What cells of a surface are, as a :class:`~fem_lie.SurfaceMesh` says."""
+
+    @property
+    def cell(self) -> str:
+        """``triangle`` or ``quadrilateral``."""
+
+    @property
+    def degree(self) -> int:
+        """Of their edges, 1 or 2."""
 
 
 class ForcesInBeam(Protocol):
@@ -234,7 +248,36 @@ def write_surface(
     grid.save(path)
 
 
-def surface_grid(points: Array, cells: Indices, mesh: SurfaceMesh) -> Any:
+def write_volume(
+    path: str | os.PathLike[str],
+    space: fem.FunctionSpace,
+    points: Array,
+    point_data: Mapping[str, Array],
+) -> None:
+    """Write one state of a volume as a ``.vtu`` file.
+
+    Args:
+        path: Name of the file.
+        space: Lagrange's, of numbers, whose nodes are the points.
+        points: Places, shape (p, 3).
+        point_data: Values at the points.
+
+    Raises:
+        ValueError: The name does not end in ``.vtu``.
+    """
+    import dolfinx.plot
+    import pyvista
+
+    if Path(path).suffix != ".vtu":
+        raise ValueError(f"the name of the file must end in '.vtu', got {str(path)!r}")
+    cells, kinds, _ = dolfinx.plot.vtk_mesh(space)
+    grid = pyvista.UnstructuredGrid(cells, kinds, points)
+    for name, values in point_data.items():
+        grid.point_data[name] = values
+    grid.save(Path(path))
+
+
+def surface_grid(points: Array, cells: Indices, mesh: CellKind) -> Any:
     """A surface as pyvista's grid; arguments as in :func:`write_surface`."""
     import pyvista
 

@@ -126,7 +126,7 @@ class Solid(SupportedSolid):
             name=name,
         )
         log_coincident(self.label, places)
-        self.faces = self._skin.drawn()
+        self.faces = self.skin.drawn()
         self.thickness = np.zeros(len(self.faces))
         if (mesh.cell, self.degree) == ("tetrahedron", 1):
             _log.warning(
@@ -200,7 +200,7 @@ class Solid(SupportedSolid):
         return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
 
     @cached_property
-    def _skin(self) -> Faces:
+    def skin(self) -> Faces:
         """All facets that bound the body."""
         topology = self.mesh.mesh.topology
         topology.create_connectivity(2, 3)
@@ -222,6 +222,11 @@ class Solid(SupportedSolid):
         """The one solid."""
         (body,) = bodies
         return SolidAssembly(body)
+
+    @property
+    def space(self) -> fem.FunctionSpace:
+        """Lagrange's, whose nodes are those of the body, on the unloaded mesh."""
+        return self._space
 
     @property
     def volume(self) -> float:

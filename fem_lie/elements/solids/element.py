@@ -10,6 +10,7 @@ Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import basix.ufl
@@ -45,20 +46,35 @@ class Strains:
     Attributes:
         coordinates: Flat coordinates of a cell, what its nodes are for UFL.
         frame_map: How they follow from the nodes' rows.
-        gradient: Deformation gradient, with which stress is pushed forward.
-        C: Right Cauchy-Green tensor from which strain and stress are made.
+        gradient: Deformation gradient ``F``, as far as the element knows it; ``C = FᵀF``.
     """
 
     coordinates: fem.Function
     frame_map: FrameMap
     gradient: Expr
-    C: Expr
 
     @property
     def voigt(self) -> Expr:
         """``E`` as (11, 22, 33, 2·12, 2·13, 2·23)."""
-        E = 0.5 * (self.C - ufl.Identity(3))
+        E = 0.5 * (self.gradient.T * self.gradient - ufl.Identity(3))
         return ufl.as_vector([E[i, j] * (1 if i == j else 2) for i, j in _PAIRS])
+
+    def cauchy(self, material: SolidMaterial, parameters: Sequence[Expr]) -> Expr:
+        """``σ = F S Fᵀ/J`` with ``S = 2 ∂W/∂C``, global components, a matrix (3, 3)."""
+        F = self.gradient
+        C = ufl.variable(F.T * F)
+        S = 2 * ufl.diff(material.energy(C, *parameters), C)
+        return F * (0.5 * (S + S.T)) * F.T / ufl.det(F)
+
+    def place(self, rows: Array) -> None:
+        """Set the coordinates to those of the cells' nodes, rows (m, k, 4, 3)."""
+        dofmap = self.coordinates.function_space.dofmap
+        at = dofmap.list[:, :, np.newaxis] * dofmap.bs + np.arange(dofmap.bs)
+        at = at.reshape(len(rows), -1)
+        flat: Array = rows[:, :, 0].reshape(len(rows), -1)
+        if at.shape[1] > flat.shape[1]:
+            flat = np.column_stack([flat, [volume(row) for row in rows]])
+        self.coordinates.x.array[at] = flat
 
 
 class SolidFormulation(ABC):
@@ -89,7 +105,7 @@ class SolidFormulation(ABC):
             parameters: That the law takes in each cell, shape (m, p).
         """
         mesh, strains = nodal.function.function_space.mesh, self.strains(nodal, degree)
-        given = [_cellwise(mesh, column) for column in parameters.T]
+        given = [cellwise(mesh, column) for column in parameters.T]
         energy = StrainEnergy(
             strain=strains.voigt,
             law=lambda ε: material.energy(from_voigt(ε), *given),
@@ -117,15 +133,14 @@ class Isoparametric(SolidFormulation):
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
         """See the base class."""
         x = fem.Function(fem.functionspace(nodal.function.function_space.mesh, ("P", degree, (3,))))
-        F = ufl.grad(x)
-        return Strains(x, PLACES, F, F.T * F)
+        return Strains(x, PLACES, ufl.grad(x))
 
 
 @dataclass(frozen=True)
 class MeanDilatation(SolidFormulation):
     """Hexahedra of degree 1 whose change of volume is that of the whole cell.
 
-    ``C̄ = (θ/J)^⅔ C`` with ``θ = v/v₀`` of the volume of the cell; it does not lock with nearly
+    ``F̄ = (θ/J)^⅓ F`` with ``θ = v/v₀`` of the volume of the cell; it does not lock with nearly
     incompressible material.
     """
 
@@ -146,11 +161,9 @@ class MeanDilatation(SolidFormulation):
         y = fem.Function(fem.functionspace(mesh, basix.ufl.mixed_element([places, whole])))
         x, v = ufl.split(y)
         rows = nodal.frames[nodal.function.function_space.dofmap.list]
-        first = _cellwise(mesh, np.array([volume(row) for row in rows]))
+        first = cellwise(mesh, np.array([volume(row) for row in rows]))
         F = ufl.grad(x)
-        C = F.T * F
-        ratio = v / (first * ufl.det(F))
-        return Strains(y, PLACES_AND_VOLUME, F, ratio ** (2 / 3) * C)
+        return Strains(y, PLACES_AND_VOLUME, (v / (first * ufl.det(F))) ** (1 / 3) * F)
 
 
 def from_voigt(ε: Expr) -> Expr:
@@ -170,7 +183,7 @@ def measure(mesh: dolfinx.mesh.Mesh, degree: int) -> ufl.Measure:
     return ufl.Measure("dx", mesh, metadata={"quadrature_degree": points})
 
 
-def _cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
+def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
     """Numbers, one for each cell, as a function."""
     f = fem.Function(fem.functionspace(mesh, ("DG", 0)))
     f.x.array[:] = values

@@ -1,0 +1,201 @@
+"""Cauchy stress of solids, in any state: at points of integration, averaged at nodes, on files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from dolfinx import fem
+
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.solids.solid import Solid
+from fem_lie.elements.solids.element import QUADRATURE, cellwise
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.mesh.shapes import nodes_of, rule, tabulated
+from fem_lie.pictures.stage import Canvas
+from fem_lie.pictures.units import SI, Units
+from fem_lie.results.states import Located, nodes_in, require_states, state_number
+
+_PARTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+
+
+@dataclass(frozen=True, eq=False)
+class SolidStresses:
+    """Cauchy stress of a solid, force per current area, global components.
+
+    Attributes:
+        solid: The solid, with m cells and n nodes.
+        frames: Rows of its nodes, shape (n, 4, 3).
+        at_points: At the points of integration of the energy, shape (m, g, 3, 3).
+        points: Places of these in the state, shape (m, g, 3).
+        nodal: Extrapolated linearly to the nodes in each cell, and averaged there by the volumes of
+            the cells, shape (n, 3, 3).
+    """
+
+    solid: Solid
+    frames: Array
+    at_points: Array
+    points: Array
+    nodal: Array
+
+    @cached_property
+    def von_mises(self) -> Array:
+        """``√(3/2 s:s)`` of the deviator at the nodes, shape (n,)."""
+        return _von_mises(self.nodal)
+
+    @cached_property
+    def pressure(self) -> Array:
+        """``−tr σ/3`` at the nodes, shape (n,)."""
+        return np.asarray(-np.trace(self.nodal, axis1=1, axis2=2) / 3)
+
+    def values(self, name: str) -> Array:
+        """A quantity at the nodes, shape (n,).
+
+        Args:
+            name: ``"von Mises"``, ``"pressure"``, or a component such as ``"xy"``.
+
+        Raises:
+            ValueError: There is no such quantity.
+        """
+        if name == "von Mises":
+            return self.von_mises
+        if name == "pressure":
+            return self.pressure
+        if name not in _PARTS:
+            known = ", ".join(["von Mises", "pressure", *_PARTS])
+            raise ValueError(f"there is no quantity {name!r} of a solid; there are: {known}")
+        i, j = _PARTS[name]
+        return self.nodal[:, i, j]
+
+    @property
+    def displacement(self) -> Array:
+        """Of the nodes, shape (n, 3)."""
+        return np.asarray(self.frames[:, 0] - self.solid.places)
+
+    def function(self, name: str) -> fem.Function:
+        """A quantity as a continuous function of DOLFINx on the unloaded mesh, as VTX wants it.
+
+        Args:
+            name: ``"displacement"``, ``"stress"``, or as for :meth:`values`.
+
+        Raises:
+            ValueError: There is no such quantity.
+        """
+        given = {"displacement": self.displacement, "stress": self.nodal}
+        values = given[name] if name in given else self.values(name)
+        mesh, shape = self.solid.mesh.mesh, values.shape[1:]
+        element = ("P", self.solid.degree, shape) if shape else ("P", self.solid.degree)
+        f = fem.Function(fem.functionspace(mesh, element), name=name)
+        rows = f.x.array.reshape(len(values), -1)
+        rows[f.function_space.dofmap.list] = values.reshape(len(values), -1)[
+            self.solid.connectivity
+        ]
+        return f
+
+    # --- files and pictures ---
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write the deformed solid for ParaView, pyvista or meshio.
+
+        Point data: ``displacement``, ``stress`` (nine components, row by row), ``von Mises`` and
+        ``pressure``.
+
+        Args:
+            path: Name of the ``.vtu`` file.
+
+        Raises:
+            ValueError: The name does not end in ``.vtu``.
+        """
+        from fem_lie.pictures.vtk import write_volume
+
+        data = {
+            "displacement": self.displacement,
+            "stress": self.nodal.reshape(-1, 9),
+            "von Mises": self.von_mises,
+            "pressure": self.pressure,
+        }
+        write_volume(path, self.solid.space, self.frames[:, 0], data)
+
+    def picture(
+        self,
+        path: str | os.PathLike[str],
+        name: str = "von Mises",
+        *,
+        title: str = "",
+        units: Units = SI,
+    ) -> None:
+        """Draw the deformed solid, coloured by a quantity, and the outline of the unloaded one.
+
+        Args:
+            path: Name of the ``.png`` file.
+            name: As for :meth:`values`.
+            title: Above the picture; default: what is drawn.
+            units: For the axes and the scale of colours.
+
+        Raises:
+            ValueError: The name does not end in ``.png``, or there is no such quantity.
+        """
+        from fem_lie.pictures.contours import DrawnSurface, draw_values
+
+        skin = self.solid.skin
+        draw_values(
+            path,
+            DrawnSurface(skin, skin.nodes, self.solid.places),
+            self.frames[:, 0],
+            self.values(name),
+            f"{name} [{units.force}/{units.length}²]",
+            Canvas(title or f"{name} of {self.solid.label}", units),
+        )
+
+
+def solid_stresses(result: Located, solid: Solid, step: int = -1) -> SolidStresses:
+    """Cauchy stress of a solid in one state of a result.
+
+    Args:
+        result: Of statics, of a path or of dynamics, in which the solid was.
+        solid: The solid.
+        step: Which state; default: the last.
+
+    Raises:
+        ValueError: The solid is not in that result, or there is no such step.
+        TypeError: It is no result, or no solid.
+    """
+    require_states(result)
+    instance(solid, Solid, "solid_stresses: solid", "a Solid")
+    frames = result.frames[state_number(step, len(result.frames))]
+    own = np.ascontiguousarray(frames[nodes_in(result.info, solid)])
+    mesh, degree = solid.mesh.mesh, solid.degree
+    points, _ = rule(solid.mesh.cell, QUADRATURE[solid.mesh.cell, degree])
+    strains = solid.formulation.strains(NodalFrames(mesh, degree), degree)
+    strains.place(own[solid.connectivity])
+    parameters = [cellwise(mesh, column) for column in solid.parameters.T]
+    stress = fem.Expression(strains.cauchy(solid.material, parameters), points)
+    cells = np.arange(solid.mesh.cells, dtype=np.int32)
+    at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
+    shapes = tabulated(solid.mesh.cell, degree, points)[0]
+    places = np.einsum("gk,mkj->mgj", shapes, own[solid.connectivity, 0])
+    return SolidStresses(solid, own, at_points, places, _averaged(solid, points, at_points))
+
+
+def _averaged(solid: Solid, points: Array, values: Array) -> Array:
+    """Of linear functions through the values in each cell, at the nodes, shape (n, 3, 3)."""
+    corners = nodes_of(solid.mesh.cell, solid.degree)
+    if len(points) == 1:
+        spread = np.ones((len(corners), 1))
+    else:
+        linear = [np.column_stack([np.ones(len(x)), x]) for x in (points, corners)]
+        spread = linear[1] @ np.linalg.pinv(linear[0])
+    volumes = solid.rule.volumes.sum(axis=1)
+    shares = np.einsum("kg,mgij,m->mkij", spread, values, volumes, optimize=True)
+    total, weight = np.zeros((len(solid.frames), 3, 3)), np.zeros(len(solid.frames))
+    np.add.at(total, solid.connectivity, shares)
+    np.add.at(weight, solid.connectivity, volumes[:, np.newaxis])
+    return np.asarray(total / weight[:, np.newaxis, np.newaxis])
+
+
+def _von_mises(stress: Array) -> Array:
+    mean = np.trace(stress, axis1=1, axis2=2) / 3
+    deviator = stress - mean[:, np.newaxis, np.newaxis] * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
