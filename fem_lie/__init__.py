@@ -8,6 +8,7 @@ from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.rods.net import Net
+from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
@@ -20,6 +21,7 @@ from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.elements.rods.discrete import DiscreteCable
+from fem_lie.elements.rods.isogeometric import IsogeometricCable
 from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.elements.shells.element import (
     Displacement,
@@ -210,6 +212,7 @@ __all__ = [
     "Imperfection",
     "InPlane",
     "Index",
+    "IsogeometricCable",
     "Isoparametric",
     "Joint",
     "Jumps",
@@ -275,6 +278,7 @@ __all__ = [
     "SolidStresses",
     "Sphere",
     "Spherical",
+    "SplineCable",
     "Spring",
     "StaticResult",
     "StepHistory",

@@ -71,6 +71,7 @@ def test_catenary():
     assert record["iterations"] <= 5 and record["failed_iterations"] == 0
     assert record["order"] >= 3.8 and record["frequency_error"] <= 1e-5
     assert main("catenary", element="slack")["sag_error"] <= 1e-6
+    assert main("catenary", element="spline")["sag_error"] <= 1e-6
     record = main("catenary", element="discrete")
     assert record["sag_error"] <= 1e-3 and record["iterations"] <= 5
     assert record["order"] >= 1.9 and record["frequency_error"] <= 5e-3

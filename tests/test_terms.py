@@ -24,6 +24,8 @@ from tests.test_rooms import MODULES, imports_of
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 INERTIA = np.diag([0.5, 0.0, 0.01, 0.02])
 SECTION = fl.Section.from_stiffness([90.0, 40.0, 50.0, 2.0, 1.0, 1.5], INERTIA)
+THREAD = fl.Section.from_stiffness([90.0, 40.0, 40.0, 2.0, 1.0, 1.0], INERTIA)
+PLACES = [(0.0, 0, 0), (1, 0.2, 0), (2, 0.2, 0.3)]
 LAYER = fl.ShellSection.layer(0.2, MATERIAL)
 
 
@@ -60,10 +62,8 @@ def shell(formulation, cell="quadrilateral", degree=1, parameters=None) -> fl.Sc
 
 def cable(**options) -> fl.Scene:
     """Nodes of positions and slopes."""
-    points = [(0, 0, 0), (1, 0.2, 0), (2, 0.2, 0.3)]
-    mesh = fl.LineMesh.from_cells(points, [(0, 1), (1, 2)], kink_angle=1.5)
-    thread = fl.Section.from_stiffness([90.0, 40.0, 40.0, 2.0, 1.0, 1.0], INERTIA)
-    return scene_with(fl.Cable(mesh, thread, **options))
+    mesh = fl.LineMesh.from_cells(PLACES, [(0, 1), (1, 2)], kink_angle=1.5)
+    return scene_with(fl.Cable(mesh, THREAD, **options))
 
 
 def pressed(scene: fl.Scene) -> fl.Scene:
@@ -177,6 +177,9 @@ TERMS: dict[str, Case] = {
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
     "discrete cable": Case(lambda: cable(formulation=fl.DiscreteCable()), "elements"),
+    "spline cable": Case(
+        lambda: scene_with(fl.SplineCable.through(PLACES, THREAD, cells=2)), "elements"
+    ),
     "bending springs": Case(lambda: cable(formulation=fl.DiscreteCable()), "bending springs"),
     "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
     "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),

@@ -18,9 +18,6 @@ from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
 
-_SHARES = {1: (1 / 2, 1 / 2), 2: (1 / 6, 1 / 6, 2 / 3)}
-"""Integrals of the shape functions on a cell of unit length, ends first."""
-
 
 class Placed(NamedTuple):
     """Nodes and elements along a line.
@@ -145,8 +142,8 @@ class LineBody(Body):
 
     def consistent_shares(self) -> tuple[Indices, Array]:
         """Nodes of each element, and the length that each carries: integrals of their shapes."""
-        shares = np.array(_SHARES[self.formulation.degree])
-        return self.elements, self.lengths[:, np.newaxis] * shares
+        ends = self.frames[self.elements[:, :2]]
+        return self.elements, self.formulation.shares(ends, self.lengths)
 
     def consistent_levers(self) -> Array:
         """As the element says, shape (m, k, 3)."""

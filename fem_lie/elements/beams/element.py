@@ -96,6 +96,15 @@ class Formulation(ABC):
         """By what joints hold a node: ``None`` for the frame of its rows."""
         return None
 
+    def shares(self, ends: Array, lengths: Array) -> Array:
+        """Length that each node of the cells carries, integrals of its shapes, (m, degree + 1).
+
+        Args:
+            ends: Rows of both ends, shape (m, 2, 4, 3).
+            lengths: Of the cells, shape (m,).
+        """
+        return np.asarray(lengths[:, np.newaxis] * _INTEGRALS[self.degree])
+
     def levers(self, ends: Array, lengths: Array) -> Array:
         """What a unit line force on each cell does on the first vectors of its ends, (m, 2, 3).
 
@@ -151,6 +160,9 @@ _SHAPES: dict[int, Callable[[float], Sequence[float]]] = {
     2: lambda ξ: ((1.0 - ξ) * (1.0 - 2.0 * ξ), ξ * (2.0 * ξ - 1.0), 4.0 * ξ * (1.0 - ξ)),
 }
 """Shape functions on a cell of unit length, ends first."""
+
+_INTEGRALS = {1: np.array([1 / 2, 1 / 2]), 2: np.array([1 / 6, 1 / 6, 2 / 3])}
+"""Of the shape functions on a cell of unit length, ends first."""
 
 _LAGRANGE = {
     1: np.array([[2.0, 1], [1, 2]]) / 6,

@@ -36,7 +36,7 @@ import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
-from fem_lie._arrays import Array, positive
+from fem_lie._arrays import Array, Indices, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
@@ -137,15 +137,31 @@ class HermiteCable(Formulation):
         levers[:, 1, 0] = -levers[:, 0, 0]
         return levers
 
+    def speeds(self, ends: Array, lengths: Array, along: Array) -> Array | None:
+        """Unstretched arc length per parameter, shape (m, p), or ``None`` where it is one.
+
+        Args:
+            ends: Rows of both ends of the cells, unloaded, shape (m, 2, 4, 3).
+            lengths: Of the cells, in the parameter, shape (m,).
+            along: Places on a cell from 0 to 1, shape (p,).
+        """
+        return None
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent; of the stiffness only stretch and bending count."""
         mesh = nodal.function.function_space.mesh
         first, second = _hermite(nodal, cells)
         EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))
         squared = ufl.dot(first, first)
-        strain = [ufl.sqrt(squared) - 1, *(ufl.cross(first, second) / squared)]
-        points, lobatto, gauss = _both_rules()
-        shares = [_at_points(mesh, points, weights) for weights in (lobatto, gauss)]
+        stretch, turn = ufl.sqrt(squared), ufl.cross(first, second) / squared
+        points, *rules = _both_rules()
+        given = self.speeds(nodal.frames[_nodes(nodal)], cells.lengths, points[:, 0])
+        if given is not None:
+            speed = _at_points(mesh, points, given)
+            stretch, turn = stretch / speed, turn / speed
+            rules = [weights * given for weights in rules]
+        strain = [stretch - 1, *turn]
+        shares = [_at_points(mesh, points, weights) for weights in rules]
         metadata = {
             "quadrature_rule": "custom",
             "quadrature_points": tuple((float(point),) for point in points.ravel()),
@@ -164,7 +180,7 @@ class HermiteCable(Formulation):
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """Mass of the interpolated line, ``∫ ρA Nᵢ Nⱼ ds``; the section does not resist turning."""
-        slopes = _signs(nodal) * cells.lengths
+        slopes = signs(nodal.frames[_nodes(nodal)]) * cells.lengths
         found = np.zeros((len(slopes), 2, 4, 2, 4))
         scale = np.stack([np.ones_like(slopes), slopes, np.ones_like(slopes), slopes], axis=1)
         weights = (cells.lengths * cells.density[:, 0, 0])[:, np.newaxis, np.newaxis]
@@ -254,9 +270,18 @@ _SQUARES = (
 """Integrals of products of the cubics of place and slope of one end, then of the other."""
 
 
-def _signs(nodal: NodalFrames) -> Array:
-    """Of each cell: 1 if the slopes point from its first node to its second one, else −1."""
-    a, b = nodal.frames[nodal.function.function_space.dofmap.list].swapaxes(0, 1)
+def _nodes(nodal: NodalFrames) -> Indices:
+    """Both ends of each cell, shape (m, 2)."""
+    return np.asarray(nodal.function.function_space.dofmap.list, dtype=np.int64)
+
+
+def signs(ends: Array) -> Array:
+    """Of each cell: 1 if the slopes point from its first end to its second one, else −1.
+
+    Args:
+        ends: Rows of both ends, shape (m, 2, 4, 3).
+    """
+    a, b = ends.swapaxes(0, 1)
     return np.sign(np.einsum("mj,mj->m", b[:, 0] - a[:, 0], a[:, 1] + b[:, 1]))
 
 
@@ -266,7 +291,7 @@ def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr]:
     space = fem.functionspace(mesh, ("DG", 1))
     along = fem.Function(space)
     along.x.array[space.dofmap.list] = [0.0, 1.0]
-    ξ, length = along, cellwise(mesh, _signs(nodal) * cells.lengths)
+    ξ, length = along, cellwise(mesh, signs(nodal.frames[_nodes(nodal)]) * cells.lengths)
     chord, turn = (
         ufl.dot(ufl.grad(f), ufl.Jacobian(mesh)[:, 0]) for f in (nodal.position, nodal.directors[0])
     )

@@ -1,0 +1,70 @@
+"""Cable along a spline: cubic, once continuously differentiable, of any parameter.
+
+A cubic spline whose inner knots are doubled is, between two of them, the cubic through places and
+slopes ``dr/du`` at both. So its nodes are those of the cable with places and slopes, which is this
+element where the parameter ``u`` is arc length. With ``J = |dr/du|`` of the curve as it is laid,
+unstretched, strains are per arc length::
+
+    ε = |r_u|/J − 1,    κ = |r_u × r_uu|/(|r_u|² J),    ds = J du
+
+so that a curve of any speed is without stretch as it is laid, and stays the same curve with more
+knots. Points of both integrals, and slackness, are as there. (Isogeometric cables: Raknes, Deng,
+Bazilevs, Benson, Mathisen & Kvamsdal, CMAME 263 (2013) 127.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.elements.beams.element import CellData
+from fem_lie.elements.rods.cable import HermiteCable, signs
+from fem_lie.forms.frames import NodalFrames
+
+_TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
+_POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
+
+
+@dataclass(frozen=True)
+class IsogeometricCable(HermiteCable):
+    """Cable element of a cubic spline; options as of :class:`~fem_lie.HermiteCable`."""
+
+    def speeds(self, ends: Array, lengths: Array, along: Array) -> Array:
+        """Those of the curve as it is laid."""
+        (a, b), ξ = ends.swapaxes(0, 1), along[:, np.newaxis]
+        length = (signs(ends) * lengths)[:, np.newaxis, np.newaxis]
+        chord = (b[:, 0] - a[:, 0])[:, np.newaxis] / length
+        rate = 6 * ξ * (1 - ξ) * chord + (1 - 4 * ξ + 3 * ξ**2) * a[:, np.newaxis, 1]
+        return np.asarray(np.linalg.norm(rate + (3 * ξ**2 - 2 * ξ) * b[:, np.newaxis, 1], axis=-1))
+
+    def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
+        """``∫ ρA Nᵢ Nⱼ J du``."""
+        ends = nodal.frames[np.asarray(nodal.function.function_space.dofmap.list)]
+        shapes, weights = self._shapes(ends, cells.lengths)
+        found = np.zeros((len(ends), 2, 4, 2, 4))
+        mass = cells.density[:, 0, 0, np.newaxis] * weights
+        found[:, :, :2, :, :2] = np.einsum("mp,mpia,mpjb->miajb", mass, shapes, shapes)
+        return found
+
+    def shares(self, ends: Array, lengths: Array) -> Array:
+        """``∫ Nᵢ J du`` of the places."""
+        shapes, weights = self._shapes(ends, lengths)
+        return np.asarray(np.einsum("mp,mpi->mi", weights, shapes[..., 0]))
+
+    def levers(self, ends: Array, lengths: Array) -> Array:
+        """``∫ Nᵢ J du`` of the slopes."""
+        shapes, weights = self._shapes(ends, lengths)
+        levers = np.zeros((len(lengths), 2, 3))
+        levers[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])
+        return levers
+
+    def _shapes(self, ends: Array, lengths: Array) -> tuple[Array, Array]:
+        """Cubics of place and slope of both ends, (m, p, 2, 2), and weights of arc, (m, p)."""
+        ξ, slope = _POINTS, (signs(ends) * lengths)[:, np.newaxis]
+        found = np.empty((len(ends), len(ξ), 2, 2))
+        found[:, :, 0, 0], found[:, :, 1, 0] = (1 - ξ) ** 2 * (1 + 2 * ξ), ξ**2 * (3 - 2 * ξ)
+        found[:, :, 0, 1], found[:, :, 1, 1] = slope * ξ * (1 - ξ) ** 2, slope * ξ**2 * (ξ - 1)
+        arc = self.speeds(ends, lengths, ξ) * _WEIGHTS * lengths[:, np.newaxis]
+        return found, arc
