@@ -30,18 +30,20 @@ HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
 SMALL = 1e-6
 UNITS = Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation] = {
+AnyShell = fl.ShellFormulation | fl.BicubicHermite
+FORMULATIONS: dict[str, AnyShell] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
+    "thin": fl.BicubicHermite(),
 }
 
 
 class Case(NamedTuple):
     """A problem: its scene, where and along what the deflection is taken, and how large it is."""
 
-    build: Callable[[int, fl.ShellFormulation], fl.Scene]
+    build: Callable[[int, AnyShell], fl.Scene]
     point: str
     direction: tuple[float, float, float]
     value: float
@@ -54,21 +56,41 @@ def _scene(*things: Any) -> fl.Scene:
     return scene
 
 
+def _shell(
+    place: Callable[[float, float], np.ndarray],
+    cells: tuple[int, int],
+    section: fl.ShellSection,
+    formulation: AnyShell,
+    director: Callable[[np.ndarray], np.ndarray],
+) -> fl.Shell | fl.ThinShell:
+    """On a mesh, or a thin one on a patch; edges and corners have the same names."""
+    if isinstance(formulation, fl.BicubicHermite):
+        patch = fl.smooth_patch(place, cells)
+        return fl.ThinShell(patch, section, formulation=formulation, name="shell")
+    mesh = fl.surface(place, cells)
+    return fl.Shell(mesh, section, director=director, formulation=formulation, name="shell")
+
+
 def _about_x(x: np.ndarray) -> np.ndarray:
     """Normal of a cylinder about the axis x."""
     return np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2])
 
 
 def _cylinder(
-    mesh: int, length: float, radius: float, angles: tuple[float, float], **options: Any
-) -> fl.Shell:
+    mesh: int,
+    length: float,
+    radius: float,
+    angles: tuple[float, float],
+    section: fl.ShellSection,
+    formulation: AnyShell,
+) -> fl.Shell | fl.ThinShell:
     """Curves a=0 and a=1 at the two angles from z, b=0 in the middle, b=1 with a diaphragm."""
 
     def place(a: float, b: float) -> np.ndarray:
         angle = np.radians(angles[0] + a * (angles[1] - angles[0]))
         return np.array([length * b, -radius * np.sin(angle), radius * np.cos(angle)])
 
-    shell = fl.Shell(fl.surface(place, (mesh, mesh)), director=_about_x, name="shell", **options)
+    shell = _shell(place, (mesh, mesh), section, formulation, _about_x)
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     for direction in ((0, 1, 0), (0, 0, 1)):
@@ -76,32 +98,27 @@ def _cylinder(
     return shell
 
 
-def scordelis_lo(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
+def scordelis_lo(mesh: int, formulation: AnyShell) -> fl.Scene:
     section = fl.ShellSection.layer(0.25, fl.Material(4.32e8, 0.0, 1.0))
-    shell = _cylinder(mesh, 25.0, 25.0, (0.0, 40.0), section=section, formulation=formulation)
+    shell = _cylinder(mesh, 25.0, 25.0, (0.0, 40.0), section, formulation)
     return _scene(shell, fl.AreaLoad(shell, force=(0, 0, -90.0)))
 
 
-def cylinder(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
+def cylinder(mesh: int, formulation: AnyShell) -> fl.Scene:
     section = fl.ShellSection.layer(3.0, fl.Material(3e6, 0.3, 1.0))
-    shell = _cylinder(mesh, 300.0, 300.0, (0.0, 90.0), section=section, formulation=formulation)
+    shell = _cylinder(mesh, 300.0, 300.0, (0.0, 90.0), section, formulation)
     shell.symmetry("a=1", (0, 0, 1))
     return _scene(shell, fl.PointLoad(shell["00"], force=(0, 0, -0.25)))
 
 
-def hemisphere(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
+def hemisphere(mesh: int, formulation: AnyShell) -> fl.Scene:
     def place(a: float, b: float) -> np.ndarray:
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         level = np.cos(height)
         return 10 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(height)])
 
-    shell = fl.Shell(
-        fl.surface(place, (mesh, mesh)),
-        fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0)),
-        director=lambda x: x / 10,
-        formulation=formulation,
-        name="shell",
-    )
+    section = fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0))
+    shell = _shell(place, (mesh, mesh), section, formulation, lambda x: x / 10)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.guide("00", (0, 0, 1))
@@ -111,7 +128,7 @@ def hemisphere(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
 
 def twisted(
     thickness: float, force: tuple[float, float, float]
-) -> Callable[[int, fl.ShellFormulation], fl.Scene]:
+) -> Callable[[int, AnyShell], fl.Scene]:
     """At the end the width is along z, at the root along y; ``mesh`` cells across, six along."""
 
     def place(a: float, b: float) -> np.ndarray:
@@ -125,14 +142,9 @@ def twisted(
         n = np.cross(turn + np.array([1.0, 0.0, 0.0]), across)
         return n / np.linalg.norm(n)
 
-    def build(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
-        shell = fl.Shell(
-            fl.surface(place, (6 * mesh, mesh)),
-            fl.ShellSection.layer(thickness, fl.Material(29e6, 0.22, 1.0)),
-            director=normal,
-            formulation=formulation,
-            name="shell",
-        )
+    def build(mesh: int, formulation: AnyShell) -> fl.Scene:
+        section = fl.ShellSection.layer(thickness, fl.Material(29e6, 0.22, 1.0))
+        shell = _shell(place, (6 * mesh, mesh), section, formulation, normal)
         shell.clamp("a=0")
         return _scene(shell, fl.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
 
@@ -151,7 +163,7 @@ CASES = {
 }
 
 
-def deflection(case: Case, mesh: int, formulation: fl.ShellFormulation) -> float:
+def deflection(case: Case, mesh: int, formulation: AnyShell) -> float:
     """Under the full load, if everything stayed linear."""
     result = fl.follow_loads(case.build(mesh, formulation), [SMALL])
     (shell,) = result.info.bodies

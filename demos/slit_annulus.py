@@ -32,13 +32,15 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
 
 
-def ring(radial: int, around: int) -> fl.Scene:
+def ring(radial: int, around: int, thin: bool = False) -> fl.Scene:
     """The ring with its clamp and its load."""
-    shell = fl.Shell(
-        fl.surface(place, (radial, around)),
-        fl.ShellSection.layer(THICKNESS, fl.Material(21e6, 0.0, 1.0)),
-        name="ring",
-    )
+    section = fl.ShellSection.layer(THICKNESS, fl.Material(21e6, 0.0, 1.0))
+    shell: fl.Shell | fl.ThinShell
+    if thin:
+        # its edges are at one place, and not joined
+        shell = fl.ThinShell(fl.smooth_patch(place, (radial, around)), section, name="ring")
+    else:
+        shell = fl.Shell(fl.surface(place, (radial, around)), section, name="ring")
     shell.clamp("b=1")
     scene = fl.Scene()
     scene.add(shell)
@@ -46,8 +48,11 @@ def ring(radial: int, around: int) -> fl.Scene:
     return scene
 
 
-def main(radial: int = 10, around: int = 80, pictures: bool = True) -> dict[str, Any]:
-    result = fl.follow_loads(ring(radial, around))
+def main(
+    radial: int = 10, around: int = 80, thin: bool = False, pictures: bool = True
+) -> dict[str, Any]:
+    """``thin``: a thin shell of bicubic patches, without shear."""
+    result = fl.follow_loads(ring(radial, around, thin))
     record = {
         "radial": radial,
         "around": around,

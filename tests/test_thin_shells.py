@@ -6,6 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly
+from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.lie import kinds
 
 STEEL = fl.Material(1e3, 0.3, 2.0)
@@ -274,6 +275,106 @@ def test_gravity_is_the_weight_of_all():
     result = fl.statics(scene)
     total = sum(result.reaction(point)[-1][2] for point in body.points("a=0"))
     assert total == pytest.approx(9.81 * 10 * 1 * 0.1, rel=1e-9)
+
+
+def test_edge_load_bends_as_two_forces_at_corners_do():
+    """Of a strip without contraction; the total is what is asked for."""
+    tips = []
+    for spread in (True, False):
+        body, scene = strip(4, 0.1), fl.Scene()
+        scene.add(body)
+        if spread:
+            scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
+        else:
+            for point in ("10", "11"):
+                scene.add(fl.PointLoad(body[point], force=(0, 0, 0.2)))
+        result = fl.statics(scene)
+        tips.append(result.position("strip.10")[-1][2])
+        held = sum(result.reaction(point)[-1][2] for point in body.points("a=0"))
+        assert held == pytest.approx(-0.4, rel=1e-9)
+    assert tips[0] == pytest.approx(tips[1], rel=1e-4)
+    # 0.4 · 10³ / (3 · 100), less what is bent back
+    assert 1.2 < tips[0] < 4 / 3
+
+
+def weighed(load):
+    body, scene = strip(4, 0.1), fl.Scene()
+    scene.add(body)
+    scene.add(load(body))
+    return fl.statics(scene).position("strip.10")[-1]
+
+
+def test_loads_on_the_surface_are_each_other():
+    """Gravity, a force per mass, per volume and per area."""
+    body, scene = strip(4, 0.1), fl.Scene(gravity=(0, 0, -0.3))
+    scene.add(body)
+    end = fl.statics(scene).position("strip.10")[-1]
+    assert end[2] < -0.2
+    for load in (
+        lambda shell: fl.MassLoad(shell, force=(0, 0, -0.3)),
+        lambda shell: fl.VolumeLoad(shell, force=(0, 0, -0.3)),
+        lambda shell: fl.AreaLoad(shell, force=lambda x: (0, 0, -0.03)),
+    ):
+        np.testing.assert_allclose(weighed(load), end, atol=1e-9)
+
+
+def test_pressure_on_a_closed_cylinder():
+    """It stays round, and ``E t (r² − 1)/2 = p``: what is pushed is the ring as it is now."""
+
+    def round_(a, b):
+        angle = 2 * np.pi * a
+        return [np.cos(angle), np.sin(angle), 0.5 * b]
+
+    section = fl.ShellSection.layer(0.01, fl.Material(1e4, 0.0, 1.0))
+    body = fl.ThinShell(fl.smooth_patch(round_, (16, 2)), section, joined=True, name="tube")
+    body.guide("b=0", (0, 0, 1))
+    body.guide("00", (0, 1, 0))
+    body.guide("10", (1, 0, 0))
+    scene = fl.Scene()
+    scene.add(body)
+    scene.add(fl.SurfacePressure(body, 1.0))
+    places = fl.statics(scene).frames[-1][: body.points_count, 0]
+    middle = places[:, :2].mean(axis=0)
+    radius = np.linalg.norm(places[:, :2] - middle, axis=1)
+    assert np.ptp(radius) < 1e-10
+    assert 1e4 * 0.01 * (radius.mean() ** 2 - 1) / 2 == pytest.approx(1.0, rel=5e-4)
+
+
+def test_derivative_of_pressure():
+    shell, step = Shell(), 1e-5
+    body, H = shell.body, shell.deformed()
+    rule = body.formulation.surface_rule()
+    given = np.tile([2.0, 0.3, -0.2, 0.5], (len(body.connectivity), 1))
+    term = ThinPushes(body.connectivity, body.sizes, given, rule)
+    term.amplitude = 1.5
+    d = np.random.default_rng(2).normal(size=(shell.count, 6))
+
+    def forces(rows):
+        out = np.zeros((shell.count, 6))
+        term.add_forces(rows, out)
+        return out
+
+    ahead, behind = (forces(shell.follow(H, s * step * d)) for s in (1, -1))
+    K, (rows, columns) = np.zeros((shell.count, 6, shell.count, 6)), term.pairs
+    K[rows, :, columns] = term.tangent(H, np.empty((0, 6)))
+    found = np.einsum("aibj,bj->ai", K, d)
+    np.testing.assert_allclose(found, (ahead - behind) / (2 * step), atol=1e-8)
+
+
+def test_a_joint_holds_the_surface():
+    """A strip hung by a fixed joint within a cell, against a clamp; moments balance."""
+    body, scene = strip(4, 0.1), fl.Scene()
+    body.held[:] = False
+    scene.add(body)
+    at = body.within(0, 0.3, 0.5)
+    joint = scene.add(fl.Fixed(at, fl.ground(), name="hold"))
+    scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.1)))
+    result = fl.statics(scene)
+    force = result.joint_force(joint)[-1]
+    tip = result.position("strip.10")[-1]
+    assert np.abs(force[:3]).max() == pytest.approx(0.1, rel=1e-9)
+    arm = tip[0] - at.position[0]
+    assert np.abs(force[3:]).max() == pytest.approx(0.1 * arm, rel=1e-2)
 
 
 def kinked():

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, direction, instance, number, vector
+from fem_lie._arrays import Array, direction, instance, number, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import History, Load, Sum
 from fem_lie.scene.pressure import Pressure
@@ -91,7 +93,7 @@ class SurfacePressure(Load):
         history: Factor as a function of time.
     """
 
-    shell: Shell
+    shell: Shell | ThinShell
     pressure: float | Callable[[Array], float]
     gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
     cells: str | None = None
@@ -115,24 +117,32 @@ class SurfacePressure(Load):
 
     def contribute(self, to: Sum) -> None:
         """Forces on the loaded cells."""
-        cells = to.nodes(self.shell)[self.faces()]
-        to.add_term(SurfacePushes(cells, self.rule(), self.on_cells()))
+        shell, chosen = self.shell, self.shell.cells_of(self.cells)
+        if isinstance(shell, ThinShell):
+            cells, rule = shell.connectivity[chosen], shell.formulation.surface_rule()
+            given = shell.sizes[chosen], self.on_cells(), rule
+            to.add_term(ThinPushes(to.nodes(shell)[cells], *given))
+        else:
+            cells = to.nodes(shell)[nodes_of(shell)[chosen]]
+            to.add_term(SurfacePushes(cells, self.rule(shell), self.on_cells()))
 
-    def faces(self) -> Indices:
-        """Nodes of the loaded cells, shape (c, k)."""
-        return nodes_of(self.shell)[self.shell.cells_of(self.cells)]
-
-    def rule(self) -> FaceRule:
+    def rule(self, shell: Shell) -> FaceRule:
         """Points of integration."""
-        return FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
+        return FaceRule.of(shell.mesh.cell, shell.mesh.degree)
 
     def on_cells(self) -> Array:
         """Pressure and its gradient on the loaded cells, to the side of x,₁ × x,₂, shape (c, 4)."""
-        mesh, chosen = self.shell.mesh, self.shell.cells_of(self.cells)
+        shell, chosen = self.shell, self.shell.cells_of(self.cells)
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient
+        if isinstance(shell, ThinShell):
+            corners, places = shell.faces, shell.frames[:, 0]
+        else:
+            corners, places = shell.mesh.corners, shell.mesh.points
         for row, cell in enumerate(chosen):
-            centre = mesh.points[mesh.corners[cell]].mean(axis=0)
+            centre = places[corners[cell]].mean(axis=0)
             given = self.pressure(centre) if callable(self.pressure) else self.pressure
             values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
-        return sides_of(self.shell)[chosen, np.newaxis] * values
+        if isinstance(shell, ThinShell):
+            return values
+        return sides_of(shell)[chosen, np.newaxis] * values

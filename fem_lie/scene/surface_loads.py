@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, instance, vector
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import History, Load, NodalLoad
 
@@ -23,7 +24,7 @@ class EdgeLoad(NodalLoad):
     """Force and moment per reference length on a named curve of a shell.
 
     Attributes:
-        shell: What carries it.
+        shell: What carries it; on an edge of a thin one forces fixed in space alone.
         curve: Name of the curve.
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
@@ -34,7 +35,7 @@ class EdgeLoad(NodalLoad):
             the directors and not about them.
     """
 
-    shell: Shell
+    shell: Shell | ThinShell
     curve: str
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
@@ -50,6 +51,11 @@ class EdgeLoad(NodalLoad):
         """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
         vector(self.force, 3, f"edge force on {self.shell.label}")
         vector(self.moment, 3, f"edge moment on {self.shell.label}")
+        if isinstance(self.shell, ThinShell):
+            self.shell.on_edge(self.curve)
+            if self.following or np.any(self.moment):
+                self.shell.require_frames("a moment, or a load that follows,")
+            return
         edges = self.shell.mesh.curve(self.curve)
         if self.following and not _senses(self.shell, edges).all():
             raise ValueError(
@@ -64,23 +70,37 @@ class EdgeLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
+        if isinstance(self.shell, ThinShell):
+            return on_places(self._on_rows(self.shell))
         nodes, lengths = self.shell.edges(self.curve)
         density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
         at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
         if self.following:
             # components in the nodes' frames, which carry the axes of the edge along
-            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], self._axes(nodes))
+            axes = self._axes(self.shell, nodes)
+            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], axes)
             at_nodes = np.einsum("eaik,hk->eahi", local, density)
         values = np.zeros((len(self.shell.frames), 6))
         shares = lengths[..., np.newaxis] * at_nodes.reshape(*nodes.shape, 6)
         np.add.at(values, nodes, shares)
         return values
 
-    def _axes(self, edges: Indices) -> Array:
+    def on_directors(self) -> Array:
+        """On slopes of a thin shell, shape (n, 3, 3)."""
+        if isinstance(self.shell, ThinShell):
+            return self._on_rows(self.shell)[:, 1:]
+        return super().on_directors()
+
+    def _on_rows(self, shell: ThinShell) -> Array:
+        at = shell.on_edge(self.curve)
+        force = np.asarray(self.force, dtype=np.float64)
+        return shell.consistent(at, np.broadcast_to(force, at.places.shape))
+
+    def _axes(self, shell: Shell, edges: Indices) -> Array:
         """Along, outward and director at the nodes of each edge, shape (e, 3, 2 or 3, 3)."""
-        director = self.shell.frames[edges, 3]
-        chord = self.shell.frames[edges[:, 1], 0] - self.shell.frames[edges[:, 0], 0]
-        chord = chord * _senses(self.shell, edges)[:, np.newaxis]
+        director = shell.frames[edges, 3]
+        chord = shell.frames[edges[:, 1], 0] - shell.frames[edges[:, 0], 0]
+        chord = chord * _senses(shell, edges)[:, np.newaxis]
         outward = np.cross(chord[:, np.newaxis], director)
         outward /= np.linalg.norm(outward, axis=2, keepdims=True)
         return np.stack([np.cross(director, outward), outward, director], axis=1)
@@ -96,7 +116,7 @@ class SurfaceLoad(NodalLoad):
         history: Factor as a function of time.
     """
 
-    shell: Shell
+    shell: Shell | ThinShell
     force: Field
     cells: str | None = None
     history: History | None = None
@@ -111,7 +131,7 @@ class SurfaceLoad(NodalLoad):
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the shell has no such cells."""
         self.shell.cells_of(self.cells)
-        self._shares()
+        self.nodal()
 
     @property
     def body(self) -> Body:
@@ -120,31 +140,47 @@ class SurfaceLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
+        if isinstance(self.shell, ThinShell):
+            return on_places(self._on_rows(self.shell))
         values = np.zeros((len(self.shell.frames), 6))
         chosen = self.shell.cells_of(self.cells)
-        np.add.at(values[:, :3], nodes_of(self.shell)[chosen], self._scaled(self._factors()))
+        shares = self._scaled(self.shell, self._factors())
+        np.add.at(values[:, :3], nodes_of(self.shell)[chosen], shares)
         return values
+
+    def on_directors(self) -> Array:
+        """On slopes of a thin shell, shape (n, 3, 3)."""
+        if isinstance(self.shell, ThinShell):
+            return self._on_rows(self.shell)[:, 1:]
+        return super().on_directors()
 
     def _factors(self) -> Array:
         """What a unit of the load is on each cell of the shell per area, shape (m,)."""
-        return np.ones(len(self.shell.mesh.cells))
+        return np.ones(len(self.shell.cells_of()))
 
-    def _scaled(self, factors: Array) -> Array:
-        """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
-        return factors[self.shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares()
+    def _on_rows(self, shell: ThinShell) -> Array:
+        """Forces on the rows of all nodes, shape (n, 4, 3)."""
+        at = shell.on_cells(self.cells)
+        factors = self._factors()[at.cells, np.newaxis, np.newaxis]
+        return shell.consistent(at, factors * self._density(at.places))
 
-    def _shares(self) -> Array:
-        """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
-        shell, rule = self.shell, FaceRule.of(self.shell.mesh.cell, self.shell.mesh.degree)
-        cells = nodes_of(shell)[shell.cells_of(self.cells)]
-        x, what = shell.frames[:, 0], f"{type(self).__name__} on {self.shell.label}"
+    def _density(self, places: Array) -> Array:
+        """The load at places (c, g, 3)."""
+        what = f"{type(self).__name__} on {self.shell.label}"
         if callable(self.force):
-            density = _evaluated(self.force, rule.places(x, cells), what)
-        else:
-            density = vector(self.force, 3, what)
+            return _evaluated(self.force, places, what)
+        return np.broadcast_to(vector(self.force, 3, what), places.shape)
+
+    def _scaled(self, shell: Shell, factors: Array) -> Array:
+        """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
+        return factors[shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares(shell)
+
+    def _shares(self, shell: Shell) -> Array:
+        """``∫ N_i f dA`` at the nodes of the loaded cells, shape (c, k, 3)."""
+        rule = FaceRule.of(shell.mesh.cell, shell.mesh.degree)
+        cells, x = nodes_of(shell)[shell.cells_of(self.cells)], shell.frames[:, 0]
         areas = np.linalg.norm(rule.normals(x, cells), axis=2)
-        density = np.broadcast_to(density, (*areas.shape, 3))
-        return np.einsum("gk,mg,mgj->mkj", rule.values, areas, density)
+        return np.einsum("gk,mg,mgj->mkj", rule.values, areas, self._density(rule.places(x, cells)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,20 +230,28 @@ class MassLoad(SurfaceLoad):
             raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")
 
     def _factors(self) -> Array:
-        return self.shell.density[:, 0, 0]
+        density = self.shell.density
+        return density if isinstance(self.shell, ThinShell) else density[:, 0, 0]
 
     def on_directors(self) -> Array:
         """Force on d₃ of each node by the first moment of mass, shape (n, 3, 3)."""
+        if isinstance(self.shell, ThinShell):
+            return super().on_directors()
         values = np.zeros((len(self.shell.frames), 3, 3))
         chosen = self.shell.cells_of(self.cells)
-        levers = self._scaled(self.shell.density[:, 0, 1])
+        levers = self._scaled(self.shell, self.shell.density[:, 0, 1])
         np.add.at(values[:, 2], nodes_of(self.shell)[chosen], levers)
         return values
 
 
 def require_shell(load: Load, shell: object) -> None:
     """Raise ``TypeError`` if what carries a load is no shell."""
-    instance(shell, Shell, f"{type(load).__name__}: shell", "a Shell")
+    instance(shell, Shell | ThinShell, f"{type(load).__name__}: shell", "a Shell or ThinShell")
+
+
+def on_places(rows: Array) -> Array:
+    """Of forces on the rows of nodes (n, 4, 3) those on places, as nodal loads, (n, 6)."""
+    return np.concatenate([rows[:, 0], np.zeros((len(rows), 3))], axis=1)
 
 
 def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:

@@ -12,6 +12,7 @@ from fem_lie._arrays import Array, Flags, Indices, direction, flag, instance, nu
 from fem_lie.bodies.body import NO_HOLDS, Follower, Holds, Point
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.axes import follow_surface
+from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
 from fem_lie.bodies.thin_shells.joining import joined as put_together
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.supports import HeldSurface
@@ -214,6 +215,27 @@ class ThinShell(HeldSurface):
         nodes, scales = self.connectivity[cells][:, _NODE], self.scales()[cells]
         np.add.at(found, (nodes, _ROW), scales[:, :, np.newaxis] * values)
         return found
+
+    def on_cells(self, group: str | None = None) -> Quadrature:
+        """Points of integration on a patch (default: all)."""
+        cells = self.cells_of(group)
+        return over_cells(cells, self.vectors()[cells])
+
+    def on_edge(self, name: str) -> Quadrature:
+        """Points of integration on an edge.
+
+        Raises:
+            ValueError: There is no such edge.
+        """
+        edge = self.edge(name)
+        if edge.along < 0:
+            raise ValueError(f"{name!r} of {self.label} is a corner, wanted an edge")
+        return along_edge(edge, self.vectors()[edge.cells])
+
+    def consistent(self, at: Quadrature, density: Array) -> Array:
+        """Forces on the rows of all nodes, shape (n, 4, 3), of densities (c, g, 3) at points."""
+        on_vectors = np.einsum("cg,cga,cgj->caj", at.weights, at.values, density)
+        return self.on_rows(at.cells, on_vectors)
 
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""

@@ -1,0 +1,54 @@
+"""Integrals over cells of a thin shell and along its edges: where, and how the vectors share."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.thin_shells.joining import Edge
+from fem_lie.elements.thin_shells import hermite
+
+_POINTS = 5
+"""Of Gauss' rule: products of cubics on a surface of cubics."""
+
+
+class Quadrature(NamedTuple):
+    """Points on cells as they lie.
+
+    Attributes:
+        cells: Which, shape (c,).
+        values: Of the interpolation's functions, shape (c, g, 16).
+        places: Shape (c, g, 3).
+        weights: Areas or lengths, shape (c, g).
+    """
+
+    cells: Indices
+    values: Array
+    places: Array
+    weights: Array
+
+
+def over_cells(cells: Indices, q: Array) -> Quadrature:
+    """Points on cells with vectors ``q`` (c, 16, 3)."""
+    x, w = hermite.gauss(_POINTS)
+    table = hermite.table(hermite.products(x, x))
+    r1, r2 = (np.einsum("ga,caj->cgj", table[:, k], q) for k in (hermite.ALONG, hermite.ACROSS))
+    areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * np.outer(w, w).ravel()
+    return _at(cells, np.tile(table[:, hermite.VALUE], (len(q), 1, 1)), q, areas)
+
+
+def along_edge(edge: Edge, q: Array) -> Quadrature:
+    """Points on an edge of cells with vectors ``q`` (c, 16, 3)."""
+    x, w = hermite.gauss(_POINTS)
+    points = np.full((_POINTS, 2), float(edge.side))
+    points[:, 0 if edge.along == 0 else 1] = x
+    table = hermite.table(points)
+    slopes = np.einsum("ga,caj->cgj", table[:, hermite.ALONG + edge.along], q)
+    lengths = np.linalg.norm(slopes, axis=-1) * w
+    return _at(edge.cells, np.tile(table[:, hermite.VALUE], (len(q), 1, 1)), q, lengths)
+
+
+def _at(cells: Indices, values: Array, q: Array, weights: Array) -> Quadrature:
+    return Quadrature(cells, values, np.einsum("cga,caj->cgj", values, q), weights)
