@@ -167,3 +167,58 @@ def test_oldest_folders_of_a_file_are_removed(run, tmp_path):
     left = {path.name for path in base.iterdir()}
     assert left & {*names, *others} == {*others, *names[-11:]}
     assert len(left) == 11 + 2 + 2 + 1  # with the run's two files and `sources`
+
+
+EXTENDED = """
+import ctypes
+from llvmlite import binding
+from numba import float64, types
+from numba.core.cpu import CPUContext
+from numba.core.registry import cpu_target
+from small._jit import compiled
+from small.helper import helper
+
+answer = ctypes.CFUNCTYPE(ctypes.c_double)(lambda: 42.0)
+external = types.ExternalFunction("small_answer", float64())
+plain = CPUContext.load_additional_registries
+
+def extended(self):
+    binding.add_symbol("small_answer", ctypes.cast(answer, ctypes.c_void_p).value)
+    plain(self)
+
+CPUContext.load_additional_registries = extended
+
+@compiled
+def outside(x):
+    return helper(x) + external()
+
+@compiled
+def inside(x):
+    return helper(x)
+
+print({name}(2.0), len(cpu_target.target_context._registries) > 0)
+"""
+
+
+@pytest.mark.parametrize(("name", "said"), [("inside", "6.0 False"), ("outside", "48.0 True")])
+def test_a_second_start_sets_up_only_what_machine_code_calls(run, tmp_path, name, said):
+    """An extension of numba makes a function known when numba gets ready to compile."""
+    run(3.0)
+    (tmp_path / "small" / "extended.py").write_text(EXTENDED.format(name=name))
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache"), "PYTHONPATH": tmp_path}
+    command = [sys.executable, "-m", "small.extended"]
+    first, second = (
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    )
+    assert first.split() == [said.split()[0], "True"]
+    assert second.split() == said.split()
+
+
+def test_machine_code_is_made_of_entrances_alone(run, tmp_path):
+    """Of what compiled functions call intermediate code is kept: it begins with its own mark."""
+    run(3.0)
+    kept = {path.name: path.read_bytes() for path in (tmp_path / "cache").rglob("*.nbc")}
+    for name, data in kept.items():
+        assert (b"\x7fELF" in data) == ("-inner" not in name), name
+    assert any("-inner" in name for name in kept)

@@ -1,9 +1,11 @@
 """The numbers of all demos, and whether two versions of the code give the same.
 
-Each demo runs with its defaults and writes its record (``--json``) into a folder; two folders are
-compared number by number, but for times: relative to their size, or to 1 where they are smaller.
+Each demo runs with its defaults, or ``--short`` where that takes long, without pictures, and writes
+its record (``--json``) into a folder; two folders are compared number by number, but for times:
+relative to their size, or to 1 where they are smaller. It runs the demos of the folder it is called
+in, with the environment it is called with; ``tools/run`` is that of its own checkout.
 
-    python3 tools/records.py make before
+    cd CHECKOUT && tools/run python3 tools/records.py make before
     python3 tools/records.py compare before after
 """
 
@@ -19,7 +21,25 @@ from pathlib import Path
 from typing import Any
 
 DEMOS = Path("demos")
-HELPERS = ("command_line",)
+HELPERS = ("command_line", "extrapolation")
+SHORT = {
+    "bricard": "--duration 2",
+    "compressed_cylinder": "--mesh 6 --ratios 100,200",
+    "conservation_against_time": "--repeats 1 --steps 3",
+    "cylinder_knock_down": "--ratios 100",
+    "double_four_bar": "--duration 2",
+    "flapping_plate": "--mesh 8 --periods 0.5",
+    "governor": "--duration 2",
+    "laminate": "--cells 16",
+    "semi_cylinder": "--mesh 20",
+    "slider_crank": "--duration 1",
+    "speed_against_error": "--repeats 1 --finest 64 --smallest-step 5e-4",
+    "speed_against_error_shells": "--repeats 1 --finest 16",
+    "truss_deployment": "--duration 2",
+    "tumbling_plate": "--steps 2000",
+}
+"""Options of demos that take over a minute by default."""
+
 TIMES = ("seconds", "ms_per_step", "_ms")
 TOLERANCE = 1e-10
 
@@ -29,12 +49,14 @@ def demos() -> list[str]:
     return sorted(file.stem for file in DEMOS.glob("*.py") if file.stem not in HELPERS)
 
 
-def make(folder: Path, names: list[str], limit: float) -> None:
+def make(folder: Path, names: list[str], limit: float, *, short: bool) -> None:
     """Run demos one after the other; what fails or takes too long has no record."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         record, start = folder.absolute() / f"{name}.json", time.perf_counter()
-        command = [sys.executable, f"demos/{name}.py", "--json", str(record)]
+        options = SHORT.get(name, "").split() if short else []
+        command = [sys.executable, f"demos/{name}.py", "--no-pictures", "--json", str(record)]
+        command += options
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=limit)
             said = "" if done.returncode == 0 else done.stderr.strip().splitlines()[-1:]
@@ -91,12 +113,13 @@ def main() -> None:
     task.add_argument("folder", type=Path)
     task.add_argument("--demo", action="append", choices=demos(), help="default: all")
     task.add_argument("--limit", type=float, default=600.0, help="seconds for each")
+    task.add_argument("--short", action="store_true", help="less of demos that take long")
     task = tasks.add_parser("compare")
     task.add_argument("before", type=Path)
     task.add_argument("after", type=Path)
     given = parser.parse_args()
     if given.task == "make":
-        make(given.folder, given.demo or demos(), given.limit)
+        make(given.folder, given.demo or demos(), given.limit, short=given.short)
     else:
         compare(given.before, given.after)
 

@@ -13,7 +13,14 @@ import numba
 from numba.core import config, event
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
 
+from fem_lie._jit.libraries import (
+    CalledByAddress,
+    EntranceCache,
+    set_environments,
+    without_machine_code,
+)
 from fem_lie._jit.machine_code import PACKAGE, own_cache
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -92,8 +99,12 @@ class Callback:
     def made(self) -> Any:
         """The callback of numba, which it keeps in its cache."""
         with own_cache(self._function) as cached:
-            make = numba.cfunc(self._signature, error_model="numpy", cache=cached)
-            return make(self._function)
+            signature = normalize_signature(self._signature)
+            made = CalledByAddress(self._function, signature, {}, {"error_model": "numpy"})
+            if cached:
+                made.enable_caching()
+            made.compile()
+            return made
 
     @property
     def address(self) -> int:
@@ -154,6 +165,15 @@ class _Dispatcher(CPUDispatcher):
                 config.OPT = callers
 
 
+class _ForCallers(_Dispatcher):
+    """What compiled functions call."""
+
+    def compile(self, sig: Any) -> Any:
+        """Compile what callers take in."""
+        with global_compiler_lock, without_machine_code(self.targetctx.codegen()):
+            return super().compile(sig)
+
+
 class _CalledFromPython(_Dispatcher):
     """A compiled function; others that are compiled call what it calls.
 
@@ -171,13 +191,23 @@ class _CalledFromPython(_Dispatcher):
     level_for_callers: int
     level = _LINKED
 
+    def enable_caching(self) -> None:
+        """Keep what is called from Python."""
+        self._cache = EntranceCache(self.py_func)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for arguments of these types."""
+        made = super().compile(sig)
+        set_environments(self.overloads[normalize_signature(sig)[0]].library)
+        return made
+
     @cached_property
     def for_callers(self) -> CPUDispatcher:
         """What compiled functions call."""
         options = _OPTIONS | self.options
         with own_cache(self.function, for_callers=True) as cached:
             inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(self.function)
-        inner.__class__, inner.level = _Dispatcher, self.level_for_callers
+        inner.__class__, inner.level = _ForCallers, self.level_for_callers
         return inner
 
     @property
