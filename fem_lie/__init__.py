@@ -144,6 +144,7 @@ from fem_lie.solve.statics.follow import follow_loads
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.statics import statics
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+from fem_lie.solve.variational.variational import Variational
 from fem_lie.system.nodes.element_turns import CoarseElementsWarning
 
 __all__ = [
@@ -296,6 +297,7 @@ __all__ = [
     "Universal",
     "UnstableEquilibriumWarning",
     "Update",
+    "Variational",
     "Vertices",
     "VolumeLoad",
     "VolumeMesh",

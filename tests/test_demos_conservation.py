@@ -67,3 +67,19 @@ def test_order_four():
     assert all(abs(order - 4.0) <= 0.1 for order in orders.values()), orders
     assert record["energy_error"] <= 5e-12
     assert record["angular_momentum_error"] <= 5e-12
+
+
+@pytest.mark.parametrize("case", [1, 3])
+def test_variational_pendulum(case):
+    """Bounds are those of a million steps; a line needs more steps than these."""
+    record = main("variational_pendulum", case=case, steps=500)
+    assert record["angular_momentum_error"] <= 1e-11
+    assert record["energy_error"] <= 1e-5
+    assert record["energy_drift"] <= record["energy_swing"]
+    assert record["joint_gap"] <= 1e-13
+
+
+def test_variational_free_body():
+    record = main("variational_pendulum", free=True, steps=1000)
+    assert record["energy_error"] <= 1e-12
+    assert record["angular_momentum_error"] <= 1e-12

@@ -73,6 +73,7 @@ MAY_IMPORT = {
     "solve.alpha": {"solve.alpha.step"},
     "solve.conserving.step": {"solve.motion"},
     "solve.conserving": {"solve.conserving.step"},
+    "solve.variational": {"solve.conserving.step"},
     "solve.composed": {"solve.conserving"},
 }
 """Rooms and what they may import besides; what those may is theirs, too."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -44,6 +45,9 @@ PlainFactors: TypeAlias = tuple[Array, Array, Indices, Indices, Array, Triangle,
 """Of :class:`Factors`, for compiled functions."""
 
 
+_TRIANGLES, _INSIDE = ("lower", "upper"), ("values", "indices", "pointers")
+
+
 class Factors(NamedTuple):
     """``(A_left A A_right)ᵀ = Pᵣᵀ L U P_cᵀ``, both factors by columns, without the diagonal.
 
@@ -69,6 +73,30 @@ class Factors(NamedTuple):
     def plain(self) -> PlainFactors:
         """As compiled functions are quicker to call with."""
         return (*self,)
+
+    def arrays(self) -> dict[str, Array]:
+        """All there is, by names, for a checkpoint."""
+        found: dict[str, Any] = {}
+        for name, value in self._asdict().items():
+            if name in _TRIANGLES:
+                inside = zip(_INSIDE, value, strict=True)
+                found |= {f"factors.{name}.{what}": array for what, array in inside}
+            else:
+                found[f"factors.{name}"] = value
+        return found
+
+    @classmethod
+    def of(cls, kept: Mapping[str, Array]) -> Factors | None:
+        """Those of which :meth:`arrays` are in a checkpoint, if there are any."""
+        if "factors.left" not in kept:
+            return None
+        given: dict[str, Any] = {}
+        for name in cls._fields:
+            if name in _TRIANGLES:
+                given[name] = tuple(kept[f"factors.{name}.{what}"] for what in _INSIDE)
+            else:
+                given[name] = kept[f"factors.{name}"]
+        return cls(**given)
 
 
 def factorise(kkt: KKT) -> Factors:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -15,10 +14,6 @@ from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.step import loop, stopping
 from fem_lie.solve.conserving.step.packing import PackedModel
 from fem_lie.system.equations import Equations
-
-_OWN = "left", "right", "row", "column", "diagonal"
-_TRIANGLES = "lower", "upper"
-_INSIDE = "values", "indices", "pointers"
 
 
 class Part(Run):
@@ -110,18 +105,7 @@ class Part(Run):
     def memory(self) -> dict[str, Array]:
         """With the factors: there is one matrix for all sizes."""
         kept = super().memory()
-        if self._factors is not None:
-            own = self._factors._asdict()
-            kept |= {f"factors.{name}": own[name] for name in _OWN}
-            for name in _TRIANGLES:
-                inside = zip(_INSIDE, own[name], strict=True)
-                kept |= {f"factors.{name}.{what}": array for what, array in inside}
-        return kept
+        return kept if self._factors is None else kept | self._factors.arrays()
 
     def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
-        if "factors.left" not in kept:
-            return None
-        given: dict[str, Any] = {name: kept[f"factors.{name}"] for name in _OWN}
-        for name in _TRIANGLES:
-            given[name] = tuple(kept[f"factors.{name}.{what}"] for what in _INSIDE)
-        return Factors(**given)
+        return Factors.of(kept)

@@ -1,0 +1,1 @@
+"""Integrators that are derived from a discrete action."""

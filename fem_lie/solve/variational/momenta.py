@@ -1,0 +1,228 @@
+"""Momenta of the nodes at both ends of a step, compiled.
+
+Formulas in :mod:`fem_lie.solve.variational.variational`.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags
+from fem_lie._jit import compiled, inlined
+from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.tuples import (
+    Vector,
+    combined,
+    cross,
+    dot,
+    load,
+    load_row,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+)
+from fem_lie.solve.conserving.step.cayley import half, span
+from fem_lie.solve.conserving.step.joints import add_joints
+from fem_lie.system.nodes import inertia
+
+
+@compiled
+def of_rates(H: Array, V: Array, mass: inertia.PlainInertia, out: Array) -> None:
+    """Momenta of rates ``V`` (n, 4, 3) at frames ``H``: ``(G V)ₓ`` and ``Σ d_k × (G V)_k``."""
+    q = V.copy()
+    inertia.multiply(mass[0], mass[1], mass[2], V, q)
+    for i in range(V.shape[0]):
+        store(out[i], 0, load_row(q[i], 0))
+        store(out[i], 3, _moment(H[i], q[i]))
+
+
+@inlined
+def _moment(H: Array, p: Array) -> Vector:
+    """``Σ d_k × p_k``."""
+    moment = (0.0, 0.0, 0.0)
+    for k in range(1, 4):
+        moment = plus(moment, cross(load_row(H, k), load_row(p, k)))
+    return moment
+
+
+@compiled
+def hold(H: Array, held: Flags, step: Array) -> None:
+    """Take out of steps (n, 6) what is held in the frames ``H``."""
+    for i in range(step.shape[0]):
+        any_held = False
+        for k in range(6):
+            any_held = any_held or held[i, k]
+        if any_held:
+            d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+            for at in (0, 3):
+                a = rotate_back(d1, d2, d3, load(step[i], at))
+                a = (
+                    0.0 if held[i, at] else a[0],
+                    0.0 if held[i, at + 1] else a[1],
+                    0.0 if held[i, at + 2] else a[2],
+                )
+                store(step[i], at, rotate(d1, d2, d3, a))
+
+
+@compiled
+def between(
+    H: Array, step: Array, rows: tuple[Array, Array, Array, Array], h: float, twists: Array
+) -> None:
+    """What lies between the ends of a step, and the twists in the half-way frames.
+
+    Args:
+        H: Frames at the start, (≥ n, 4, 3).
+        step: Spatial translation and rotation of each node, (n, 6).
+        rows: Increments, means, ends and half-way frames, (≥ n, 4, 3), overwritten.
+        h: Step size.
+        twists: Shape (≥ n, 6), those of the moving nodes are overwritten.
+    """
+    delta, mean, end, middle = rows
+    span(H, step, delta, mean, end, middle)
+    for i in range(step.shape[0]):
+        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        for at in (0, 3):
+            store(twists[i], at, rotate_back(d1, d2, d3, scaled(1.0 / h, load(step[i], at))))
+
+
+@compiled
+def constrain(
+    H: Array,
+    rows: tuple[Array, Array, Array, Array],
+    joints: PackedJoints,
+    weights: Array,
+    driven: Array,
+    out: tuple[Array, Array],
+) -> None:
+    """Increments of the constraints over a step, and their forces at its start.
+
+    Args:
+        H: Frames at the start, of all rows.
+        rows: See :func:`between`.
+        joints: Their table.
+        weights: Multipliers, (m,).
+        driven: Increments of the constraints' targets, (m,).
+        out: The increments, (m,), and forces and moments, (n, 6); overwritten.
+    """
+    delta, mean, _, _ = rows
+    change, forces = out
+    aside, ground, still = np.zeros_like(forces), np.zeros(6), np.zeros_like(delta)
+    none = np.zeros_like(weights)
+    add_joints(mean, delta, joints, none, driven, 1.0, change, aside, ground)
+    # of springs, whose forces are found elsewhere, too
+    aside[:], forces[:] = 0.0, 0.0
+    unused = np.empty_like(change)
+    add_joints(H, still, joints, none, driven, 1.0, unused, aside, ground)
+    add_joints(H, still, joints, weights, driven, 1.0, unused, forces, ground)
+    forces -= aside
+
+
+@inlined
+def _shares(ψ: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Twice the moments at both ends that a moment on the half-way frame is.
+
+    It turns by ``½(φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)``.
+    """
+    across = scaled(0.5, cross(half(ψ), m))
+    return combined(1.0, m, -1.0, across), plus(m, across)
+
+
+@inlined
+def _shares_of_director(
+    start: Array, middle: Array, end: Array, m: Vector
+) -> tuple[Vector, Vector]:
+    """The same of a node that is a director, ``d̄ = (d₀ + d₁)/|d₀ + d₁|``."""
+    d0, d, d1 = load_row(start, 3), load_row(middle, 3), load_row(end, 3)
+    whole = plus(d0, d1)
+    g = scaled(2.0 / sqrt(dot(whole, whole)), cross(m, d))
+    return cross(d0, g), cross(d1, g)
+
+
+@compiled
+def balance(
+    H: Array,
+    step: Array,
+    rows: tuple[Array, Array, Array, Array],
+    mass: inertia.PlainInertia,
+    h: float,
+    acting: tuple[Array, Array, Array],
+    held: Flags,
+    out: tuple[Array, Array],
+) -> None:
+    """What is wrong with the momenta at the start, and those at the end.
+
+    Args:
+        H: Frames at the start.
+        step: Spatial translation and rotation of each node, (n, 6).
+        rows: See :func:`between`.
+        mass: Inertia.
+        h: Step size.
+        acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
+            half-way frames, (n, 6); those of the constraints at the start, (n, 6).
+        held: Which unknowns are zero, (n, 6).
+        out: 4/h times what is wrong, in the frames at the start, (n, 6), and momenta at the end,
+            (n, 6); overwritten.
+    """
+    delta, _, end, middle = rows
+    before, forces, constraints = acting
+    r, after = out
+    n = step.shape[0]
+    q, p = np.empty((n, 4, 3)), np.empty((n, 4, 3))
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                q[i, k, j] = delta[i, k, j] / h
+    inertia.multiply(mass[0], mass[1], mass[2], q, p)
+    for i in range(n):
+        d1, d2, d3 = load_row(middle[i], 1), load_row(middle[i], 2), load_row(middle[i], 3)
+        f = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 0)))
+        m = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 3)))
+        first, last = _shares(load(step[i], 3), m)
+        if held[i, 5] and not held[i, 3]:
+            first, last = _shares_of_director(H[i], middle[i], end[i], m)
+        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        for at in (0, 3):
+            mine = load_row(p[i], 0) if at == 0 else _moment(H[i], p[i])
+            own = f if at == 0 else first
+            wrong = combined(1.0, plus(mine, own), -1.0, load(before[i], at))
+            wrong = combined(1.0, wrong, h, load(constraints[i], at))
+            later = load_row(p[i], 0) if at == 0 else _moment(end[i], p[i])
+            own = f if at == 0 else last
+            wrong = rotate_back(d1, d2, d3, wrong)
+            wrong = (
+                0.0 if held[i, at] else wrong[0],
+                0.0 if held[i, at + 1] else wrong[1],
+                0.0 if held[i, at + 2] else wrong[2],
+            )
+            store(r[i], at, scaled(4.0 / h, wrong))
+            # what is left over is made up by the next step: momenta are compensated sums
+            left = plus(own, rotate(d1, d2, d3, wrong))
+            store(after[i], at, combined(1.0, later, -1.0, left))
+    hold(end, held, after)
+
+
+@compiled
+def correct(H: Array, held: Flags, x: Array, step: Array) -> None:
+    """Subtract the solution ``x`` (6 n,), in the frames ``H``, from the step."""
+    for i in range(step.shape[0]):
+        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        for at in (0, 3):
+            change = rotate(d1, d2, d3, load(x, 6 * i + at))
+            store(step[i], at, combined(1.0, load(step[i], at), -1.0, change))
+    hold(H, held, step)
+
+
+@compiled
+def to_local(H: Array, p: Array, held: Flags, out: Array) -> None:
+    """Spatial momenta (n, 6) in the frames of the nodes, without what is held."""
+    for i in range(p.shape[0]):
+        d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
+        for at in (0, 3):
+            store(out[i], at, rotate_back(d1, d2, d3, load(p[i], at)))
+        for k in range(6):
+            if held[i, k]:
+                out[i, k] = 0.0

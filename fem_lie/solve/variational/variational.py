@@ -1,0 +1,113 @@
+r"""A variational integrator on the group: exact momenta, and an energy that does not drift.
+
+Motion is what makes a discrete action stationary (Marsden & West, Acta Numerica 10 (2001) 357).
+With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G`` and frames ``H̄``
+half-way between the ends of a step, at the mean place and turned by half the rotation, that is the
+sum of::
+
+    h L(H₀, H₁) = 1/(2h) Δq·G Δq − h V(H̄)
+
+Both parts see nothing but relative motions ``H₀⁻¹ H₁`` and frames that go with them: of one rigid
+body the first is that of Moser & Veselov. So momentum and angular momentum are those of the
+discrete action, ``p₁ = ∂(h L)/∂H₁``, and are kept exactly. Half a rotation is the same whether
+increments are parametrised by exp or by the Cayley map; the latter is what is iterated,
+``R₁ = cay(ψ) R₀``. With its half ``a``, ``cay(a)² = cay(ψ)``, half-way frames turn by::
+
+    φ̄ = ½ (φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)            φ₀, φ₁ at the ends
+
+and a step is: momenta at its start, and constraints at its end::
+
+    p₀ = L(H₀)ᵀ G Δq/h − ½ h W₀ᵀ f(H̄) + h B(H₀)ᵀ λ,      Φ(H₁) = 0
+
+Forces without a potential, following loads and dampers do their virtual work on the half-way frames
+(Lagrange-d'Alembert), with the velocities ``(u, ψ)/h``. The scheme is symmetric, of second order
+and symplectic; energy goes up and down with the step squared and does not drift. With a quadratic
+potential it is as stable as the trapezoidal rule.
+
+Velocities in results are those that have the momenta and that joints allow, joint forces those of
+the equations of motion at the ends of steps; both take a factorisation for each state that is kept.
+Work and impulses are booked by the trapezoidal rule. Bodies' groups have no meaning for it.
+
+Sources: Moser & Veselov, Commun. Math. Phys. 139 (1991) 217; Bou-Rabee & Marsden, Found. Comput.
+Math. 9 (2009) 197; Leyendecker, Marsden & Ortiz, ZAMM 88 (2008) 677 (constraints).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.motions import Group
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.solve.motion.events import events
+from fem_lie.solve.motion.integrator import Integrator, check_kinds
+from fem_lie.solve.motion.policies import Automatic, Policy
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.variational.run import Options, VariationalRun
+from fem_lie.system.equations import Equations
+
+
+@dataclass(frozen=True)
+class Variational(Integrator):
+    """Options of the scheme; :meth:`run` integrates with constant steps.
+
+    Attributes:
+        tolerance: 0: iterate until only round-off changes. Otherwise the predicted error of the
+            iteration in each step over the largest motion in it.
+        policy: When to factorise.
+        max_iterations: More in one step are a failure.
+    """
+
+    tolerance: float = 0.0
+    policy: Policy = field(default_factory=Automatic)
+    max_iterations: int = 100
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        check_kinds(self.tolerance, self.max_iterations, self.policy)
+        if not self.tolerance >= 0 or self.max_iterations < 1:
+            raise ValueError(
+                "wanted tolerance ≥ 0 and max_iterations ≥ 1, got "
+                f"{self.tolerance}, {self.max_iterations}"
+            )
+
+    def _equations(self, scene: Scene) -> Equations:
+        equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
+        _refuse(equations)
+        return equations
+
+    def _integration(self, equations: Equations, step: float) -> VariationalRun:
+        options = Options(self.tolerance, self.policy, self.max_iterations)
+        return VariationalRun(options, equations, step)
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        jumps = events(scene, duration)
+        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
+        raise ValueError(
+            "Variational makes constant steps, for its energy would drift with others: wanted the "
+            f"size of the step as a number and nothing that jumps, got {given}; use EnergyMomentum"
+        )
+
+
+def _refuse(equations: Equations) -> None:
+    """Raise ``ValueError`` for what the scheme cannot do."""
+    unknowns = equations.unknowns
+    drilling = ", ".join(unknowns.drilling)
+    reasons = dict.fromkeys(unknowns.other_constraints, True) | {
+        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
+        "redundant constraints": unknowns.may_be_redundant,
+        "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
+        f"shells with six parameters ({drilling})": bool(drilling),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"Variational has no {what}: use GeneralisedAlpha")

@@ -1,0 +1,170 @@
+"""The variational scheme: momenta, energy over long times, order, dissipation, bad input."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.solve.recording.recorder import History
+from tests.test_composed import Stopped, driven, flying, rigid_pendulum
+from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate, same
+
+SCHEME = fl.Variational()
+
+
+@pytest.mark.parametrize("joint", [fl.Spherical, fl.Revolute, fl.Fixed, fl.InPlane])
+@pytest.mark.parametrize("formulation", BEAMS.values(), ids=BEAMS)
+def test_angular_momentum_of_beams_and_joints(formulation, joint):
+    """It is that about the joint with the ground; the energy goes up and down."""
+    result = SCHEME.run(bars(formulation, joint)[0], duration=0.1, step=1e-3, save_every=5)
+    assert result.angular_momentum_error <= 1e-12
+    assert result.joint_violations.max() <= 1e-13
+    assert result.elastic.max() > 1e-3 * result.kinetic[0]
+    assert 1e-9 <= result.energy_error <= 1e-2
+
+
+@pytest.mark.parametrize("name", SHELLS)
+def test_momenta_of_shells(name):
+    """Of directors, half a rotation is half the way along the sphere."""
+    result = SCHEME.run(plate(name)[0], duration=0.02, step=1e-3, save_every=5)
+    assert result.momentum_error <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+
+
+def spinning() -> fl.Scene:
+    """A free rigid body."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25), position=(1, 0, 0)))
+    body.velocities[:] = [[1, 2, 3, 2, 0.1, 3]]
+    return scene
+
+
+def test_a_free_body_keeps_energy_too():
+    """Two quadratic invariants, as Moser and Veselov have it."""
+    result = SCHEME.run(spinning(), duration=10.0, step=1e-2, save_every=10)
+    assert result.energy_error <= 1e-13
+    assert result.momentum_error <= 1e-13
+    assert result.angular_momentum_error <= 1e-13
+
+
+def test_energy_does_not_drift():
+    """Of a swinging double pendulum, over some 50 periods."""
+    result = SCHEME.run(rigid_pendulum(), duration=40.0, step=5e-3, save_every=10)
+    energy = result.total_energy
+    swing = np.ptp(energy)
+    slope, _ = np.polyfit(result.times, energy, 1)
+    assert abs(slope) * result.times[-1] <= 0.2 * swing
+    halves = np.split(energy[: len(energy) // 2 * 2], 2)
+    assert np.ptp(halves[1]) <= 1.2 * np.ptp(halves[0])
+    assert swing <= 0.1 * np.ptp(result.kinetic)
+
+
+CASES = {
+    "rigid": (spinning, 0.5, 50, ("frames", "velocities")),
+    "beam": (flying, 0.01, 40, ("frames", "velocities")),
+    "joints": (rigid_pendulum, 0.4, 80, ("frames", "velocities", "joint_forces")),
+    "loads and drives": (driven, 0.1, 100, ("frames", "reactions")),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_second_order(case):
+    """Against the composed scheme, which is of fourth order."""
+    scene, duration, steps, names = CASES[case]
+    plan = {"duration": duration, "save_every": 10**6}
+    exact = fl.Composed().run(scene(), step=duration / steps, **plan)
+    errors = []
+    for parts in (2, 4):
+        result = SCHEME.run(scene(), step=duration / steps / parts, **plan)
+        errors.append(
+            [np.abs(getattr(result, name)[-1] - getattr(exact, name)[-1]).max() for name in names]
+        )
+    np.testing.assert_allclose(np.log2(np.divide(*errors)), 2.0, atol=0.1)
+
+
+def damped() -> fl.Scene:
+    """A body on a spring with a damper, pushed by a force that follows it."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    arm = scene.add(fl.RigidBody(1.0, (2e-3, 5e-3, 6e-3), position=(0.2, 0, 0)))
+    hinge = scene.add(fl.Revolute(fl.ground(), arm.centre, at=(0, 0, 0), axis=(0, 1, 0)))
+    scene.add(fl.Spring(hinge.angle, stiffness=20.0, damping=0.2))
+    scene.add(fl.PointLoad(arm.centre, force=(0, 0, 3.0), following=True))
+    return scene
+
+
+def test_dissipation_and_following_loads():
+    """Lagrange-d'Alembert: second order, and what is lost is booked to second order."""
+    plan = {"duration": 0.4, "save_every": 10**6}
+    exact = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12).run(damped(), step=5e-5, **plan)
+    runs = [SCHEME.run(damped(), step=h, **plan) for h in (4e-3, 2e-3)]
+    errors = [np.abs(run.frames[-1] - exact.frames[-1]).max() for run in runs]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+    lost = [run.balance[-1, 1] for run in (*runs, exact)]
+    assert lost[2] > 1e-2
+    assert abs(lost[1] - lost[2]) <= 0.3 * abs(lost[0] - lost[2])
+    assert runs[1].balance_error <= 0.3 * runs[0].balance_error
+
+
+def test_the_matrix_is_kept():
+    scene = flying()
+    kept = SCHEME.run(scene, duration=0.02, step=2e-4)
+    assert kept.factorisations <= 3
+    every = fl.Variational(policy=fl.EveryIteration()).run(flying(), duration=0.02, step=2e-4)
+    assert every.factorisations >= 100
+    np.testing.assert_allclose(kept.frames[-1], every.frames[-1], atol=1e-12)
+
+
+@pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
+    plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
+    whole = SCHEME.run(scene(), **plan)
+    file = tmp_path / "run.h5"
+    written = History.write_checkpoint
+
+    def stop(self, index, memory):
+        written(self, index, memory)
+        if index == 14:
+            raise Stopped
+
+    monkeypatch.setattr(History, "write_checkpoint", stop)
+    with pytest.raises(Stopped):
+        SCHEME.run(scene(), **plan, file=file, checkpoint_every=7)
+    monkeypatch.undo()
+    same(SCHEME.resume(scene(), file), whole)
+    same(fl.Result.load(file), whole)
+
+
+# --- bad input ---
+
+
+def test_options():
+    with pytest.raises(ValueError, match=r"tolerance ≥ 0 and max_iterations ≥ 1, got -1.0, 100"):
+        fl.Variational(tolerance=-1.0)
+    with pytest.raises(TypeError, match="policy"):
+        fl.Variational(policy="never")
+
+
+def test_steps_that_change():
+    with pytest.raises(ValueError, match=r"constant steps.* got AdaptiveStep"):
+        SCHEME.run(flying(), duration=0.1, step=fl.AdaptiveStep(1e-4))
+
+
+def test_jumps():
+    scene, one, _ = bars()
+    late = fl.Jumps(lambda t: float(t > 0.05), (0.05,))
+    scene.add(fl.PointLoad(one.end, force=(0, 0, 1), history=late))
+    with pytest.raises(ValueError, match=r"jumps at the times \[0.05\]"):
+        SCHEME.run(scene, duration=0.1, step=1e-2)
+
+
+def test_what_it_has_not():
+    scene = fl.Scene()
+    steel = fl.Section.rectangle(0.01, 0.01, fl.Material(2e9, 0.3, 1200.0))
+    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), steel, cells=2))
+    with pytest.raises(ValueError, match=r"no nodes that are no frames .* use GeneralisedAlpha"):
+        SCHEME.run(scene, duration=0.1, step=1e-2)
+
+
+def test_a_step_that_fails():
+    scheme = fl.Variational(max_iterations=2, policy=fl.Never())
+    with pytest.raises(fl.ConvergenceError, match=r"step 1 of 10 .* 2 iterations"):
+        scheme.run(bars()[0], duration=0.1, step=1e-2)
