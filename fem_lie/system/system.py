@@ -126,8 +126,9 @@ class System:
         self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
         axes = CarriedAxes(numbering, self.held, self.connections.bound)
+        following = FollowingAxes(numbering, self.connections.nodes)
         self.carried: list[CarriedDrilling | CarriedAxes | FollowingAxes] = [
-            each for each in (self.carried_drilling, axes, FollowingAxes(numbering)) if each
+            each for each in (self.carried_drilling, axes, following) if each
         ]
         self._check_redundant()
         self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))

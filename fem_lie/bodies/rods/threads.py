@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.line_body import LineBody, Placed
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Follower, Holds, Point
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.points import require_point
+from fem_lie.bodies.rods.following import following
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
@@ -20,6 +21,8 @@ from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
+
+AnyThreads = TypeVar("AnyThreads", bound="Threads")
 
 _EI = 4
 """Where it is in a section's stiffness on (Γ, κ)."""
@@ -67,6 +70,7 @@ class Threads(LineBody):
         sections = [section] * len(placed.elements)
         super().__init__(mesh, placed, sections, formulation, damping, name)
         self._clamped: list[int] = []
+        self._follows = False
         self._springs: Bends | None = None
         if isinstance(formulation, DiscreteCable):
             places = self.frames[:, 0]
@@ -102,6 +106,31 @@ class Threads(LineBody):
         tangents = tangents * np.sign(np.einsum("bj,bj->b", tangents, inwards))[:, np.newaxis]
         pairs = np.column_stack([nodes, other])
         return [self._springs, Bends.at_ends(pairs, tangents, self._flexibility[edges])]
+
+    def follow(self: AnyThreads) -> AnyThreads:
+        """Let axes of the nodes follow the motion: ``Cable.curve(…).follow()``.
+
+        For cables that whirl or tumble, and nets that fall: nothing changes but the components in
+        which equations are written, so that the matrix stays good for longer. See
+        :mod:`fem_lie.bodies.rods.following`.
+
+        Raises:
+            ValueError: It is laid straight, so that its rotation is not known.
+        """
+        if self._following() is None:
+            raise ValueError(
+                f"{self.label} is laid straight, and has no rotation about its line that its axes "
+                "could follow: lay it a little bent"
+            )
+        self._follows = True
+        return self
+
+    def follower(self) -> Follower | None:
+        """As :meth:`follow` says."""
+        return self._following() if self._follows else None
+
+    def _following(self) -> Follower | None:
+        return following(self.frames, self.elements, self.node_kind == NodeKind.SLOPE)
 
     def pin(self, *points: Point) -> None:
         """Hold the places of points of this body, and leave its directions there free.

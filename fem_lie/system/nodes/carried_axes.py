@@ -17,7 +17,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.body import Follower
-from fem_lie.lie.kinds import all_axes
+from fem_lie.lie.kinds import NodeKind, all_axes
 from fem_lie.lie.polar import polar_rotation
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -126,18 +126,21 @@ class CarriedAxes:
 class FollowingAxes:
     """Axes to be turned as their bodies say."""
 
-    def __init__(self, numbering: Numbering) -> None:
+    def __init__(self, numbering: Numbering, joined: Indices) -> None:
         """Ask the bodies.
 
         Args:
             numbering: Of all nodes.
+            joined: Leaders with joints, which have the axes of places and slopes for their frames.
         """
         leader = numbering.attachment.leader
-        self._parts: list[tuple[Indices, Follower]] = []
+        self._parts: list[tuple[Indices, Follower, Flags]] = []
         for body, nodes in numbering.nodes.items():
             follower = body.follower()
             if follower is not None:
-                self._parts.append((leader[nodes], follower))
+                seen = np.isin(body.node_kinds, (NodeKind.SLOPE, NodeKind.POINT))
+                kept = seen & np.isin(leader[nodes], joined)
+                self._parts.append((leader[nodes], follower, kept))
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
@@ -145,20 +148,25 @@ class FollowingAxes:
 
     def turn(self, H: Array) -> None:
         """Turn the axes of the rows at the head of ``H`` (≥ n, 4, 3)."""
-        for nodes, follower in self._parts:
-            rows = H[nodes]
-            follower(rows)
-            H[nodes] = rows
+        for nodes, follower, kept in self._parts:
+            H[nodes] = _followed(follower, kept, H[nodes])
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
         """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
-        for nodes, follower in self._parts:
+        for nodes, follower, kept in self._parts:
             rows, own = H[nodes], kinds[nodes]
             before = all_axes(own, rows)
-            follower(rows)
+            rows = _followed(follower, kept, rows)
             turn = all_axes(own, rows) @ before.transpose(0, 2, 1)
             H[nodes] = rows
             for k in np.flatnonzero(local):
                 halves = motion[k, nodes].reshape(-1, 2, 3)
                 turned = np.einsum("nij,naj->nai", turn, halves)
                 motion[k, nodes] = turned.reshape(-1, 6)
+
+
+def _followed(follower: Follower, kept: Flags, rows: Array) -> Array:
+    found = rows.copy()
+    follower(found)
+    found[kept] = rows[kept]
+    return found

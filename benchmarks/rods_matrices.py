@@ -1,0 +1,120 @@
+"""How often cables and nets need a new matrix: fixed axes against axes that turn with the nodes.
+
+Each scene is run by generalised-alpha with the policy ``Automatic``, the same step and tolerance:
+
+- fixed: equations in axes fixed in space, ``Components.INERTIAL``
+- own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
+  stay as they are
+- following: in axes from which the mean rotation of the body has been taken out, ``follow()``
+
+Beside matrices and iterations it tells the largest distance of any node at any time from the first
+of the runs, over the size of the body: they have the same error.
+
+    python benchmarks/rods_matrices.py [--steps 10000] [--scene NAME]
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+import numpy as np
+
+import fem_lie as fl
+
+Threads = fl.Cable | fl.Net
+
+
+def section(EI: float) -> fl.Section:
+    return fl.Section.from_stiffness([1e4] * 3 + [EI] * 3, mass=1.0)
+
+
+def swinging(EI: float) -> tuple[fl.Scene, Threads, float]:
+    """Dropped from the horizontal, a little bent."""
+    cable = fl.Cable.curve(lambda s: (s, 0, 1e-2 * s * s), section(EI), cells=20)
+    cable.pin(cable.start)
+    return falling(cable), cable, 1e-3
+
+
+def whirling() -> tuple[fl.Scene, Threads, float]:
+    """A rope between two hands, 10 rad/s."""
+    cable = fl.Cable.curve(lambda s: (s, 2 * s * (1 - s), 0), section(1e-1), cells=20)
+    cable.pin(cable.start, cable.end)
+    cable.turn((10.0, 0, 0), (0.0, 0, 0))
+    return falling(cable), cable, 1e-3
+
+
+def tumbling() -> tuple[fl.Scene, Threads, float]:
+    """A free bent rod."""
+    cable = fl.Cable.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), section(1.0), cells=20)
+    cable.turn((3.0, 4.0, 2.0), cable.node(10))
+    scene = fl.Scene()
+    scene.add(cable)
+    return scene, cable, 1e-3
+
+
+def net(held: bool) -> tuple[fl.Scene, Threads, float]:
+    """Of 8 by 8 meshes: hung by two corners from the horizontal, or free and turning."""
+    n = 9
+    s = np.linspace(0, 1, n)
+    x, y = np.meshgrid(s, s, indexing="ij")
+    number = np.arange(n * n).reshape(n, n)
+    points = np.column_stack([x.ravel(), y.ravel(), 0.1 * x.ravel() * y.ravel()])
+    body = fl.Net(points, [*number.tolist(), *number.T.tolist()], section(1e-2))
+    if held:
+        body.pin(body.node(0), body.node(n - 1))
+        return falling(body), body, 1e-3
+    body.turn((3.0, 1.0, 2.0), body.node(n * n // 2))
+    return falling(body), body, 1e-3
+
+
+def falling(body: Threads) -> fl.Scene:
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(body)
+    return scene
+
+
+SCENES: dict[str, Callable[[], tuple[fl.Scene, Threads, float]]] = {
+    "swinging, EI = 1": lambda: swinging(1.0),
+    "swinging, EI = 0.01": lambda: swinging(1e-2),
+    "whirling": whirling,
+    "tumbling": tumbling,
+    "net, thrown": lambda: net(False),
+    "net, hung": lambda: net(True),
+}
+
+
+def run(name: str, axes: str, steps: int) -> fl.Result:
+    scene, body, step = SCENES[name]()
+    if axes == "following":
+        body.follow()
+    components = fl.Components.INERTIAL if axes == "fixed" else fl.Components.LOCAL
+    scheme = fl.GeneralisedAlpha(radius=0.8, components=components)
+    return scheme.run(scene, duration=steps * step, step=step)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--steps", type=int, default=10_000)
+    parser.add_argument("--scene", choices=[*SCENES, "all"], default="all")
+    options = parser.parse_args()
+    names = list(SCENES) if options.scene == "all" else [options.scene]
+    print("scene                axes       matrices  iterations per step  distance", flush=True)
+    for name in names:
+        first = None
+        for axes in ("fixed", "own", "following"):
+            try:
+                result = run(name, axes, options.steps)
+            except fl.ConvergenceError as error:
+                print(f"{name:20} {axes:10} {error}"[:150], flush=True)
+                continue
+            first = result.frames[:, :, 0] if first is None else first
+            gap = np.abs(result.frames[:, :, 0] - first).max()
+            per_step = int(result.iterations[-1]) / options.steps
+            print(
+                f"{name:20} {axes:10} {result.k_updates:8} {per_step:20.1f}  {gap:8.1e}", flush=True
+            )
+
+
+if __name__ == "__main__":
+    main()
