@@ -428,3 +428,91 @@ def test_moments_and_clamps_of_single_points_are_refused():
         scene.add(fl.PointLoad(body["10"], moment=(0, 1, 0)))
     with pytest.raises(ValueError, match="ThinShell"):
         scene.add(fl.Clamp(body["00"]))
+
+
+PLATE = 1.0, 0.7, 0.01
+"""Sides and thickness of a plate."""
+
+
+def plate(cells):
+    a, b, thickness = PLATE
+    section = fl.ShellSection.layer(thickness, fl.Material(2e11, 0.3, 7800.0))
+    patch = fl.smooth_patch(lambda s, t: [a * s, b * t, 0.0], (cells, cells))
+    return fl.ThinShell(patch, section, name="plate")
+
+
+def test_frequencies_of_a_hinged_plate():
+    """Kirchhoff's ``π² (1/a² + 1/b²) √(D/ρt)``, to the order four."""
+    errors = []
+    for cells in (2, 4, 8):
+        body, scene = plate(cells), fl.Scene()
+        for name in ("a=0", "a=1", "b=0", "b=1"):
+            body.hinge(name)
+        scene.add(body)
+        a, b, thickness = PLATE
+        D = 2e11 * thickness**3 / 12 / (1 - 0.3**2)
+        wanted = np.pi**2 * (1 / a**2 + 1 / b**2) * np.sqrt(D / 7800 / thickness)
+        errors.append(fl.vibrations(scene, count=1).frequencies[0] / wanted - 1)
+    assert 0 < errors[2] < 2e-5
+    assert errors[0] / errors[1] > 14 and errors[1] / errors[2] > 14
+
+
+def pushed_plate(cells):
+    body, scene = plate(cells), fl.Scene()
+    for name in ("a=0", "a=1", "b=0", "b=1"):
+        body.guide(name, (0, 0, 1))
+    body.guide("a=0", (1, 0, 0))
+    body.guide("b=0", (0, 1, 0))
+    scene.add(body)
+    a, b, thickness = PLATE
+    D = 2e11 * thickness**3 / 12 / (1 - 0.3**2)
+    critical = np.pi**2 * D * (2 / a + a / 2 / b**2) ** 2
+    scene.add(fl.EdgeLoad(body, "a=1", force=(-critical, 0, 0)))
+    return scene
+
+
+def test_buckling_of_a_plate():
+    """Two waves along it (Timoshenko & Gere), by linear buckling and on the path."""
+    assert fl.buckling(pushed_plate(8), count=1).factors[0] == pytest.approx(1.0, rel=1e-3)
+    path = fl.follow_path(pushed_plate(4), until=1.2)
+    assert path.bifurcations[0].factor == pytest.approx(1.0, rel=0.02)
+
+
+class Unturned(fl.ThinShell):
+    """With axes that stay in space."""
+
+    def follower(self):
+        return None
+
+
+def tumbling(cls, steps):
+    """A sheet thrown with a turn about its diagonal, without gravity."""
+    patch = fl.smooth_patch(lambda a, b: [0.3 * a - 0.15, 0.15 * b - 0.075, 0.0], (3, 2))
+    body = cls(patch, fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0)), name="sheet")
+    body.turn((3.0, 30.0, 5.0), (0, 0, 0))
+    scene = fl.Scene()
+    scene.add(body)
+    scheme = fl.GeneralisedAlpha(radius=0.8, policy=fl.Automatic())
+    return scheme.run(scene, duration=1e-3 * steps, step=1e-3)
+
+
+def test_matrices_are_kept_in_axes_that_follow():
+    """Claim 5: the same motion with a fraction of the matrices, momenta and energy as they were."""
+    follows, stays = (tumbling(cls, 200) for cls in (fl.ThinShell, Unturned))
+    assert 5 * follows.factorisations <= stays.factorisations
+    gap = follows.position("sheet.10") - stays.position("sheet.10")
+    assert np.abs(gap).max() < 1e-6
+    energy = follows.kinetic + follows.elastic
+    assert abs(energy[-1] / energy[0] - 1) < 1e-3
+    momentum = follows.angular_momentum
+    np.testing.assert_allclose(momentum[-1], momentum[0], atol=1e-3 * np.abs(momentum[0]).max())
+
+
+def test_a_run_goes_on_from_its_file(tmp_path):
+    """And pictures show faces of places alone."""
+    result = tumbling(fl.ThinShell, 5)
+    result.picture(tmp_path / "sheet.png")
+    assert (tmp_path / "sheet.png").stat().st_size > 1000
+    result.save(tmp_path / "sheet.npz")
+    again = fl.Result.load(tmp_path / "sheet.npz")
+    np.testing.assert_array_equal(again.position("sheet.11"), result.position("sheet.11"))

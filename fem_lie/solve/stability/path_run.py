@@ -66,21 +66,22 @@ class Pursuit:
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
         self.initial, self.info = self.all_frames(equations.start.frames), equations.info
-        self._places = equations.start.frames[: unknowns.moving, 0].copy()
+        placed = self.model.placed
+        self._places = equations.start.frames[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to = inf
         if isinstance(control, DisplacementControl):
             assert control.point.body is not None
             of_all = unknowns.bodies[control.point.body][control.point.node]
-            node = int(equations.tables.leader[of_all])
+            node = int(np.count_nonzero(placed[: equations.tables.leader[of_all]]))
             gap = np.abs(self._places[node] - control.point.position).max()
             if gap > 1e-9 * unknowns.length:
                 raise ValueError(
                     f"displacement control at {control.point.label}, which follows another node "
                     f"rigidly {gap:g} away: control that one"
                 )
-            self._fixed, self._to = control.along(unknowns.moving, node), 1.0
+            self._fixed, self._to = control.along(len(self._places), node), 1.0
         elif isinstance(control, LoadControl):
             self._fixed = Load(walker.load)
         self.found = Record()

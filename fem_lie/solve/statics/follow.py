@@ -107,6 +107,7 @@ class SceneEquilibrium:
     Attributes:
         equations: Of the scene.
         diameter: Length of the model, by which turns are made lengths.
+        placed: Which nodes have a place of their own, shape (n,).
     """
 
     def __init__(
@@ -125,7 +126,7 @@ class SceneEquilibrium:
         self.equations = equations = Equations(scene, dynamics=False)
         unknowns = equations.unknowns
         self.diameter, self._moving = unknowns.length, unknowns.moving
-        self._placed = placed(unknowns.kinds)
+        self.placed = placed(unknowns.kinds)
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
@@ -206,13 +207,13 @@ class SceneEquilibrium:
 
     def positions(self) -> Array:
         """Of the nodes that have places, shape (n, 3)."""
-        return self._H[: self._moving, 0][self._placed]
+        return self._H[: self._moving, 0][self.placed]
 
     def translations(self, dx: Array) -> Array:
         """Velocities of these that ``dx`` means, shape (n, 3), components in space."""
         moved = dx[: 6 * self._moving].copy()
         turn_all(self.equations.unknowns.kinds, self._H, moved)
-        return moved.reshape(-1, 6)[self._placed, :3]
+        return moved.reshape(-1, 6)[self.placed, :3]
 
     def twists(self, dx: Array) -> Array:
         """Twists of the nodes that ``dx`` means, (n, 6), in their own axes, turns × diameter."""
