@@ -14,7 +14,7 @@ from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws import Penalty
+from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
@@ -210,6 +210,7 @@ __all__ = [
     "HermiteCable",
     "HuWashizu",
     "Hyperelastic",
+    "Impact",
     "Imperfection",
     "InPlane",
     "Index",

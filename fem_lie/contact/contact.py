@@ -10,13 +10,13 @@ import numpy as np
 from fem_lie._arrays import instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.contact.kinematics import gaps
-from fem_lie.contact.laws import Penalty
+from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.surfaces import Ball, Surface
 from fem_lie.contact.table import Nodes, Side, balls_side, planes_side
 
-Law: TypeAlias = Penalty
+Law: TypeAlias = Penalty | Impact
 
 OVERLAP = 0.05
 """Part of a size by which surfaces may overlap in the beginning."""
@@ -58,7 +58,7 @@ class Contact:
         """Raise ``TypeError`` if an argument is of another kind than wanted."""
         for side, given in (("a", self.a), ("b", self.b)):
             instance(given, Surface, f"Contact: {side}", "a surface such as Plane or Sphere")
-        instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6)")
+        instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6) or Impact()")
         text(self.name, "Contact: name")
 
     @property
@@ -129,7 +129,16 @@ class Contact:
 
         Args:
             nodes: Numbers of a body's nodes.
+
+        Raises:
+            ValueError: Its law has none, but impulses.
         """
+        if not isinstance(self.law, Penalty):
+            raise ValueError(
+                f"{self.label}: Impact is for GeneralisedAlpha with constant steps and results in "
+                "memory, and for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
+                "holds; give Penalty elsewhere"
+            )
         a, b, flat, same = self.sides(nodes)
         return PenaltyForces(a, b, self.law, flat=flat, same=same)
 

@@ -28,3 +28,26 @@ class Penalty:
         positive(self.stiffness, "Penalty: stiffness")
         if number(self.damping, "Penalty: damping") < 0.0:
             raise ValueError(f"Penalty: damping must not be negative, got {self.damping}")
+
+
+@dataclass(frozen=True)
+class Impact:
+    """Rigid surfaces: they never overlap, rub by Coulomb's law and bounce by Newton's.
+
+    It is for rigid bodies in :class:`~fem_lie.GeneralisedAlpha`. Steps need not resolve impacts.
+    Of several impacts at once restitution is a law, not physics.
+
+    Attributes:
+        friction: μ: the largest force across the normal over that along it.
+        restitution: e, in [0, 1]: velocity after an impact over that before, along the normal.
+    """
+
+    friction: float = 0.0
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
+        if number(self.friction, "Impact: friction") < 0.0:
+            raise ValueError(f"Impact: friction must not be negative, got {self.friction}")
+        if not 0.0 <= number(self.restitution, "Impact: restitution") <= 1.0:
+            raise ValueError(f"Impact: restitution must be in [0, 1], got {self.restitution}")

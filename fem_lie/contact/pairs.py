@@ -20,6 +20,8 @@ class NearPairs:
         now: First and second place, shape (m, 2).
         blocks: First and second node of all blocks of a matrix that they have.
         version: Of these; another number means others.
+        fixed: Whether all pairs are in the list.
+        patience: How far places may move until the list is made anew.
     """
 
     def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
@@ -33,13 +35,13 @@ class NearPairs:
         """
         self._a, self._b, self._same, self.version = a, b, same, 0
         hollow = bool((b.radii < 0.0).any())
-        self._fixed = flat or hollow
+        self.fixed = flat or hollow
         count = len(a.radii) if same else len(a.radii) + len(b.radii)
         self._at, self._before = np.empty((count, 3)), np.full((count, 3), np.inf)
         radii = a.radii if same else np.concatenate([a.radii, b.radii])
         self._skin = _SKIN * float(radii.mean())
-        self._reach = radii + self._skin
-        found = np.argwhere(a.owners[:, np.newaxis] != b.owners) if self._fixed else ()
+        self._reach, self.patience = radii + self._skin, 0.5 * self._skin
+        found = np.argwhere(a.owners[:, np.newaxis] != b.owners) if self.fixed else ()
         self._set(np.array(found, dtype=np.int64).reshape(-1, 2))
 
     def _set(self, pairs: Indices) -> None:
@@ -51,20 +53,20 @@ class NearPairs:
 
     def update(self, H: Array) -> None:
         """Make the list that of frames ``H`` if places have moved too far since it was made."""
-        if self._fixed:
+        if self.fixed:
             return
         n = len(self._a.radii)
         places(H, self._a, self._at[:n])
         if not self._same:
             places(H, self._b, self._at[n:])
-        if moved_by(self._at, self._before) <= 0.5 * self._skin:
+        if moved_by(self._at, self._before) <= self.patience:
             return
         self.see_again(self._at)
 
     @property
     def seen(self) -> Array:
         """Places for which the list was made, shape (n, 3)."""
-        return self._before[:0] if self._fixed else self._before
+        return self._before[:0] if self.fixed else self._before
 
     def see_again(self, at: Array) -> None:
         """Make the list for other places, such as were :attr:`seen`."""

@@ -6,14 +6,16 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
 from fem_lie.results.rows import INVARIANTS, write_all
-from fem_lie.results.steps import StepHistory
+from fem_lie.results.steps import ContactSteps, StepHistory
+
+Record = TypeVar("Record", StepHistory, ContactSteps)
 
 _FORMAT, _VERSION = "fem_lie results", 9
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
@@ -28,12 +30,14 @@ class Stored(NamedTuple):
         numbers: Those of :data:`NUMBERS`.
         info: Bodies and joints.
         steps: The steps that were made, if they changed.
+        contacts: What contacts by impacts did in each step, if there are any.
     """
 
     arrays: dict[str, Array]
     numbers: dict[str, float]
     info: SceneInfo
     steps: StepHistory | None
+    contacts: ContactSteps | None
 
 
 def write(path: str | os.PathLike[str], result: Stored) -> None:
@@ -48,9 +52,10 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
             file[name] = values
         for name in NUMBERS:
             file.attrs[name] = result.numbers[name]
-        if result.steps is not None:
-            for field in fields(StepHistory):
-                file[f"steps/{field.name}"] = getattr(result.steps, field.name)
+        for group, record in (("steps", result.steps), ("contacts", result.contacts)):
+            if record is not None:
+                for field in fields(record):
+                    file[f"{group}/{field.name}"] = getattr(record, field.name)
         _write_info(file, result.info)
         file.flush()
         image = file.id.get_file_image()
@@ -146,9 +151,8 @@ def _check_format(file: Any, source: Path) -> None:
 
 
 def _read(file: Any, names: Sequence[str]) -> Stored:
-    steps = None
-    if "steps" in file:
-        steps = StepHistory(**{f.name: file[f"steps/{f.name}"][()] for f in fields(StepHistory)})
+    steps = _read_record(file, "steps", StepHistory)
+    contacts = _read_record(file, "contacts", ContactSteps)
     rows = slice(int(file["rows"][0]) if "rows" in file else None)
     arrays = {name: file[name][rows] for name in names if name in file}
     if "invariants" in file:
@@ -162,7 +166,13 @@ def _read(file: Any, names: Sequence[str]) -> Stored:
         float(file.attrs["mass"]),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
     )
-    return Stored(arrays, numbers | {seconds: float(file.attrs[seconds])}, info, steps)
+    return Stored(arrays, numbers | {seconds: float(file.attrs[seconds])}, info, steps, contacts)
+
+
+def _read_record(file: Any, name: str, kind: type[Record]) -> Record | None:
+    if name not in file:
+        return None
+    return kind(**{field.name: file[name][field.name][()] for field in fields(kind)})
 
 
 def _groups(file: Any, name: str) -> list[Any]:

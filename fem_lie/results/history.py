@@ -20,7 +20,7 @@ from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.resampling import resampled
 from fem_lie.results.rows import row_shapes
 from fem_lie.results.states import StateSeries, label_of, nearest
-from fem_lie.results.steps import StepHistory
+from fem_lie.results.steps import ContactSteps, StepHistory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,6 +65,7 @@ class Result(StateSeries):
         seconds: Wall time of the time loop.
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
+        contacts: What contacts by impacts did in each step, if there are any.
     """
 
     times: Array
@@ -88,6 +89,7 @@ class Result(StateSeries):
     seconds: float
     info: SceneInfo
     steps: StepHistory | None = None
+    contacts: ContactSteps | None = None
     divided: int = 0
 
     def __post_init__(self) -> None:
@@ -207,7 +209,7 @@ class Result(StateSeries):
             OSError: It cannot be written, as on a full disk; the message names it.
         """
         arrays, numbers = ({n: getattr(self, n) for n in names} for names in (_ARRAYS, NUMBERS))
-        write(path, Stored(arrays, numbers, self.info, self.steps))
+        write(path, Stored(arrays, numbers, self.info, self.steps, self.contacts))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -219,7 +221,7 @@ class Result(StateSeries):
         """
         found = read(path, _ARRAYS)
         values: dict[str, Any] = {**found.arrays, **found.numbers}
-        return cls(**values, info=found.info, steps=found.steps)
+        return cls(**values, info=found.info, steps=found.steps, contacts=found.contacts)
 
     def write_vtk(
         self, path: str | os.PathLike[str], *, forces: Sequence[ForcesInBeam] = ()
@@ -292,5 +294,7 @@ class Result(StateSeries):
 
 
 _ARRAYS = tuple(
-    field.name for field in fields(Result) if field.name not in (*NUMBERS, "info", "steps")
+    field.name
+    for field in fields(Result)
+    if field.name not in (*NUMBERS, "info", "steps", "contacts")
 )

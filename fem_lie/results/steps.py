@@ -1,4 +1,4 @@
-"""The steps that an integrator made, and how wrong each of them was."""
+"""The steps that an integrator made: how wrong each of them was, and what contacts did in it."""
 
 from __future__ import annotations
 
@@ -49,3 +49,32 @@ class StepHistory:
         measured = np.stack([self.measured_translation, self.measured_rotation], axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(estimated / measured)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSteps:
+    """All S steps of a run, kept or not.
+
+    Attributes:
+        times: At the ends of the steps, shape (S,).
+        contacts: How many took part, zero in free flight, shape (S,).
+        sweeps: Over these, in all passes.
+        cone_residual: What is left of Coulomb's law, as a part of the largest impulse.
+        penetration: The deepest overlap at the end.
+        impact_loss: Energy that impulses along normals took.
+        friction_loss: Energy that friction took.
+    """
+
+    times: Array
+    contacts: Array
+    sweeps: Array
+    cone_residual: Array
+    penetration: Array
+    impact_loss: Array
+    friction_loss: Array
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` if lengths differ."""
+        for field in fields(self):
+            if (shape := getattr(self, field.name).shape) != self.times.shape:
+                raise ValueError(f"{field.name} has the shape {shape}, not {self.times.shape}")

@@ -235,6 +235,12 @@ class Scene:
         scene.family = self.family
         return scene
 
+    def without_contacts(self) -> Scene:
+        """The same scene and loads, in which bodies pass through each other."""
+        scene = self._copy(self.connections)
+        scene.loads, scene.contacts = list(self.loads), []
+        return scene
+
     def picture(
         self,
         path: str | os.PathLike[str],

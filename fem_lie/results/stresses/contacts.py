@@ -67,7 +67,7 @@ def contact_forces(
         steps: Which states; default: all.
 
     Raises:
-        ValueError: A body of it is not in the result, or there is no such step.
+        ValueError: A body of it is not in the result, there is no such step, or its law is another.
     """
     require_states(result)
     instance(contact, Contact, "contact", "a Contact")

@@ -46,19 +46,16 @@ _CHUNK = 200_000  # steps of bodies between two returns to Python: 0.1 s
 
 def applies(scene: Scene, policy: Policy) -> bool:
     """Whether the scene is rigid bodies alone, and the policy a rule for compiled loops."""
+    return not scene.contacts and held_by_nothing(scene, policy)
+
+
+def held_by_nothing(scene: Scene, policy: Policy) -> bool:
+    """:func:`applies`, whatever the contacts."""
     held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
-    touch = bool(scene.contacts)
     rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
     nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
     simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
-    return (
-        bool(scene.bodies)
-        and rigid
-        and simple
-        and not held
-        and not touch
-        and policy.rule() is not None
-    )
+    return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
 
 
 class Run:

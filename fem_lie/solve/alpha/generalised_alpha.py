@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.alpha import free_bodies, variable
+from fem_lie.solve.alpha import free_bodies, impacts, variable
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.motion.integrator import Integrator
@@ -68,8 +68,11 @@ class GeneralisedAlpha(Options, Integrator):
     def _compiled(
         self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
     ) -> Result | None:
-        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        if not (exponential and free_bodies.applies(scene, self.policy)):
+        if self.parametrisation != Parametrisation.EXPONENTIAL:
+            return None
+        if impacts.applies(scene, self.policy):
+            return impacts.Run(self, scene, step).integrate(steps, saving, progress)
+        if not free_bodies.applies(scene, self.policy):
             return None
         _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
         return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)

@@ -1,0 +1,104 @@
+"""All contacts of a scene by impacts: one table of pairs, made anew as balls come near others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.impacts import CLOSED, Touch, Work, set_gaps, work_of
+from fem_lie.contact.laws import Impact
+from fem_lie.contact.pairs import NearPairs
+from fem_lie.contact.table import Nodes, Side
+
+
+def _joined(sides: Sequence[Side]) -> Side:
+    return Side(*(np.concatenate(parts) for parts in zip(*sides, strict=True)))
+
+
+class Touching:
+    """Pairs that may touch, and what is kept of them from step to step.
+
+    Attributes:
+        touch: The pairs.
+        work: Of these.
+    """
+
+    def __init__(self, contacts: Sequence[Contact], nodes: Nodes, sizes: Array, H: Array) -> None:
+        """Join the contacts.
+
+        Args:
+            contacts: By impacts, all of them.
+            nodes: Numbers of a body's nodes.
+            sizes: Lengths of the bodies, shape (n,).
+            H: Frames in the beginning, shape (n, 4, 3).
+        """
+        sides = [contact.sides(nodes) for contact in contacts]
+        self._a, self._b = _joined([each.a for each in sides]), _joined([each.b for each in sides])
+        self._near = [NearPairs(a, b, flat=flat, same=same) for a, b, flat, same in sides]
+        self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
+        self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
+        self._flat = np.array([each.flat for each in sides])
+        laws = [contact.law for contact in contacts]
+        numbers = [(law.friction, law.restitution) for law in laws if isinstance(law, Impact)]
+        self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
+        self._lengths = [self._length(side, sizes) for side in (self._a, self._b)]
+        self._versions: tuple[int, ...] = ()
+        self._count = len(sizes)
+        self.update(H)
+
+    def update(self, H: Array) -> None:
+        """Look again who is near whom, at frames ``H`` at the start of a step."""
+        for each in self._near:
+            each.update(H)
+        versions = tuple(each.version for each in self._near)
+        if versions == self._versions:
+            return
+        before = (self.touch.pairs, self.work.impulses) if self._versions else None
+        self._versions = versions
+        self._set()
+        set_gaps(self.touch, H, self.work.gaps)
+        if before is not None:
+            self._remember(*before)
+
+    @staticmethod
+    def _length(side: Side, sizes: Array) -> Array:
+        """Radii of balls, and sizes of the bodies that points are on; zero of ground."""
+        of_bodies = np.append(sizes, 0.0)[side.nodes[:, 0]]
+        return np.where(side.radii != 0.0, np.abs(side.radii), of_bodies)
+
+    def _set(self) -> None:
+        lists = [each.now + first for each, first in zip(self._near, self._first, strict=False)]
+        pairs = np.concatenate(lists)
+        of = np.repeat(np.arange(len(lists)), [len(each) for each in lists])
+        self.touch = Touch(
+            self._a,
+            self._b,
+            pairs,
+            self._flat[of],
+            self._friction[of],
+            self._restitution[of],
+            CLOSED * np.maximum(self._lengths[0][pairs[:, 0]], self._lengths[1][pairs[:, 1]]),
+            self.arm,
+        )
+        self.work: Work = work_of(len(pairs), self._count)
+
+    def _remember(self, pairs: Indices, impulses: Array) -> None:
+        """Take over impulses of the pairs that there were."""
+        count = len(self._b.radii)
+        keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs))
+        _, here, there = np.intersect1d(keys, old, return_indices=True)
+        self.work.impulses[here] = impulses[there]
+
+    @property
+    def arm(self) -> float:
+        """The largest distance of a place from the centre of its body."""
+        levers = [side.levers[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
+        return float(np.linalg.norm(np.concatenate(levers), axis=1).max(initial=0.0))
+
+    @property
+    def patience(self) -> float:
+        """How far places may move until the list has to be looked at again."""
+        return min((each.patience for each in self._near if not each.fixed), default=np.inf)

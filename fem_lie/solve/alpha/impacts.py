@@ -1,0 +1,147 @@
+"""Generalised-α for rigid bodies that nothing holds, and that touch each other and ground.
+
+Each body makes its step as if it were alone (:mod:`fem_lie.solve.alpha.free_bodies`), and contacts
+change its end (:mod:`fem_lie.contact.impacts`). Accelerations are then those of the end without
+contacts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fem_lie._arrays import Indices
+from fem_lie.contact.impacts import (
+    CONTACTS,
+    FRICTION,
+    IMPACT,
+    PENETRATION,
+    RESIDUAL,
+    SWEEPS,
+    TOLD,
+    Masses,
+)
+from fem_lie.contact.laws import Impact
+from fem_lie.contact.touching import Touching
+from fem_lie.lie.motions import Group
+from fem_lie.results import Result
+from fem_lie.results.steps import ContactSteps
+from fem_lie.scene import Scene
+from fem_lie.scene.load import amplitudes
+from fem_lie.solve.alpha import free_bodies
+from fem_lie.solve.alpha.options import Options
+from fem_lie.solve.alpha.step.free_records import Kept, Plan
+from fem_lie.solve.alpha.step.impact_steps import STALE, UNSETTLED, Contacts, advance
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.saving import Saving
+
+_TOLERANCE = 1e-9
+"""Residual of the cones; where it is not reached it is told, see :class:`ContactSteps`."""
+
+
+def applies(scene: Scene, policy: Policy) -> bool:
+    """Whether the scene is free rigid bodies, and impacts between them and ground."""
+    by_impacts = [isinstance(contact.law, Impact) for contact in scene.contacts]
+    flat = all(body.group == Group.R3xSO3 for body in scene.bodies)
+    return (
+        bool(by_impacts) and all(by_impacts) and flat and free_bodies.held_by_nothing(scene, policy)
+    )
+
+
+class Run(free_bodies.Run):
+    """One integration."""
+
+    def __init__(self, options: Options, scene: Scene, step: float) -> None:
+        """Collect bodies, loads and contacts."""
+        super().__init__(options, scene.without_contacts(), step)
+        bodies, nodes = self.bodies, self.equations.unknowns.bodies
+        inverse = np.linalg.inv(bodies.J).astype(np.float64)
+        self._masses = Masses(bodies.mass, bodies.J, inverse, self.loads.constant[:, :3].copy())
+        self._touching = Touching(scene.contacts, nodes.__getitem__, bodies.size, self.s.H)
+        self._contacts = Contacts(
+            _TOLERANCE,
+            self._touching.patience,
+            self._touching.arm,
+            np.zeros(1),
+            np.zeros((0, TOLD)),
+            np.zeros(7),
+            np.zeros((0, 7)),
+        )
+        self._unsettled = 0
+
+    def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
+        """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
+        self._contacts = self._contacts._replace(told=np.zeros((steps, TOLD)))
+        result = super().integrate(steps, saving, progress)
+        told = self._contacts.told
+        found = ContactSteps(
+            times=self.p.h * np.arange(1, steps + 1, dtype=np.float64),
+            contacts=told[:, CONTACTS].copy(),
+            sweeps=told[:, SWEEPS].copy(),
+            cone_residual=told[:, RESIDUAL].copy(),
+            penetration=told[:, PENETRATION].copy(),
+            impact_loss=-told[:, IMPACT],
+            friction_loss=-told[:, FRICTION],
+        )
+        return replace(result, contacts=found)
+
+    def _advance(
+        self, history: History, wanted: range, failed: np.ndarray, before: int = 0
+    ) -> tuple[int, int, int]:
+        first, made, factorisations = wanted.start, before, 0
+        while True:
+            left = range(first, wanted.stop)
+            last, made, more, why = self._go(history, left, failed, made)
+            factorisations += more
+            self._unsettled = self._touching.work.cones.r.shape[0] if why == UNSETTLED else 0
+            if why != STALE:
+                return last, made, factorisations
+            self._touching.update(self.s.H)
+            self._contacts.sum[0], first = 0.0, last + 1
+
+    def _go(
+        self, history: History, wanted: range, failed: np.ndarray, before: int
+    ) -> tuple[int, int, int, int]:
+        """Steps until the list of pairs is old: last step, iterations, matrices, and why."""
+        indices: Indices = np.arange(wanted.start, wanted.stop)
+        amplitude = amplitudes(self.histories, indices * self.p.h)
+        taken = np.zeros(len(indices), dtype=np.int64)
+        rows = (indices % history.every == 0) | (indices == history.steps)
+        done, contacts = np.zeros((int(rows.sum()), 7)), np.zeros((int(rows.sum()), 7))
+        last, factorisations, why = advance(
+            self.p,
+            self.options,
+            self.bodies,
+            self.loads,
+            amplitude,
+            self.s,
+            Plan(wanted.start, wanted.stop - 1, history.row, history.steps, history.every),
+            Kept(history.frames, history.velocities, done, taken, failed),
+            self._touching.touch,
+            self._masses,
+            self._touching.work,
+            self._contacts._replace(done=contacts),
+        )
+        count, kept = before + np.cumsum(taken), (indices <= last) & rows
+        number = int(kept.sum())
+        at = slice(history.row, history.row + number)
+        history.balance[at, 0], history.impulses[at, 0] = done[:number, 0], done[:number, 1:]
+        history.balance[at, 1], history.impulses[at, 1] = (
+            contacts[:number, 0],
+            contacts[:number, 1:],
+        )
+        self._keep(history, indices[kept], count[kept])
+        made = last - wanted.start + 1
+        return last, int(count[made - 1]) if made else before, factorisations, why
+
+    def _failure(self, index: int, steps: int, failed: np.ndarray) -> str:
+        if not self._unsettled:
+            return super()._failure(index, steps, failed)
+        reached = float(self._contacts.told[index - 1, RESIDUAL])
+        count = int(self._contacts.told[index - 1, CONTACTS])
+        return (
+            f"step {index} of {steps}: {count} contacts did not settle (residual {reached:.0e}); "
+            "are bodies wedged? Try smaller steps, or Penalty"
+        )

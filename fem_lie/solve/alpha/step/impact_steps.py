@@ -1,0 +1,179 @@
+"""Steps of free rigid bodies that touch, compiled: the step without contacts, then these."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined, linked
+from fem_lie.contact import impacts
+from fem_lie.contact.impacts import FRICTION, GROUND, IMPACT, Masses, Touch, Work, settle
+from fem_lie.lie.motions import to_local
+from fem_lie.lie.tuples import dot, load, load_row, negative, rotate_back, scaled, store
+from fem_lie.solve.alpha.step.free_body import act, book, load_of, make_step, residual
+from fem_lie.solve.alpha.step.free_records import (
+    BODY,
+    INCREMENT,
+    RESIDUAL,
+    Bodies,
+    Body,
+    End,
+    Kept,
+    Loads,
+    Options,
+    Plan,
+    Start,
+    State,
+)
+from fem_lie.solve.alpha.step.node import Scheme
+
+MADE, STALE, FAILED, UNSETTLED = range(4)
+"""Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
+failed; contacts have not settled."""
+
+LARGEST = 1e-3
+"""Residual of the cones with which a step has failed."""
+
+
+class Contacts(NamedTuple):
+    """What contacts need besides.
+
+    Attributes:
+        tolerance: Of the residual of the cones.
+        patience: How far places may move until it has to be looked again.
+        arm: The largest distance of a place from its body's centre.
+        sum: How far they may have moved, shape (1,).
+        told: Of all steps, see :data:`fem_lie.contact.impacts.TOLD`, shape (S, 13).
+        booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
+        done: These at the rows of these steps, shape (kept, 7).
+    """
+
+    tolerance: float
+    patience: float
+    arm: float
+    sum: Array
+    told: Array
+    booked: Array
+    done: Array
+
+
+@compiled
+def _accelerate(m: float, J: Array, inverse: Array, f: Array, here: Start) -> None:
+    """Accelerations without contacts, after velocities have jumped."""
+    for k in range(6):
+        here.vdot[k] = 0.0
+    force, moment = residual(1, m, J, f, here.H, here.v, here.vdot)
+    store(here.vdot, 0, scaled(-1.0 / m, force))
+    rows = load_row(inverse, 0), load_row(inverse, 1), load_row(inverse, 2)
+    store(here.vdot, 3, negative(rotate_back(*rows, moment)))
+    for k in range(6):
+        here.a[k] = here.vdot[k]
+
+
+@inlined
+def _speed(v: Array, arm: float) -> float:
+    """The largest of any place."""
+    found = 0.0
+    for i in range(v.shape[0]):
+        u, ω = load(v[i], 0), load(v[i], 3)
+        found = max(found, np.sqrt(dot(u, u)) + arm * np.sqrt(dot(ω, ω)))
+    return found
+
+
+@inlined
+def _changed(v: Array, smooth: Array, H: Array, before: Array) -> bool:
+    """Whether contacts have changed a body, shapes (6,) and (4, 3)."""
+    for k in range(6):
+        if v[k] != smooth[k]:
+            return True
+    return H[0, 0] != before[0, 0] or H[0, 1] != before[0, 1] or H[0, 2] != before[0, 2]
+
+
+@linked
+def advance(
+    p: Scheme,
+    options: Options,
+    bodies: Bodies,
+    loads: Loads,
+    amplitude: Array,
+    state: State,
+    plan: Plan,
+    rows: Kept,
+    touch: Touch,
+    masses: Masses,
+    work: Work,
+    contacts: Contacts,
+) -> tuple[int, int, int]:
+    """Steps ``first … last`` of all bodies; as :func:`~.free_body.advance`, with contacts.
+
+    Returns:
+        The last step that was made, the number of factorisations, and why it ended there.
+    """
+    always = Options(options.tolerance, options.limit, 1, 0.0, False)
+    mass, J, size, group = bodies
+    n = len(mass)
+    end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
+    f, rate, note, twist, seen = (
+        np.empty((n, 12)),
+        np.empty(6),
+        np.zeros(3),
+        np.empty(6),
+        np.empty(7),
+    )
+    H0, v0, factorisations, row = np.empty_like(state.H), np.empty_like(state.v), 0, plan.row
+    for index in range(plan.first, plan.last + 1):
+        if contacts.sum[0] > contacts.patience:
+            return index - 1, factorisations, STALE
+        at = index - plan.first
+        H0[:], v0[:] = state.H, state.v
+        for i in range(n):
+            own = Scheme(p.h, p.am, p.af, p.gamma, p.beta, p.mass, p.damping, size[i])
+            body = Body(group[i], mass[i], J[i])
+            here = Start(
+                state.H[i], state.v[i], state.vdot[i], state.a[i], state.memory[i], state.kept[i]
+            )
+            load_of(loads, amplitude[at], i, f[i])
+            count, made = make_step(own, options, body, f[i], here, end, note)
+            factorisations += made
+            if count == 0 and options.rescue:
+                count, made = make_step(own, always, body, f[i], here, end, note)
+                factorisations += made
+            if count == 0:
+                rows.failed[BODY] = i
+                rows.failed[INCREMENT], rows.failed[RESIDUAL] = note[INCREMENT], note[RESIDUAL]
+                return index - 1, factorisations, FAILED
+            rows.iterations[at] = max(count, rows.iterations[at])
+        told = contacts.told[index - 1]
+        start = H0, v0
+        if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
+            if not told[impacts.RESIDUAL] <= LARGEST:
+                return index - 1, factorisations, UNSETTLED
+            for i in range(n):
+                if _changed(state.v[i], work.v[i], state.H[i], work.H[0, i]):
+                    here = Start(
+                        state.H[i],
+                        state.v[i],
+                        state.vdot[i],
+                        state.a[i],
+                        state.memory[i],
+                        state.kept[i],
+                    )
+                    _accelerate(mass[i], J[i], masses.inverse[i], f[i], here)
+            contacts.booked[0] -= told[IMPACT] + told[FRICTION]
+            for k in range(6):
+                contacts.booked[1 + k] += told[GROUND + k]
+        contacts.sum[0] += p.h * max(_speed(v0, contacts.arm), _speed(state.v, contacts.arm))
+        kept = index % plan.every == 0 or index == plan.total
+        for i in range(n):
+            to_local(group[i], state.H[i], state.v[i], state.vdot[i], twist, rate)
+            act(f[i], loads.constant[i], state.H[i], twist, seen)
+            book(p.h, seen, state.rates[i], state.booked[i])
+            if kept:
+                rows.frames[row, i], rows.velocities[row, i] = state.H[i], twist
+                rows.done[row - plan.row] += state.booked[i]
+        if kept:
+            contacts.done[row - plan.row] = contacts.booked
+            row += 1
+    return plan.last, factorisations, MADE

@@ -1,0 +1,325 @@
+"""Impacts and friction of rigid bodies: closed forms at steps of a hundredth of a second."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+import fem_lie as fl
+from fem_lie.contact import cones
+
+GRAVITY, RADIUS = 9.81, 0.1
+FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+
+
+def run(scene, duration, step, radius=0.8, **options) -> fl.Result:
+    scheme = fl.GeneralisedAlpha(radius=radius)
+    return scheme.run(scene, duration=duration, step=step, progress=False, **options)
+
+
+def on_slope(angle: float, body: fl.RigidBody, surface: fl.Surface, law, size=1.0) -> fl.Scene:
+    """A body on a plane across Z, with gravity as on an incline down X."""
+    pull = GRAVITY * size
+    scene = fl.Scene(gravity=(pull * np.sin(angle), 0, -pull * np.cos(angle)))
+    scene.add(body)
+    scene.add(fl.Contact(surface, FLOOR, law))
+    return scene
+
+
+def cuboid(mass: float, edges) -> np.ndarray:
+    squares = np.asarray(edges, dtype=float) ** 2
+    return mass / 12 * (squares.sum() - squares)
+
+
+# --- restitution ---
+
+
+def falls(restitution: float, times: np.ndarray) -> np.ndarray:
+    """Height of a ball that falls one metre, bounce after bounce."""
+    out = np.empty_like(times)
+    for k, time in enumerate(times):
+        t, speed, length = time, 0.0, np.sqrt(2 / GRAVITY)
+        height = 1.0
+        after = restitution * np.sqrt(2 * GRAVITY)
+        while t >= length and after > 1e-12:
+            t, height, speed = t - length, 0.0, after
+            length, after = 2 * speed / GRAVITY, restitution * speed
+        rests = t >= length
+        out[k] = 0.0 if rests else height + speed * t - 0.5 * GRAVITY * t**2
+    return out
+
+
+@pytest.mark.parametrize(
+    ("restitution", "step", "error"),
+    [
+        (1.0, 1e-2, 1e-14),
+        (1.0, 1e-3, 1e-13),
+        (0.8, 1e-2, 1e-14),
+        (0.8, 1e-3, 1e-13),
+        (0.5, 1e-2, 2e-4),  # infinitely many impacts before it rests
+        (0.5, 1e-3, 5e-7),
+        (0.0, 1e-2, 1e-14),
+    ],
+)
+def test_a_ball_bounces_as_the_closed_form(restitution, step, error):
+    ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1 + RADIUS))
+    law = fl.Impact(restitution=restitution)
+    result = run(on_slope(0.0, ball, fl.Sphere(ball.centre, RADIUS), law), 2.0, step)
+    height = result.position(ball.centre)[:, 2] - RADIUS
+    np.testing.assert_allclose(height, falls(restitution, result.times), rtol=0, atol=error)
+    # what impacts take, and what ground gives, is booked
+    assert result.energy_error < 1e-13
+    assert result.momentum_error < 1e-13
+    assert result.contacts.impact_loss.min() > -1e-13
+    assert result.contacts.penetration.max() < 1e-13
+
+
+def test_balls_that_meet_change_velocities():
+    """Along a line, one by one; and obliquely, without friction along the line of centres alone."""
+    scene, balls = fl.Scene(), []
+    for x, speed in ((0.0, 1.0), (0.5, 0.0), (1.0, 0.0)):
+        balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (x, 0, 0))))
+        balls[-1].move((speed, 0, 0))
+    surface = fl.Vertices([ball.centre for ball in balls], RADIUS)
+    scene.add(fl.Contact(surface, surface, fl.Impact(restitution=1.0)))
+    result = run(scene, 1.0, 1e-2)
+    velocities = [result.velocity(ball.centre)[-1, 0] for ball in balls]
+    np.testing.assert_allclose(velocities, [0.0, 0.0, 1.0], atol=1e-13)
+    # the last one is as far as if it had been one ball, less two diameters
+    assert result.position(balls[2].centre)[-1, 0] == pytest.approx(1.0 + 4 * RADIUS, abs=1e-13)
+
+
+# --- friction ---
+
+
+def slid(angle: float, size: float = 1.0, step: float = 1e-2, **options):
+    edges = size * np.array([0.2, 0.2, 0.1])
+    block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, edges[2] / 2))
+    block.move((options.get("speed", 0.0) * size, 0, 0))
+    law = fl.Impact(friction=options.get("friction", 0.5))
+    scene = on_slope(np.radians(angle), block, fl.Box(block.centre, edges), law, size)
+    result = run(scene, 1.0, step)
+    return result.position(block.centre) / size, result
+
+
+@pytest.mark.parametrize("angle", [20.0, 26.5, 26.56, 26.57, 30.0, 40.0])
+def test_a_block_sticks_or_slides_on_a_slope(angle):
+    """The tangent of 26.565° is the friction."""
+    path, result = slid(angle)
+    down, across = np.sin(np.radians(angle)), np.cos(np.radians(angle))
+    expected = max(0.0, 0.5 * GRAVITY * (down - 0.5 * across))
+    assert path[-1, 0] == pytest.approx(expected, abs=1e-9)
+    np.testing.assert_allclose(path[:, 2], 0.05, rtol=0, atol=1e-11)
+    assert result.contacts.friction_loss.min() > -1e-9
+    assert result.contacts.cone_residual.max() < 1e-6
+
+
+def test_a_slope_has_no_size():
+    paths = [slid(30.0, size)[0][-1, 0] for size in (1.0, 0.1, 1e-3)]
+    np.testing.assert_allclose(paths, paths[0], rtol=1e-10)
+
+
+@pytest.mark.parametrize(("step", "error"), [(1e-2, 1e-5), (1e-3, 1e-6)])
+def test_a_block_slides_to_rest(step, error):
+    path, result = slid(0.0, step=step, speed=2.0, friction=0.4)
+    assert path[-1, 0] == pytest.approx(4.0 / (0.8 * GRAVITY), abs=error)
+    assert result.contacts.friction_loss.sum() == pytest.approx(2.0, rel=1e-9)
+    assert result.energy_error < 1e-13
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.1], ids=["rolls", "slides"])
+def test_a_sphere_on_a_slope(friction):
+    """It rolls if the friction is more than two sevenths of the tangent."""
+    angle, r = np.radians(30.0), RADIUS
+    sphere = fl.RigidBody(1.0, 0.4 * r * r * np.ones(3), (0, 0, r))
+    law = fl.Impact(friction)
+    result = run(on_slope(angle, sphere, fl.Sphere(sphere.centre, r), law), 1.0, 1e-2)
+    down, across = GRAVITY * np.sin(angle), GRAVITY * np.cos(angle)
+    rolls = friction > 2 / 7 * np.tan(angle)
+    acceleration = 5 / 7 * down if rolls else down - friction * across
+    spin = 5 / 7 * down / r if rolls else 2.5 * friction * across / r
+    assert result.position(sphere.centre)[-1, 0] == pytest.approx(0.5 * acceleration, abs=1e-12)
+    turned = result.rotation(sphere.centre)[-1] @ result.velocity(sphere.centre)[-1, 3:]
+    assert turned[1] == pytest.approx(spin, abs=1e-11)
+    assert result.energy_error < 1e-12
+
+
+# --- constraints that come and go ---
+
+
+def ladder(step: float, duration: float) -> tuple[fl.Result, np.ndarray, np.ndarray]:
+    """A rod between a smooth wall and a smooth floor: its angle, and how far its top is off."""
+    lean = 0.3
+    c, s = np.cos(lean), np.sin(lean)
+    axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+    rod = fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), (s / 2, 0, c / 2), axes)
+    along = rod.frames[0, 3] / 2
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(rod)
+    top, foot = rod.at(rod.frames[0, 0] + along), rod.at(rod.frames[0, 0] - along)
+    wall, floor = (fl.Plane(fl.ground(), normal) for normal in ((1, 0, 0), (0, 0, 1)))
+    scene.add(fl.Contact(fl.Vertices([top]), wall, fl.Impact()))
+    scene.add(fl.Contact(fl.Vertices([foot]), floor, fl.Impact()))
+    result = run(scene, duration, step)
+    up = result.position(top) - result.position(foot)
+    return result, np.arctan2(np.abs(up[:, 0]), up[:, 2]), result.position(top)[:, 0]
+
+
+def test_a_ladder_slides_with_second_order_and_leaves_the_wall():
+    """Its top leaves the wall at two thirds of its height."""
+    fall = solve_ivp(
+        lambda t, y: [y[1], 1.5 * GRAVITY * np.sin(y[0])],
+        (0, 0.4),
+        [0.3, 0.0],
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    errors = [ladder(h, 0.4)[1][-1] - fall.y[0, -1] for h in (1e-2, 5e-3, 2.5e-3)]
+    assert abs(errors[0]) < 1.2e-4
+    assert 3.9 < errors[0] / errors[1] < 4.3
+    assert 3.9 < errors[1] / errors[2] < 4.1
+    result, _, top = ladder(2.5e-3, 0.6)
+    left = result.times[np.flatnonzero(np.abs(top - top[0]) > 1e-7)[0]]
+    assert left == pytest.approx(0.46001, abs=5e-3)
+    assert np.diff(result.total_energy).max() < 1e-6
+
+
+def test_a_rocking_block_loses_what_housner_says():
+    """Of its rate in the impact on the other edge; what steps miss of the free motion is h."""
+    half, tall = 0.05, 0.25
+    corner = np.arctan(half / tall)
+    lean, p2 = 0.5 * corner, 0.75 * GRAVITY / np.hypot(half, tall)
+    gained = 2 * p2 * (np.cos(corner - lean) - np.cos(corner))
+    time = quad(
+        lambda q: 2 * q / np.sqrt(2 * p2 * (np.cos(corner - lean) - np.cos(corner - lean + q * q))),
+        1e-12,
+        np.sqrt(lean),
+    )[0]
+    c, s = np.cos(lean), np.sin(lean)
+    axes = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    errors = []
+    for step in (2e-3, 1e-3):
+        edges = (2 * half, 0.2, 2 * tall)
+        block = fl.RigidBody(1.0, cuboid(1.0, edges), -axes @ (half, 0, -tall), axes)
+        scene = on_slope(0.0, block, fl.Box(block.centre, edges), fl.Impact(1.0))
+        steps = int(np.ceil((time + 1.2 * step) / step))
+        result = run(scene, steps * step, step)
+        rate = abs(result.velocity(block.centre)[-1, 4]) / np.sqrt(gained)
+        errors.append(1 - 1.5 * np.sin(corner) ** 2 - rate)
+    assert 0.0 < errors[1] < 0.016
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.3)
+
+
+def test_restitution_adds_no_energy_in_a_box():
+    """Sixteen balls that bounce and rub; momentum of what is free stays."""
+    rng = np.random.default_rng(1)
+    scene = fl.Scene()
+    balls = []
+    for place in 0.25 * np.array(list(np.ndindex(4, 2, 2))):
+        balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place)))
+        balls[-1].move(rng.normal(size=3))
+    shell = scene.add(fl.RigidBody(30.0, 3.0 * np.ones(3), (0.375, 0.125, 0.125)))
+    surface = fl.Vertices([ball.centre for ball in balls], RADIUS)
+    law = fl.Impact(friction=0.3, restitution=0.7)
+    scene.add(fl.Contact(surface, surface, law))
+    scene.add(fl.Contact(surface, fl.Box(shell.centre, (1.4, 1.4, 1.4), inside=True), law))
+    result = run(scene, 1.0, 1e-3)
+    assert (result.contacts.contacts > 0).sum() > 10
+    assert np.diff(result.kinetic).max() < 1e-4 * result.kinetic[0]
+    assert result.kinetic[-1] < 0.8 * result.kinetic[0]
+    assert result.momentum_error < 1e-13
+    assert result.contacts.penetration.max() < 1e-9
+    assert result.energy_error < 1e-9
+
+
+# --- the law itself ---
+
+
+def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> cones.Cones:
+    """Contacts of one body with ground whose products are nearly those of ``W``."""
+    k = len(friction)
+    rows = np.zeros((k, 2, 3, 6))
+    rows[:, 0] = W.reshape(k, 3, 6)
+    z = np.zeros
+    bodies = np.tile([0, -1], (k, 1))
+    return cones.Cones(
+        bodies, rows, rows.copy(), z((k, 3, 3)), q.copy(), friction, z((k, 3)), z((1, 6))
+    )
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_solutions_satisfy_coulombs_law(seed):
+    """Velocities and impulses of a body on several contacts, each by itself."""
+    rng = np.random.default_rng(seed)
+    k = 1 + seed % 5
+    friction = rng.uniform(0.0, 1.2, size=k)
+    rows = rng.normal(size=(3 * k, 6))
+    # a motion that opens all contacts exists
+    rows[::3, 2] = 3.0 + np.abs(rows[::3, 2])
+    problem = problem_of(rows, rng.normal(size=(k, 3)) - [1.0, 0, 0], friction)
+    _, _, left = cones.solve(problem, k, 1e-12)
+    assert left < 1e-10
+    r, u = problem.r, problem.q + (rows @ problem.W[0]).reshape(k, 3)
+    size, fast = np.abs(r).max(), np.abs(problem.q).max()
+    slide, push = np.linalg.norm(u[:, 1:], axis=1), np.linalg.norm(r[:, 1:], axis=1)
+    assert r[:, 0].min() >= 0.0
+    assert u[:, 0].min() > -1e-9 * fast
+    np.testing.assert_allclose(r[:, 0] * u[:, 0], 0.0, atol=1e-9 * size * fast)
+    assert (push <= friction * r[:, 0] + 1e-9 * size).all()
+    # what slides is held back with all there is, against its way
+    np.testing.assert_allclose(
+        (r[:, 1:] * u[:, 1:]).sum(axis=1), -friction * r[:, 0] * slide, atol=1e-8 * size * fast
+    )
+
+
+# --- bad input ---
+
+
+def impacted(law=None, **options) -> fl.Scene:
+    ball = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), (0, 0, 1))
+    law = fl.Impact() if law is None else law
+    return on_slope(0.0, ball, fl.Sphere(ball.centre, RADIUS), law)
+
+
+def hinged() -> fl.Scene:
+    scene = impacted()
+    scene.add(fl.Spherical(fl.ground(), scene.bodies[0].centre))
+    return scene
+
+
+def on_se3() -> fl.Scene:
+    scene = impacted()
+    scene.bodies[0].on(fl.Group.SE3)
+    return scene
+
+
+REFUSED = {
+    "friction": (lambda: fl.Impact(friction=-0.1), "friction must not be negative"),
+    "restitution": (lambda: fl.Impact(restitution=1.1), r"restitution must be in \[0, 1\]"),
+    "not finite": (lambda: fl.Impact(friction=float("inf")), "friction must be a finite number"),
+    "conserving": (
+        lambda: fl.EnergyMomentum().run(impacted(), duration=1.0, step=0.1),
+        "Impact is for GeneralisedAlpha with constant steps",
+    ),
+    "statics": (lambda: fl.statics(impacted()), "Impact is for GeneralisedAlpha"),
+    "adaptive": (
+        lambda: run(impacted(), 1.0, fl.AdaptiveStep(1e-4)),
+        "Impact is for GeneralisedAlpha with constant steps",
+    ),
+    "joints": (lambda: run(hinged(), 1.0, 0.1), "that no joint, spring, support or motion holds"),
+    "group": (lambda: run(on_se3(), 1.0, 0.1), "rigid bodies on R³×SO"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused(name):
+    make, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_results_come_back_from_a_file(tmp_path):
+    result = run(impacted(), 0.5, 1e-2)
+    result.save(tmp_path / "impacts.h5")
+    loaded = fl.Result.load(tmp_path / "impacts.h5")
+    for name, values in vars(result.contacts).items():
+        np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
