@@ -193,3 +193,61 @@ def test_volume_of_a_crooked_cell():
     rows = np.zeros((8, 4, 3))
     rows[:7, 0], rows[7, 0] = x, (2, 1, 3)
     assert volume(rows) == pytest.approx(2 * 1 * 2.0, rel=1e-14)
+
+
+def bulge(X):
+    """A smooth deformation of the unit cube."""
+    x, y, z = X.T
+    moved = [np.sin(2 * y) * z, np.cos(x + 2 * z), x * np.sin(y + z)]
+    return X + 0.05 * np.stack(moved, axis=-1)
+
+
+def stress_of(X, λ, μ, d=1e-4):
+    """First Piola-Kirchhoff stress of Saint-Venant's and Kirchhoff's law in :func:`bulge`."""
+    F = np.stack([(bulge(X + d * e) - bulge(X - d * e)) / (2 * d) for e in np.eye(3)], axis=-1)
+    E = 0.5 * (F.swapaxes(-1, -2) @ F - np.eye(3))
+    trace = np.trace(E, axis1=-2, axis2=-1)[..., np.newaxis, np.newaxis]
+    return F @ (λ * trace * np.eye(3) + 2 * μ * E)
+
+
+def bulged_error(element, n):
+    """Root mean square of inner places, under the body force that belongs to the deformation."""
+    cell, degree, formulation = element
+    law = fl.SaintVenantKirchhoff(1.0, 0.3)
+    body = fl.Solid.brick(
+        (1, 1, 1), law, cells=(n, n, n), cell=cell, degree=degree, formulation=formulation
+    )
+
+    def force(X, d=1e-3):
+        steps = d * np.eye(3)
+        ahead, behind = (stress_of(X + s * steps, *law.parameters) for s in (1, -1))
+        return -np.einsum("jij->i", ahead - behind) / (2 * d)
+
+    for face in ("a=0", "a=1", "b=0", "b=1", "c=0", "c=1"):
+        body.clamp(face)
+    exact = bulge(body.places)
+    body.frames[:, 0] = exact
+    scene = fl.Scene()
+    scene.add(body)
+    scene.add(fl.BulkLoad(body, force))
+    found = fl.statics(scene)
+    gap = found.frames[-1, found.info.bodies[0].nodes, 0] - exact
+    return np.sqrt((gap[~body.held[:, 0]] ** 2).sum(axis=1).mean())
+
+
+@pytest.mark.parametrize(
+    ("name", "order"),
+    [
+        ("hexahedron 1, mean dilatation", 2),
+        ("hexahedron 1", 2),
+        ("tetrahedron 1", 2),
+        ("hexahedron 2", 3),
+        ("tetrahedron 2", 3),
+    ],
+)
+def test_order_of_convergence(name, order):
+    """Of a smooth deformation: degree plus one, or more where places are the better for it."""
+    meshes = (5, 10) if name == "tetrahedron 1" else (3, 6)
+    coarse, fine = (bulged_error(ELEMENTS[name], n) for n in meshes)
+    assert np.log2(coarse / fine) > order - 0.3
+    assert fine < 1e-3

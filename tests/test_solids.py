@@ -480,3 +480,58 @@ def test_laws_may_not_differ_in_one_solid():
 def test_linear_tetrahedra_are_warned_of(caplog):
     brick((1, 1, 1), cell="tetrahedron")
     assert "too stiff in bending" in caplog.text
+
+
+# --- closed forms ---
+
+
+def test_a_moment_rolls_a_bar_to_a_circle():
+    """By a patch of its end, ``M = 2π EI/ℓ``: the end comes back to the clamp."""
+    length, width = 10.0, 0.2
+    bar = brick((24, 1, 1), (length, width, width), fl.SaintVenantKirchhoff(1e6, 0.0), degree=2)
+    bar.clamp("a=0")
+    scene, end = scene_of(bar), bar.grip("a=1")
+    moment = 2 * np.pi * 1e6 * width**4 / 12 / length
+    scene.add(fl.PointLoad(end, moment=(0, -moment, 0)))
+    found = fl.statics(scene, load_steps=10)
+    np.testing.assert_allclose(found.displacement(end)[-1], (-length, 0, 0), atol=0.005 * length)
+    np.testing.assert_allclose(found.rotation(end)[-1], np.eye(3), atol=0.02)
+
+
+def test_a_bar_is_twisted():
+    """Saint-Venant's torsion of a square, ``0.1406 G b⁴``; one end is free to warp."""
+    bar = brick((4, 4, 16), (1.0, 1.0, 5.0), fl.NeoHooke(1e6, 0.3), degree=2)
+    bar.clamp("c=0")
+    scene, top = scene_of(bar), bar.grip("c=1")
+    stiffness = 0.1406 * 1e6 / 2.6 / 5.0
+    scene.add(fl.PointLoad(top, moment=(0, 0, 0.05 * stiffness)))
+    turned = fl.statics(scene).rotation(top)[-1]
+    assert np.arctan2(turned[1, 0], turned[0, 0]) == pytest.approx(0.05, rel=5e-3)
+
+
+def test_rubber_swells_without_locking():
+    """A thick tube, nearly incompressible, under pressure within: plane strain, one quarter.
+
+    ``u = p a² b² / (2 μ (b² − a²) r)`` for small strains.
+    """
+    a, b, pressure = 1.0, 2.0, 1e-4
+    material = fl.NeoHooke(3 * (1 - 1e-5), 0.5 - 5e-6)
+
+    def place(r, angle, c):
+        radius, turn = a + (b - a) * r, 0.5 * np.pi * angle
+        return radius * np.cos(turn), radius * np.sin(turn), 0.1 * c
+
+    found = {}
+    for formulation in (fl.MeanDilatation(), fl.Isoparametric()):
+        tube = fl.Solid(fl.block(place, (10, 16, 1)), material, formulation=formulation)
+        for part, normal in (("b=0", (0, 1, 0)), ("b=1", (1, 0, 0)), ("c=0", (0, 0, 1))):
+            tube.guide(part, normal)
+        tube.guide("c=1", (0, 0, 1))
+        scene = scene_of(tube)
+        scene.add(fl.FacePressure(tube, "a=0", pressure))
+        inner = tube.nearest((a, 0, 0))
+        found[formulation] = fl.statics(scene).displacement(inner)[-1, 0]
+    μ = material.parameters[1]
+    exact = pressure * a * b**2 / (2 * μ * (b**2 - a**2))
+    assert found[fl.MeanDilatation()] == pytest.approx(exact, rel=1e-2)
+    assert found[fl.Isoparametric()] < 0.2 * exact
