@@ -94,6 +94,7 @@ from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
 from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series, resultants
 from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
+from fem_lie.results.thin_shells.resultants import ThinResultants, thin_resultants
 from fem_lie.results.vibrations import Modes
 from fem_lie.scene.choices import Choices, Redundant
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
@@ -291,6 +292,7 @@ __all__ = [
     "SurfacePressure",
     "Table",
     "Temperature",
+    "ThinResultants",
     "ThinShell",
     "TripleJump",
     "Twisted",
@@ -327,6 +329,7 @@ __all__ = [
     "statics",
     "surface",
     "surface_from_dolfinx",
+    "thin_resultants",
     "vibrations",
     "volume_from_dolfinx",
     "write_resultants",

@@ -64,6 +64,7 @@ MAY_IMPORT = {
     "system.equations": {"system.balance", "system.small_motions"},
     "results": {"scene"},
     "results.stresses": {"results"},
+    "results.thin_shells": {"results"},
     "solve": {"system.equations", "results.stresses"},
     "solve.statics": {"solve"},
     "solve.stability": {"solve.statics"},

@@ -66,6 +66,12 @@ def cable(**options) -> fl.Scene:
     return scene_with(fl.Cable(mesh, THREAD, **options))
 
 
+def thin_shell() -> fl.Scene:
+    """Points of two nodes."""
+    patch = fl.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
+    return scene_with(fl.ThinShell(patch, LAYER))
+
+
 def pressed(scene: fl.Scene) -> fl.Scene:
     body = scene.bodies[0]
     if isinstance(body, fl.Beam):
@@ -202,6 +208,8 @@ TERMS: dict[str, Case] = {
     "pressure on a curved shell": Case(
         lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
     ),
+    "thin shell": Case(thin_shell, "elements"),
+    "pressure on a thin shell": Case(lambda: pressed(thin_shell()), "pressure on thin shells"),
     "load within a geodesic": Case(lambda: held(beam()), HELD),
     "load within two directors": Case(lambda: held(beam(fl.Director(1))), HELD),
     "load within three directors": Case(lambda: held(beam(fl.Director(2))), HELD),

@@ -361,6 +361,21 @@ def test_derivative_of_pressure():
     np.testing.assert_allclose(found, (ahead - behind) / (2 * step), atol=1e-8)
 
 
+def test_moments_balance_the_load():
+    """Of a cantilever under an end force as it is bent: ``M₁₁`` is the force times its arm."""
+    body, scene = strip(8, 0.1), fl.Scene()
+    scene.add(body)
+    scene.add(fl.EdgeLoad(body, "a=1", force=(0, 0, 0.4)))
+    result = fl.statics(scene)
+    found = fl.thin_resultants(result, body)
+    arms = result.position("strip.10")[-1][0] - found.places[..., 0]
+    # a force upwards at the end bends the normals back
+    np.testing.assert_allclose(np.abs(found.moments[..., 0]), 0.4 * arms, atol=0.02)
+    mean = found.moments[..., 0].mean(axis=1)
+    np.testing.assert_allclose(np.abs(mean), 0.4 * arms.mean(axis=1), rtol=3e-3, atol=4e-3)
+    assert (np.sign(mean) == np.sign(mean[0])).all()
+
+
 def test_a_joint_holds_the_surface():
     """A strip hung by a fixed joint within a cell, against a clamp; moments balance."""
     body, scene = strip(4, 0.1), fl.Scene()

@@ -200,9 +200,13 @@ class ThinShell(HeldSurface):
             raise ValueError(f"{self.label} has no patch {group!r}; it has: {known}")
         return self._groups[group]
 
-    def vectors(self) -> Array:
-        """Vectors of the interpolation of each cell as it lies, shape (m, 16, 3)."""
-        rows = self.frames[self.connectivity]
+    def vectors(self, frames: Array | None = None) -> Array:
+        """Vectors of the interpolation of each cell, shape (m, 16, 3).
+
+        Args:
+            frames: Rows of the nodes, shape (n, 4, 3); default: as it lies.
+        """
+        rows = (self.frames if frames is None else frames)[self.connectivity]
         return rows[:, _NODE, _ROW] * self.scales()[:, :, np.newaxis]
 
     def scales(self) -> Array:

@@ -1,0 +1,1 @@
+"""Forces and moments within thin shells."""
