@@ -49,6 +49,32 @@ def test_residual_in_one_call_is_the_sum_of_its_parts(time):
     assert np.array_equal(r, parts)
 
 
+def test_cells_whose_nodes_follow_others_are_in_the_same_call():
+    """As each term by itself has its forces."""
+    scene, section = fl.Scene(), fl.Section.tube(2e-3, 3e-3, fl.Material(2e11, 0.3, 7850.0))
+    corner = np.array((0.4, 0.0, 0.0))
+    one, other = (
+        scene.add(fl.Beam.straight(*ends, section, cells=3))
+        for ends in ((np.zeros(3), corner), (corner, corner + np.array((0.0, 0.2, 0.1))))
+    )
+    scene.add(fl.Spherical(fl.ground(), one.start))
+    scene.add(fl.RigidLink(one.end, other.start))
+    system = System(scene, dynamics=True)
+    assert system.in_one_sum
+    assert [term.following is None for term in system.terms] == [False]
+    rng = np.random.default_rng(2)
+    H = system.frames.copy()
+    H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
+    v, a = rng.normal(size=(2, system.count, 6))
+    now, scale = Instant(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
+    r, parts = np.empty((2, system.size))
+    system.with_reactions(now, scale, r)
+    system.applied(now, scale, parts)
+    for term in system.terms:
+        term.add_forces(H, parts[: 6 * system.count].reshape(-1, 6))
+    np.testing.assert_allclose(r, parts, rtol=0.0, atol=1e-13 * np.abs(parts).max())
+
+
 def test_rows_are_what_the_equations_report():
     """Joints, invariants and energies of a run, from its frames, velocities and multipliers."""
     scene, one, _ = pendulum(1)

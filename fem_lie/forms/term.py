@@ -30,6 +30,20 @@ class PushedPieces(NamedTuple):
     across: Array
 
 
+class FollowingTable(NamedTuple):
+    """Forces as a sum over cells, on nodes that follow those of the equations.
+
+    Attributes:
+        table: Of the cells.
+        leader: Of each node that the table numbers, shape (k,).
+        offset: Frames of these in their leaders' frames, shape (k, 4, 3).
+    """
+
+    table: FormTable
+    leader: Indices
+    offset: Array
+
+
 class NearCells(Protocol):
     """Forces of the cells that some nodes have."""
 
@@ -124,6 +138,11 @@ class Term(ABC):
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:
         """Forces and energy as sums over cells, to be joined to others, if they are just that."""
+        return None
+
+    @property
+    def following(self) -> FollowingTable | None:
+        """Forces as such a sum over nodes that follow those of the equations."""
         return None
 
     # --- forces that depend on twists: asked of terms that say they are viscous ---

@@ -195,7 +195,8 @@ class System:
         if not self._others and not self._any_uncoupled:
             mass, loads = self.inertia, self.lasting_loads
             nodes = self.kinds, *mass, *loads
-            constant = *nodes, *self.connections.packed, None, *self.terms.tables[0]
+            cells = *self.terms.tables[0], *self.terms.following.plain
+            constant = *nodes, *self.connections.packed, None, *cells
         return Forces(self.count, self.terms.room(), constant)
 
     def residual(

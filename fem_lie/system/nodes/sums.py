@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.cell_forms import add_cells
@@ -12,8 +15,13 @@ from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import pull_all, pull_derivative, push_all, tangent, turn
 from fem_lie.system.nodes import inertia
+from fem_lie.system.nodes.attachment import expand
 from fem_lie.system.nodes.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.loads import PlainLoads
+
+PlainFollowing: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
+"""Leader and offset of each node of some cells, room for their frames and forces, and the table of
+the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`."""
 
 
 @inlined
@@ -87,6 +95,22 @@ def add_joints(
     terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
 
 
+@compiled
+def add_following(H: Array, following: PlainFollowing, r: Array) -> None:
+    """Add the forces of cells whose nodes follow others, to those of their leaders."""
+    leader, offset, frames, forces, rows, nodes = following
+    moved = np.empty(6)
+    expand(H, leader, offset, frames)
+    for i in range(leader.shape[0]):
+        for k in range(6):
+            forces[i, k] = 0.0
+    add_cells(frames, (rows, nodes), 6, forces.reshape(-1))
+    for i in range(leader.shape[0]):
+        lie.apply_adjoint_inverse_transposed(offset[i], forces[i], moved)
+        for k in range(6):
+            r[6 * leader[i] + k] += moved[k]
+
+
 @linked
 def residual(
     H: Array, v: Array, a: Array, weights: Array, scale: Array, r: Array, table: Indices
@@ -101,7 +125,8 @@ def residual(
         scale: See there.
         r: See there.
         table: Of fixed arrays: kinds of the nodes, inertia, loads, joints, work, and a
-            :class:`~fem_lie.forms.cell_forms.FormTable`.
+            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of leaders, and the arrays
+            of :func:`add_following`.
     """
     kinds = integers1(table, 0)
     mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
@@ -111,6 +136,10 @@ def residual(
     nodal_residual(kinds, (H, v, a), mass, loads, work, r)
     terms.evaluate(H, v, joint_table(joints), weights, scale, work.shape[1], r)
     add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
+    leader, offset, frames = integers1(table, 12), numbers3(table, 13), numbers3(table, 14)
+    cells = integers2(table, 16), integers1(table, 17)
+    if leader.shape[0] > 0:
+        add_following(H, (leader, offset, frames, numbers2(table, 15), *cells), r)
 
 
 @compiled

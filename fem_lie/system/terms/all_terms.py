@@ -8,8 +8,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.cell_forms import FormTable, add_cells, joined, of_some_cells
-from fem_lie.forms.term import Pairs, Term
-from fem_lie.system.terms.near import NearTerms
+from fem_lie.forms.term import FollowingTable, Pairs, Term
+from fem_lie.system.terms.near import FollowingCells, NearTerms
 
 
 class Terms:
@@ -18,10 +18,12 @@ class Terms:
     Attributes:
         tables: Of forces and of energy of these, for
             :func:`~fem_lie.forms.cell_forms.add_cells`.
+        following: All cells whose nodes follow others.
         viscous: Whether any has forces that depend on twists and that no other sum has.
         viscous_labels: What those are called that have such forces.
         loads: Those that act from outside.
-        all_in_tables: Whether the forces of all are in the tables or in the sum over joints.
+        all_in_tables: Whether the forces of all are in the tables, in :attr:`following` or in the
+            sum over joints.
         energy_in_tables: Whether the energy of all is.
     """
 
@@ -39,11 +41,13 @@ class Terms:
         self.tables: list[tuple[Indices, Indices]] = [
             joined([both[k] for both in parts], [0] * len(parts)) for k in range(2)
         ]
-        self._by_themselves = [
+        self._apart = [
             (k, term)
             for k, term in enumerate(self._terms)
             if tables[k] is None and not term.within_joints
         ]
+        self._by_themselves = [(k, term) for k, term in self._apart if term.following is None]
+        self.following = _following([term.following for _, term in self._apart])
         self._with_energy = [t for t, both in zip(self._terms, tables, strict=True) if both is None]
         viscous = [t for t in self._terms if moving and t.viscous]
         self._viscous = [t for t in viscous if not t.within_joints]
@@ -98,10 +102,11 @@ class Terms:
             kept: See :meth:`room`, overwritten; default: nothing is kept.
         """
         add_cells(H, self.tables[0], 6, r)
+        self.following.add_forces(H, r)
         self.add_others(H, r, kept)
 
     def add_others(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
-        """:meth:`add_forces` without those of :attr:`tables`."""
+        """:meth:`add_forces` without those of :attr:`tables` and of :attr:`following`."""
         nodal = r[: self._size].reshape(-1, 6)
         for k, term in self._by_themselves:
             term.add_forces(H, nodal, None if kept is None else kept[k])
@@ -112,7 +117,7 @@ class Terms:
         Args:
             nodes: Which, shape (count,).
         """
-        others = [term.near(nodes) for _, term in self._by_themselves]
+        others = [term.near(nodes) for _, term in self._apart]
         known = [other for other in others if other is not None]
         if len(known) < len(others):
             return None
@@ -170,3 +175,13 @@ class Terms:
         """Make all carried stresses the true ones at frames ``H``."""
         for term in self._carrying:
             term.reset_stress(H)
+
+
+def _following(parts: Sequence[FollowingTable | None]) -> FollowingCells:
+    """All in one."""
+    some = [part for part in parts if part is not None]
+    first = [sum(len(part.leader) for part in some[:k]) for k in range(len(some))]
+    table = FormTable(*joined([part.table for part in some], first))
+    leader: Indices = np.concatenate([np.empty(0, np.int64), *(part.leader for part in some)])
+    offset = np.concatenate([np.empty((0, 4, 3)), *(part.offset for part in some)])
+    return FollowingCells(table, leader, offset)

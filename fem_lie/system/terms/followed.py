@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
-from fem_lie.forms.term import Pairs, PushedPieces, Term
+from fem_lie.forms.term import FollowingTable, Pairs, PushedPieces, Term
 from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
 from fem_lie.system.terms.near import FollowingCells
 
@@ -103,6 +103,13 @@ class Followed(Term):
             return None
         table = of_some_cells(self.term.tables[0], nodes[self._leader])
         return FollowingCells(table, self._leader, self._offset)
+
+    @property
+    def following(self) -> FollowingTable | None:
+        """See the base class."""
+        if self.term.tables is None or self._direct:
+            return None
+        return FollowingTable(self.term.tables[0], self._leader, self._offset)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""

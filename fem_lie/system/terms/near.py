@@ -9,11 +9,15 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.cell_forms import FormTable, add_cells
 from fem_lie.forms.term import NearCells
-from fem_lie.system.nodes.attachment import collect, expand
+from fem_lie.system.nodes.sums import PlainFollowing, add_following
 
 
 class FollowingCells:
-    """Cells whose nodes follow others."""
+    """Cells whose nodes follow others.
+
+    Attributes:
+        plain: For :func:`~fem_lie.system.nodes.sums.add_following`.
+    """
 
     def __init__(self, table: FormTable, leader: Indices, offset: Array) -> None:
         """Keep the leaders of their nodes.
@@ -24,16 +28,13 @@ class FollowingCells:
             offset: Frames of these in their leaders' frames, shape (k, 4, 3).
         """
         used, nodes = np.unique(table.nodes, return_inverse=True)
-        self._table = table.rows, nodes.ravel().astype(np.int64)
-        self._leader, self._offset = leader[used], offset[used]
-        self._frames, self._forces = np.empty((len(used), 4, 3)), np.empty((len(used), 6))
+        frames, forces = np.empty((len(used), 4, 3)), np.empty((len(used), 6))
+        cells = table.rows, nodes.ravel().astype(np.int64)
+        self.plain: PlainFollowing = leader[used], offset[used], frames, forces, *cells
 
     def add_forces(self, H: Array, out: Array) -> None:
         """See the protocol."""
-        expand(H, self._leader, self._offset, self._frames)
-        self._forces[:] = 0.0
-        add_cells(self._frames, self._table, 6, self._forces.reshape(-1))
-        collect(self._forces, self._leader, self._offset, out)
+        add_following(H, self.plain, out.reshape(-1))
 
 
 class NearTerms:
