@@ -42,6 +42,8 @@ class Plan(NamedTuple):
         damping: ∂v/∂d.
         joint_frames: Where the constraints' Jacobian is taken; default: at the state.
         forces_at: Where it is for their forces; default: the same.
+        lag: Rotations by which the axes of the unknowns are behind those of the frames, along which
+            nodes are moved, rotation vectors (n, 3); default: none.
         inertial: Whether components are along fixed axes, not along those of the nodes.
         stressed: Frames whose stress it has; default: the stress that is carried.
         choices: What is taken in, nothing left open.
@@ -59,6 +61,7 @@ class Plan(NamedTuple):
     damping: float = 0.0
     joint_frames: Array | None = None
     forces_at: Array | None = None
+    lag: Array | None = None
     inertial: bool = False
     stressed: Array | None = None
     choices: Choices = ALL

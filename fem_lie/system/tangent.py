@@ -14,6 +14,7 @@ from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
 from fem_lie.system.constraints import Connections
 from fem_lie.system.instant import Instant, Plan
+from fem_lie.system.lagging import let_lag
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.inertia import Inertia
@@ -267,6 +268,8 @@ class Tangent:
         columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
         if plan.forces_at is not None:
             self._connections.jacobian(plan.forces_at, columns)
+        if plan.lag is not None:
+            let_lag(self.K, self._rows, plan.lag, bind, nodes)
         if d.any():
             combine(self.A, self.K, kinds, d, bind)
             combine_rows(self._rows, kinds, d, nodes)

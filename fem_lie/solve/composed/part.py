@@ -11,7 +11,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, PlainFactors
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
-from fem_lie.solve.conserving.step import loop, stopping
+from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.packing import PackedModel
 from fem_lie.system.equations import Equations
 
@@ -22,6 +22,8 @@ class Part(Run):
     Attributes:
         share: Size over that of the whole step; it may be negative.
     """
+
+    follows = False  # all parts have one state, and matrices with constraints of their own
 
     def __init__(
         self,
@@ -49,7 +51,7 @@ class Part(Run):
         """Start where another part was started."""
         self.model.scale[:] = other.model.scale
         self._set_loads(0.0)
-        self.numbers[stopping.EXCESS] = np.inf
+        self.numbers[corrections.EXCESS] = np.inf
 
     @property
     def factors(self) -> PlainFactors | None:
@@ -88,7 +90,7 @@ class Part(Run):
         try:
             self._factorise()
         except SingularMatrixError:
-            self.numbers[stopping.INCREMENT] = np.inf
+            self.numbers[corrections.INCREMENT] = np.inf
             return self.options.policy.rescue and self._rescued(start, end)
         return self.make(start, end)
 

@@ -13,7 +13,7 @@ from fem_lie.results import Result
 from fem_lie.solve.composed import stages
 from fem_lie.solve.composed.part import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
-from fem_lie.solve.conserving.step import loop, stopping
+from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.integration import Integration
@@ -141,7 +141,7 @@ class ComposedRun(Integration[History]):
     def _failure(self, steps: int) -> str:
         part = self._parts[self._place[stages.SIZE]]
         increment, left = (
-            float(part.numbers[stopping.INCREMENT]),
+            float(part.numbers[corrections.INCREMENT]),
             float(np.abs(part.this.r[0]).max()),
         )
         options, rescued = self.options, self.options.policy.rescue
@@ -153,7 +153,7 @@ class ComposedRun(Integration[History]):
 
     @property
     def _iterations(self) -> int:
-        return int(self._counters[:, stopping.TOTAL].sum())
+        return int(self._counters[:, corrections.TOTAL].sum())
 
     def _record(self, history: History) -> bool:
         wanted = history.wants(self.index)

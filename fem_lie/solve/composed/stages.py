@@ -6,8 +6,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.step import loop
+from fem_lie.solve.conserving.step.corrections import STEPS
 from fem_lie.solve.conserving.step.packing import PackedModel, state_of
-from fem_lie.solve.conserving.step.stopping import STEPS
 
 MADE, PART, SIZE = 0, 1, 2
 """Of ``place``: whole steps made, parts of the present one, and the size for which the state is."""

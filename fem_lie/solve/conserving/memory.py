@@ -9,13 +9,13 @@ import numpy as np
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
-from fem_lie.solve.conserving.step.records import Leaders, Model, Pieces, Scheme, State, Step
+from fem_lie.solve.conserving.step.records import Leaders, Legs, Model, Pieces, Scheme, State, Step
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
 
 
-def start_state(equations: Equations, cells: Cells) -> State:
+def start_state(equations: Equations, cells: Cells, legs: Legs, *, dissipates: bool) -> State:
     """At rest at the frames of the start."""
     z = np.zeros
     n, m = equations.unknowns.moving, equations.unknowns.m
@@ -36,10 +36,13 @@ def start_state(equations: Equations, cells: Cells) -> State:
         trend=z((n, 6)),
         earlier=z((2, m)),
         sizes=z(3),
+        border=z((2, len(legs.nodes), 6)),
+        slow=z((2 if dissipates else 0, 6 * n + m)),
+        share=z(2),
     )
 
 
-def room_for_step(equations: Equations, cells: Cells) -> Step:
+def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates: bool) -> Step:
     """Memory of a step."""
     z = np.zeros
     unknowns, frames = equations.unknowns, equations.start.frames
@@ -62,13 +65,24 @@ def room_for_step(equations: Equations, cells: Cells) -> Step:
         forces=z((n, 6)),
         q=z((2, n, 4, 3)),
         F_viscous=z((cells.places, 6)),
-        r=z((3, 6 * n + m)),
+        r=z((5, 6 * n + m)),
         weights=z(m),
         filtered=z((2, total, 6)),
+        border=z((2, len(legs.nodes), 6)),
+        sums=z((3, 3, 3, 3)),
+        own=z((3, n, 4, 3)),
+        turnings=z((2, 3 if dissipates else 0, 6 * n)),
     )
 
 
-def model_of(equations: Equations, cells: Cells, scheme: Scheme) -> Model:
+def legs_of(equations: Equations, follows: bool) -> Legs:
+    """Of all constraints, or none if the constraints in the matrix are left as they are."""
+    border = equations.matrix.legs
+    nodes, rows = (border.nodes, border.rows) if follows else (border.nodes[:0], border.rows[:0])
+    return Legs(nodes, rows.astype(np.int64))
+
+
+def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> Model:
     """What a step sees of the scene."""
     known, unknowns = equations.tables, equations.unknowns
     n, m, length = unknowns.moving, unknowns.m, unknowns.length
@@ -90,6 +104,7 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme) -> Model:
         probes=known.probes,
         driven=np.zeros(m),
         supported=known.supported,
+        legs=legs,
     )
 
 

@@ -23,7 +23,7 @@ from fem_lie.results import Result
 from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import local_rates
 from fem_lie.solve.conserving.run_state import PREFIX, RunState
-from fem_lie.solve.conserving.step import loop, stopping
+from fem_lie.solve.conserving.step import corrections, loop
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.convergence import failure
@@ -115,14 +115,14 @@ class Run(RunState):
         _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
         self.s.weights[:] = self.this.weights
         numbers = self.numbers
-        if self.counters[stopping.STALLS] >= _LONG and numbers[stopping.LEAST] <= _SETTLED:
-            numbers[stopping.FLOOR] = numbers[stopping.LEAST]
+        if self.counters[corrections.STALLS] >= _LONG and numbers[corrections.LEAST] <= _SETTLED:
+            numbers[corrections.FLOOR] = numbers[corrections.LEAST]
         return self._again() or self._in_parts(start, end, 1)
 
     def _again(self) -> bool:
         """The step that failed from its start, with new matrices until it converges fast."""
         for still in (True, False):
-            self.numbers[stopping.EXCESS] = np.inf
+            self.numbers[corrections.EXCESS] = np.inf
             if self._make(_RESCUE, still=still, always=True):
                 self.told[_STILL] = _UNPREDICTED if still else 0
                 return True
@@ -151,7 +151,7 @@ class Run(RunState):
         index, middle, made = self.index, 0.5 * (start + end), True
         self._change_size(0.5 * self.h)
         for a, b in ((start, middle), (middle, end)):
-            self.counters[stopping.STEPS] = index
+            self.counters[corrections.STEPS] = index
             if self._changing:
                 self._set_time(a, b)
             made = self._again()
@@ -170,17 +170,17 @@ class Run(RunState):
     def _change_size(self, h: float) -> None:
         self._resize(h)
         # no matrix of another size is used
-        self._factors, self.numbers[stopping.EXCESS] = None, np.inf
+        self._factors, self.numbers[corrections.EXCESS] = None, np.inf
 
     def _begin(self) -> None:
         """Predict the next step, before a matrix for it is made."""
         counters, numbers, packed = self.counters, self.numbers, self._packed
-        counters[stopping.ITERATION], counters[stopping.ASKED] = 1, 0
-        counters[stopping.STALLS] = 0
+        counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
+        counters[corrections.STALLS] = 0
         motion = loop.packed_begin(packed.model, packed.state, packed.step)
-        numbers[stopping.MOTION] = max(motion, numbers[stopping.MOTION])
-        numbers[stopping.PREVIOUS] = numbers[stopping.LEAST] = np.inf
-        numbers[stopping.FELT] = 0.0
+        numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
+        numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
+        numbers[corrections.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         counters = self.counters
@@ -190,23 +190,23 @@ class Run(RunState):
             tables = packed.model, packed.state, packed.step
             if self._factors is None:
                 code = loop.MATRIX
-                if counters[stopping.ITERATION] == 0:
+                if counters[corrections.ITERATION] == 0:
                     self._begin()
-                counters[stopping.ASKED] = counters[stopping.ITERATION]
+                counters[corrections.ASKED] = counters[corrections.ITERATION]
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, counters, self.numbers, last)
             if code == loop.DONE and self.rule is None:
-                self.decisions.after_step(int(counters[stopping.LAST]))
+                self.decisions.after_step(int(counters[corrections.LAST]))
             if code != loop.MATRIX:
                 return code
-            iteration = int(counters[stopping.ITERATION])
+            iteration = int(counters[corrections.ITERATION])
             asked = always or self.rule is not None or self._factors is None
             if asked or self.decisions.before_iteration(iteration):
                 try:
                     self._factorise()
                 except SingularMatrixError:
-                    self.numbers[stopping.INCREMENT] = np.inf
+                    self.numbers[corrections.INCREMENT] = np.inf
                     return loop.FAILED
 
     def _given(self, rule: tuple[int, float], limit: int) -> tuple[float, int, int, float, float]:
@@ -215,7 +215,7 @@ class Run(RunState):
         return self.options.tolerance, limit, *rule, spare
 
     def _failure(self, steps: int) -> str:
-        increment = float(self.numbers[stopping.INCREMENT])
+        increment = float(self.numbers[corrections.INCREMENT])
         largest = float(np.abs(Solution(*self.this.r).residual).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         rescued = self.options.policy.rescue
@@ -231,7 +231,7 @@ class Run(RunState):
         if wanted:
             self.keep(history)
         if index:
-            history.update_if_due(index, int(self.counters[stopping.TOTAL]))
+            history.update_if_due(index, int(self.counters[corrections.TOTAL]))
         return wanted
 
     def _result(self, history: History) -> Result:
@@ -253,7 +253,9 @@ class Run(RunState):
         if self._held:
             history.reactions[row] = self._reactions(weights)
         history.elastic[row] += s.W.sum()
-        history.keep(np.array([self.index]), self.counters[stopping.TOTAL : stopping.TOTAL + 1])
+        history.keep(
+            np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
+        )
 
     def _end_weights(self) -> Array:
         """Multipliers at the end of the last step, see :mod:`.end_forces`.
@@ -310,5 +312,5 @@ class Run(RunState):
 
     def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
         """Those with which a restored run goes on, if there are any."""
-        stale = np.isinf(self.numbers[stopping.EXCESS])
+        stale = np.isinf(self.numbers[corrections.EXCESS])
         return None if stale else factorise(self.equations.matrix)

@@ -15,10 +15,17 @@ from fem_lie.forms.frames import push
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
-from fem_lie.solve.conserving.memory import model_of, pieces_of, room_for_step, start_state
-from fem_lie.solve.conserving.step import stopping
+from fem_lie.solve.conserving.memory import (
+    legs_of,
+    model_of,
+    pieces_of,
+    room_for_step,
+    start_state,
+)
+from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
+from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
@@ -59,7 +66,10 @@ class RunState(Integration[History]):
         s: Between steps.
         this: The present step.
         told: How steps were made that did not converge, see :mod:`.run`.
+        follows: Whether solutions have the constraints of their step, whatever is in the matrix.
     """
+
+    follows = True
 
     def __init__(
         self,
@@ -84,12 +94,16 @@ class RunState(Integration[History]):
             Cells(list(equations.tables.assemblies)) if shared is None else shared.cells
         )
         self._strained = equations.unknowns.strains_change
-        self.s: State = start_state(equations, self.cells) if shared is None else shared.s
-        self.this: Step = room_for_step(equations, self.cells) if shared is None else shared.this
+        legs = legs_of(equations, self.follows)
+        room, dissipates = (equations, self.cells, legs), options.loss > 0.0
+        self.s: State = start_state(*room, dissipates=dissipates) if shared is None else shared.s
+        self.this: Step = (
+            room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
+        )
         scheme = Scheme(self.h, options.loss, options.learning)
-        self.model = model_of(equations, self.cells, scheme)
+        self.model = model_of(equations, self.cells, scheme, legs)
         self._packed = Packed(self.model, self.s, self.this)
-        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(9)
+        self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(10)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
         self._filled = ResultRow(equations)
@@ -106,7 +120,7 @@ class RunState(Integration[History]):
     @property
     def index(self) -> int:
         """See the base class."""
-        return int(self.counters[stopping.STEPS])
+        return int(self.counters[corrections.STEPS])
 
     def local(self, V: Any, H: Array) -> Array:
         """Twists (n, 6) in the frames ``H`` of rates (n, 4, 3) of (x, d₁, d₂, d₃)."""
@@ -131,7 +145,7 @@ class RunState(Integration[History]):
         equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
         self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
-        self.numbers[stopping.EXCESS] = np.inf
+        self.numbers[corrections.EXCESS] = np.inf
 
     def _evaluate_start(self) -> Array:
         """Forces and energies of the cells at the start of a step; returns the energies."""
@@ -146,9 +160,9 @@ class RunState(Integration[History]):
         s, r = self.s, h / self.h
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
         s.lag[LENGTH] *= r * r
-        self.numbers[stopping.MOTION] *= r
+        self.numbers[corrections.MOTION] *= r
         # round-off of a larger step is none of a smaller one
-        self.numbers[stopping.FLOOR] = 0.0
+        self.numbers[corrections.FLOOR] = 0.0
         self._set_size(h)
 
     def _set_size(self, h: float) -> None:
@@ -193,9 +207,9 @@ class RunState(Integration[History]):
         self._fill_here(self.model.scale)
         self._factors = factorise(self.equations.matrix)
         self.counts[:] = self.counts[0] + 1, self.index
-        within = self.counters[stopping.ITERATION] > 1
-        self.counters[stopping.BEST] = stopping.NEW if within else stopping.UNKNOWN
-        self.numbers[stopping.EXCESS] = 0.0
+        within = self.counters[corrections.ITERATION] > 1
+        self.counters[corrections.BEST] = corrections.NEW if within else corrections.UNKNOWN
+        self.numbers[corrections.EXCESS] = 0.0
 
     def _fill_here(self, scale: Array | None) -> Array:
         """The matrix, not yet factorised: in the middle of the step as it is, or at its start.
@@ -209,7 +223,7 @@ class RunState(Integration[History]):
             The scale of the constraints in it.
         """
         s, this, n = self.s, self.this, self.moving
-        if self.counters[stopping.ITERATION] > 1:
+        if self.counters[corrections.ITERATION] > 1:
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = half_way(s.H, end, n)
@@ -221,6 +235,10 @@ class RunState(Integration[History]):
         age = self._age()
         joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
         forces_at = self._moved(H, v, 0.5 * ahead + age)
+        if self.follows:
+            axes = self._moved(joints_at, v, -0.5)
+            joints, held, legs = self.model.joints, self.model.held, self.model.legs
+            border_at(joints, legs, held, (joints_at, axes, forces_at), s.border)
         return self._fill(H, v, a, joints_at, forces_at, scale=scale)
 
     def _age(self) -> float:
@@ -255,7 +273,8 @@ class RunState(Integration[History]):
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
-        plan = plan._replace(stressed=H, choices=self.choices)
+        # unknowns are along half-way axes, elements and constraints are felt at the end
+        plan = plan._replace(stressed=H, choices=self.choices, lag=0.5 * self.h * v[:, 3:])
         return equations.fill(now, self._found, plan)
 
 

@@ -26,7 +26,7 @@ from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
-from fem_lie.solve.conserving.step import stopping
+from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.records import Span, State
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
@@ -86,6 +86,7 @@ class _Saved(NamedTuple):
 class ConservingSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
+    follows = False  # matrices of all levels have their own constraints
     endures = (
         False  # the estimate is solved for with the same matrix, and needs present constraints
     )
@@ -101,7 +102,7 @@ class ConservingSteps(Run):
     @property
     def increment(self) -> float:
         """See the protocol."""
-        return float(self.numbers[stopping.INCREMENT])
+        return float(self.numbers[corrections.INCREMENT])
 
     @property
     def factorisations(self) -> int:
@@ -134,7 +135,7 @@ class ConservingSteps(Run):
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
-        self.counters[stopping.BEST] = _USUAL
+        self.counters[corrections.BEST] = _USUAL
         assert self._factors is not None
         self.levels.keep(self._factors, self.model.scale)
 
@@ -188,7 +189,7 @@ class ConservingSteps(Run):
         """See the protocol."""
         done = self._go_to(self.index + 1, start, end)
         self._note_rates()
-        return int(self.counters[stopping.LAST]) if done else 0
+        return int(self.counters[corrections.LAST]) if done else 0
 
     def saved(self) -> _Saved:
         """See the protocol."""
@@ -201,10 +202,10 @@ class ConservingSteps(Run):
         """See the protocol."""
         for own, kept in zip(self.s, state.s, strict=True):
             own[:] = kept
-        for counter in (stopping.STEPS, stopping.TOTAL):
+        for counter in (corrections.STEPS, corrections.TOTAL):
             self.counters[counter] = state.counters[counter]
-        self.counters[stopping.ITERATION] = self.counters[stopping.ASKED] = 0
-        self.numbers[stopping.MOTION] = state.numbers[stopping.MOTION]
+        self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
+        self.numbers[corrections.MOTION] = state.numbers[corrections.MOTION]
         self.equations.restore(state.carried)
         self.cells.restore(state.fields)
         self.rates, self.told[:] = state.rates, state.told

@@ -12,9 +12,21 @@ from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import unwrap
-from fem_lie.lie.tuples import combined, dot, load, load_row, plus, rotate, scaled, store, store_row
+from fem_lie.lie.tuples import (
+    combined,
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    scaled,
+    store,
+    store_row,
+)
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.step.cayley import advance, spin
+from fem_lie.solve.conserving.step.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
@@ -97,14 +109,16 @@ def _keep_what_is_left(
     """Forces and energy that the next step makes up for, from the residual ``r``."""
     gain = square = 0.0
     for i in range(step.shape[0]):
-        m, left = middle[i], r[6 * i : 6 * i + 6]
-        for at in (0, 3):
-            f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(left, at))
-            f = scaled(factor, f)
-            for j in range(3):
-                gain += (f[j] - carry[i, at + j]) * step[i, at + j]
-                square += f[j] * f[j] if at == 0 else 0.0
-            store(carry[i], at, f)
+        m, left, u, ψ = middle[i], r[6 * i : 6 * i + 6], load(step[i], 0), load(step[i], 3)
+        d1, d2, d3 = load_row(m, 1), load_row(m, 2), load_row(m, 3)
+        f = scaled(factor, rotate(d1, d2, d3, load(left, 0)))
+        moment = scaled(factor, rotate(d1, d2, d3, load(left, 3)))
+        before = load(carry[i], 0)
+        gain += dot(minus(f, before), u)
+        gain += dot(minus(moment, left_moment(load(carry[i], 3), before, u)), ψ)
+        square += dot(f, f)
+        store(carry[i], 0, f)
+        store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)))
     lag[LEAK] += gain - lag[REPAID]
     lag[LIMIT] = sqrt(square)
 

@@ -10,7 +10,6 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
-from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -24,17 +23,28 @@ from fem_lie.lie.tuples import (
     store,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.step.cayley import span
+from fem_lie.solve.conserving.step.cayley import left_moment, span
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
+    MEMORY,
     REMEMBERS,
     choose_memory,
-    end_velocities,
+    set_products,
+    set_velocities,
+    turning,
     velocity_loss,
 )
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import Model, Scheme, State, Step, solution_of, span_of
+from fem_lie.solve.conserving.step.records import (
+    Model,
+    Scheme,
+    State,
+    Step,
+    products_of,
+    solution_of,
+    span_of,
+)
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
@@ -54,8 +64,7 @@ def residual(model: Model, state: State, this: Step) -> None:
     along, r = span_of(this.rows), solution_of(this.r).residual
     span(state.H, this.step, along.delta, along.mean, along.end, along.middle)
     losses[:] = 0.0
-    # what round-off has left over is made up: momenta are compensated sums
-    put(state.carry, forces)
+    _make_up(state.carry, this.step, forces)
     add_from_nodes(model, state, this)
     if χ > 0.0:
         _choose_memory(model.inertia, scheme, state, this)
@@ -81,6 +90,15 @@ def residual(model: Model, state: State, this: Step) -> None:
 
 
 @inlined
+def _make_up(carry: Array, step: Array, forces: Array) -> None:
+    """Begin with what the last step has left over: momenta are compensated sums."""
+    for i in range(forces.shape[0]):
+        f = load(carry[i], 0)
+        store(forces[i], 0, f)
+        store(forces[i], 3, left_moment(load(carry[i], 3), f, load(step[i], 0)))
+
+
+@inlined
 def _add_reactions(
     middle: Array, x: Vector, supported: Flags, r: Array, χ: float, losses: Array
 ) -> None:
@@ -99,11 +117,12 @@ def _add_reactions(
 
 @compiled
 def _choose_memory(mass: Inertia, scheme: Scheme, state: State, this: Step) -> None:
-    """β of this iteration, from velocities with that of the last one."""
-    V, w, lag, V1, q = state.V, state.w, state.lag, this.V1, this.q
-    delta = span_of(this.rows).delta
-    end_velocities(mass, V, V1, delta, w, lag, scheme.loss, scheme.h, q)
-    choose_memory(mass, V, V1, w, q, lag)
+    """β, and velocities with it."""
+    V, w, lag, products, χ = state.V, state.w, state.lag, products_of(this), scheme.loss
+    set_products(mass, V, w, span_of(this.rows).delta, scheme.h, products)
+    choose_memory(products.sums, χ, lag)
+    β = lag[MEMORY]
+    set_velocities(V, w, products.δ, χ, β, turning(products.sums, χ, β), this.V1)
 
 
 @compiled
@@ -111,12 +130,15 @@ def _add_momenta(
     mass: Inertia, damping: Inertia, dead: Array, scheme: Scheme, state: State, this: Step
 ) -> None:
     """Add rates of momenta, and damping that goes with mass."""
-    h, χ = scheme.h, scheme.loss
-    V, w, lag = state.V, state.w, state.lag
-    V1, losses, forces, q = this.V1, this.losses, this.forces, this.q
+    h = scheme.h
+    V, V1, losses, forces, q = state.V, this.V1, this.losses, this.forces, this.q
     _, mean, _, delta = span_of(this.rows)
-    n = V.shape[0]
-    end_velocities(mass, V, V1, delta, w, lag, χ, h, q)
+    n, dissipates = V.shape[0], scheme.loss * state.lag[REMEMBERS] > 0.0
+    if not dissipates:
+        for i in range(n):
+            for k in range(4):
+                for j in range(3):
+                    V1[i, k, j] = 2.0 / h * delta[i, k, j] - V[i, k, j]
     if damping.indptr.shape[0] > 0:
         for i in range(n):
             for k in range(4):
@@ -132,13 +154,13 @@ def _add_momenta(
             for j in range(3):
                 q[0, i, k, j] = (V1[i, k, j] - V[i, k, j]) / h
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, q[0], q[1])
+    if dissipates:
+        losses[NUMERICAL] += velocity_loss(V, V1, delta, h, q[1])
     for i in range(n):
         for k in range(4):
             for j in range(3):
                 q[1, i, k, j] -= dead[i, k, j]
     _on_directors(mean, q[1], forces)
-    if χ > 0.0:
-        losses[NUMERICAL] += velocity_loss(mass, V, V1, delta, h, q)
 
 
 @compiled

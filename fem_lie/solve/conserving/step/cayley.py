@@ -17,7 +17,18 @@ from math import sqrt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
+from fem_lie.lie.tuples import (
+    Vector,
+    combined,
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    scaled,
+    store_row,
+)
 
 
 @inlined
@@ -38,6 +49,12 @@ def half(ψ: Vector) -> Vector:
 def turned(ψ: Vector, d: Vector) -> Vector:
     """``cay(ψ) d``."""
     return plus(d, cross(ψ, mean_of(ψ, d)))
+
+
+@inlined
+def left_moment(moment: Vector, f: Vector, u: Vector) -> Vector:
+    """About the mean place of a node that moves by ``u``, of force and moment where it starts."""
+    return minus(moment, cross(scaled(0.5, u), f))
 
 
 @compiled

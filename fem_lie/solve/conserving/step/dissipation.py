@@ -26,6 +26,10 @@ function of the change that is nil where the change is, so it is defined where n
 ``w``. Elements whose forces fall where they are deformed would lose less than nothing; as much as
 velocities lose is allowed to them.
 
+All of this is sums ``Σ X_r (G Y)_s`` over the nodes, 3×3 numbers of each pair of V, w and
+``δ = Δq/h − V``: with ``ΔV = a + χ P × V̄`` the means are ``V̄ = (I − ½ χ P̂)⁻¹ (V + ½ a)``, one
+matrix times what is known, and P and β are found among these numbers, without the nodes.
+
 (Relaxed variables for second order: Armero & Romero, CMAME 190 (2001) 6783. The energy of two-step
 methods: Dahlquist, BIT 18 (1978) 384.)
 """
@@ -36,11 +40,23 @@ from math import sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
-from fem_lie.forms.fixed_arrays import put
-from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled
+from fem_lie.lie.tuples import (
+    Vector,
+    cross,
+    dot,
+    load_row,
+    minus,
+    plus,
+    rotate_back,
+    scaled,
+    store,
+    store_row,
+)
+from fem_lie.solve.conserving.step.cayley import mean_of
 from fem_lie.solve.conserving.step.mean_forces import solve_symmetric
+from fem_lie.solve.conserving.step.records import Products
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.inertia import Inertia
 
@@ -52,64 +68,279 @@ LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
 that are below round-off, energy taken back, and the largest energy so far; shape (11,)."""
 _TURNS = 30
+_EXACT = 1e-14
 
 
 @compiled
-def end_velocities(
-    mass: Inertia,
-    V: Array,
-    V1: Array,
-    delta: Array,
-    w: Array,
-    lag: Array,
-    χ: float,
-    h: float,
-    q: Array,
-) -> None:
-    """Velocities ``V₁`` at the end from the increments, with the present β; (n, 4, 3).
+def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> None:
+    """What of the sums is the same in all of a step."""
+    indptr, indices, blocks = mass
+    _, Gw, GV, sums = products
+    inertia.multiply(indptr, indices, blocks, w, Gw)
+    inertia.multiply(indptr, indices, blocks, V, GV)
+    _sum(V, Gw, sums[0, 2])
+    _sum(w, Gw, sums[2, 2])
+    _sum(V, GV, sums[0, 0])
+    _transpose(sums, 0, 2)
 
-    With ``V̄`` given, ``ΔV = a + χ/(1 + χ) Ω × V̄`` with ``a`` from the increments, and Ω, the
-    rotation that is nearest to ``ΔV − β w``, is 1 + χ times that nearest to ``a − β w``. ``V̄``
-    follows in a few turns from a first guess in ``V₁``. ``q`` (2, n, 4, 3) is work.
-    """
-    χ, β, n = χ * lag[REMEMBERS], lag[MEMORY], V.shape[0]
-    a = np.empty_like(V)
-    for i in range(n):
+
+@compiled
+def set_products(
+    mass: Inertia, V: Array, w: Array, delta: Array, h: float, products: Products
+) -> None:
+    """What depends on the increments, shape (≥ n, 4, 3)."""
+    indptr, indices, blocks = mass
+    δ, Gδ, _, sums = products
+    for i in range(V.shape[0]):
         for k in range(4):
             for j in range(3):
-                change = delta[i, k, j] / h - V[i, k, j] + 0.5 * χ * β * w[i, k, j]
-                a[i, k, j] = 2.0 / (1.0 + χ) * change
-    if χ == 0.0:
-        put(V + a, V1)
-        return
-    A, before = np.zeros((3, 3)), (0.0, 0.0, 0.0)
-    for _ in range(_TURNS):
-        Ω = scaled(1.0 + χ, _projection(mass, V, V1, a, w, β, q, A))
-        for i in range(n):
-            for k in range(4):
-                turned = scaled(χ / (1.0 + χ), cross(Ω, _mean(V, V1, i, k)))
+                δ[i, k, j] = delta[i, k, j] / h - V[i, k, j]
+    inertia.multiply(indptr, indices, blocks, δ, Gδ)
+    _sum(V, Gδ, sums[0, 1])
+    _sum(δ, Gδ, sums[1, 1])
+    _sum(w, Gδ, sums[2, 1])
+    _transpose(sums, 0, 1)
+    _transpose(sums, 2, 1)
+
+
+@inlined
+def _sum(X: Array, GY: Array, out: Array) -> None:
+    """``Σ X_r (G Y)_s``, (3, 3)."""
+    a00 = a01 = a02 = a10 = a11 = a12 = a20 = a21 = a22 = 0.0
+    for i in range(X.shape[0]):
+        for k in range(4):
+            x, y, z = X[i, k, 0], X[i, k, 1], X[i, k, 2]
+            f, g, m = GY[i, k, 0], GY[i, k, 1], GY[i, k, 2]
+            a00 += x * f
+            a01 += x * g
+            a02 += x * m
+            a10 += y * f
+            a11 += y * g
+            a12 += y * m
+            a20 += z * f
+            a21 += z * g
+            a22 += z * m
+    store_row(out, 0, (a00, a01, a02))
+    store_row(out, 1, (a10, a11, a12))
+    store_row(out, 2, (a20, a21, a22))
+
+
+@inlined
+def _transpose(sums: Array, x: int, y: int) -> None:
+    for r in range(3):
+        for s in range(3):
+            sums[y, x, r, s] = sums[x, y, s, r]
+
+
+@inlined
+def _product(sums: Array, x: Vector, y: Vector, out: Array) -> None:
+    """The sums of two combinations of (V, δ, w), (3, 3)."""
+    for r in range(3):
+        for s in range(3):
+            total = 0.0
+            for i in range(3):
                 for j in range(3):
-                    q[0, i, k, j] = V[i, k, j] + a[i, k, j] + turned[j]
-        put(q[0], V1)
-        gap = minus(Ω, before)
-        if dot(gap, gap) <= 1e-30 * dot(Ω, Ω):
-            return
-        before = Ω
+                    if x[i] != 0.0 and y[j] != 0.0:
+                        total += x[i] * y[j] * sums[i, j, r, s]
+            out[r, s] = total
+
+
+@inlined
+def _changes(χ: float, β: float) -> tuple[Vector, Vector, Vector]:
+    """``a``, ``V + ½ a`` and ``a − β w`` as combinations of (V, δ, w)."""
+    k = 2.0 / (1.0 + χ)
+    kept = 0.5 * χ * β * k
+    return (0.0, k, kept), (1.0, 0.5 * k, 0.5 * kept), (0.0, k, kept - β)
+
+
+@inlined
+def _means(ψ: Vector, M: Array) -> None:
+    """``(I − ½ψ̂)⁻¹ M``."""
+    for s in range(3):
+        turned = mean_of(ψ, (M[0, s], M[1, s], M[2, s]))
+        M[0, s], M[1, s], M[2, s] = turned
+
+
+@inlined
+def _squares(sums: Array, p: Vector, ψ: Vector, out: Array) -> None:
+    """The sums of V̄ with itself."""
+    _product(sums, p, p, out)
+    _means(ψ, out)
+    for r in range(3):
+        store_row(out, r, mean_of(ψ, load_row(out, r)))
+
+
+@inlined
+def _turn(M: Array) -> Vector:
+    """``Σ X × G Y`` from ``Σ X_r (G Y)_s``."""
+    return M[1, 2] - M[2, 1], M[2, 0] - M[0, 2], M[0, 1] - M[1, 0]
+
+
+@inlined
+def _trace(M: Array) -> float:
+    return M[0, 0] + M[1, 1] + M[2, 2]
+
+
+@inlined
+def _times(A: Array, v: Vector) -> Vector:
+    return dot(load_row(A, 0), v), dot(load_row(A, 1), v), dot(load_row(A, 2), v)
+
+
+@inlined
+def _resistance(W: Array, A: Array) -> None:
+    """``A`` with ``A Ω = Σ V̄ × G (Ω × V̄)`` from the sums of V̄ with itself."""
+    trace = _trace(W)
+    for r in range(3):
+        for s in range(3):
+            A[r, s] = -0.5 * (W[r, s] + W[s, r])
+        A[r, r] += trace
+
+
+@inlined
+def _nearest(A: Array, shifted: Array, right: Vector) -> Vector:
+    """Rotation that makes ``Ω × V̄`` nearest to ``b`` in the metric of inertia.
+
+    Args:
+        A: See :func:`_resistance`.
+        shifted: Work, (3, 3).
+        right: ``Σ V̄ × G b``.
+    """
+    # motion along one line has no rotation about it
+    least = 1e-12 * _trace(A)
+    if least == 0.0:
+        return (0.0, 0.0, 0.0)
+    for r in range(3):
+        for s in range(3):
+            shifted[r, s] = A[r, s]
+        shifted[r, r] += least
+    first = solve_symmetric(shifted, right)
+    # the shift taken back, but for directions without rotation
+    rest = minus(right, _times(A, first))
+    return plus(first, solve_symmetric(shifted, rest))
 
 
 @compiled
-def choose_memory(mass: Inertia, V: Array, V1: Array, w: Array, q: Array, lag: Array) -> None:
-    """β for velocities ``V₁`` that were found with the one before; ``q`` (2, n, 4, 3) is work."""
-    A = np.zeros((3, 3))
-    turn_change = _projection(mass, V, V1, V1, V, 1.0, q, A)
-    turn_memory = _projection(mass, V, V1, w, w, 0.0, q, A)
-    by_change = max(_loss(mass, V, V1, V1, V, 1.0, turn_change, q), 0.0)
-    by_memory = _loss(mass, V, V1, w, w, 0.0, turn_memory, q)
-    square, elastic = np.sum(q[0] * q[1]), lag[WORKS]
-    share = by_change / -elastic if -elastic > by_change else 1.0
-    by_change, by_memory = by_change + share * elastic, by_memory + share * lag[WORKS + 1]
+def turning(sums: Array, χ: float, β: float) -> Vector:
+    """``χ P`` of :func:`set_velocities`: P is the rotation nearest to ``ΔV − β w``, over 1 + χ."""
+    work = np.empty((5, 3, 3))
+    W, A, shifted, X, kept = work[0], work[1], work[2], work[3], work[4]
+    _, p, b = _changes(χ, β)
+    _product(sums, p, b, kept)
+    ψ = (0.0, 0.0, 0.0)
+    for _ in range(_TURNS):
+        _squares(sums, p, ψ, W)
+        _resistance(W, A)
+        X[:] = kept
+        _means(ψ, X)
+        found = scaled(χ, _nearest(A, shifted, _turn(X)))
+        gap, ψ = minus(found, ψ), found
+        if dot(gap, gap) <= 1e-30 * dot(ψ, ψ):
+            break
+    return ψ
+
+
+@compiled
+def set_velocities(V: Array, w: Array, δ: Array, χ: float, β: float, ψ: Vector, V1: Array) -> None:
+    """Velocities ``V₁`` at the end: ``ΔV = a + ψ × V̄``; (n, 4, 3)."""
+    (_, k, kept), _, _ = _changes(χ, β)
+    for i in range(V.shape[0]):
+        for j in range(4):
+            a = plus(scaled(k, load_row(δ[i], j)), scaled(kept, load_row(w[i], j)))
+            v = load_row(V[i], j)
+            mean = mean_of(ψ, plus(v, scaled(0.5, a)))
+            store_row(V1[i], j, plus(plus(v, a), cross(ψ, mean)))
+
+
+@compiled
+def set_turnings(
+    products: Products,
+    frames: tuple[Array, Array],
+    held: Flags,
+    χ: float,
+    h: float,
+    out: Array,
+) -> None:
+    """What P adds to the matrix: ``Y Zᵀ``, the columns of ``Z`` forces ``e × G V`` on the nodes.
+
+    That of ``ΔV`` is ``χ P × V̄``, and ``P`` the rotation that is nearest to increments of V.
+
+    Args:
+        products: At the start of the step.
+        frames: Means, and half-way frames.
+        held: Which unknowns are zero, (n, 6).
+        χ: The loss.
+        h: Step size.
+        out: ``Z`` and ``Y``, (2, 3, 6 n), overwritten.
+    """
+    mean, middle = frames
+    work = np.empty((3, 3))
+    _resistance(products.sums[0, 0], work)
+    least = 1e-12 * _trace(work)
+    out[:] = 0.0
+    if least == 0.0:
+        return
+    for i in range(held.shape[0]):
+        m, at = middle[i], 6 * i
+        for c in range(3):
+            e = (1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0, 1.0 if c == 2 else 0.0)
+            moment = (0.0, 0.0, 0.0)
+            for k in range(1, 4):
+                f = cross(e, load_row(products.GV[i], k))
+                moment = plus(moment, cross(load_row(mean[i], k), f))
+            d1, d2, d3 = load_row(m, 1), load_row(m, 2), load_row(m, 3)
+            force = cross(e, load_row(products.GV[i], 0))
+            store(out[0, c], at, rotate_back(d1, d2, d3, force))
+            store(out[0, c], at + 3, rotate_back(d1, d2, d3, moment))
+            for k in range(6):
+                if held[i, k]:
+                    out[0, c, at + k] = 0.0
+    for c in range(3):
+        work[c, c] += least
+    factor = 4.0 * χ / ((1.0 + χ) * h) ** 2
+    for k in range(out.shape[2]):
+        y = solve_symmetric(work, (out[0, 0, k], out[0, 1, k], out[0, 2, k]))
+        out[1, 0, k], out[1, 1, k], out[1, 2, k] = scaled(factor, y)
+
+
+@compiled
+def choose_memory(sums: Array, χ: float, lag: Array) -> None:
+    """β and the share of elastic forces, for the velocities that they make."""
+    for _ in range(_TURNS):
+        β, share = lag[MEMORY], lag[ELASTIC]
+        _choose_once(sums, χ, turning(sums, χ, β), lag)
+        if abs(lag[MEMORY] - β) <= _EXACT and abs(lag[ELASTIC] - share) <= _EXACT:
+            return
+
+
+@compiled
+def _choose_once(sums: Array, χ: float, ψ: Vector, lag: Array) -> None:
+    """The same for the velocities with the β that was, and their ψ."""
+    work = np.empty((4, 3, 3))
+    W, A, shifted, X = work[0], work[1], work[2], work[3]
+    a, p, _ = _changes(χ, lag[MEMORY])
+    w = (0.0, 0.0, 1.0)
+    _squares(sums, p, ψ, W)
+    _resistance(W, A)
+    _product(sums, p, a, X)
+    _means(ψ, X)
+    by_a, by_turn = _turn(X), _times(A, ψ)
+    by_change = plus(by_a, by_turn)
+    _product(sums, p, w, X)
+    _means(ψ, X)
+    by_w = _turn(X)
+    _product(sums, a, a, X)
+    square = _trace(X) + 2.0 * dot(ψ, by_a) + dot(ψ, by_turn)
+    _product(sums, a, w, X)
+    common = _trace(X) + dot(ψ, by_w)
+    turn = _nearest(A, shifted, by_w)
+    change = max(square - dot(_nearest(A, shifted, by_change), by_change), 0.0)
+    common -= dot(turn, by_change)
+    memory = max(_trace(sums[2, 2]) - dot(turn, by_w), 0.0)
+    elastic = lag[WORKS]
+    share = change / -elastic if -elastic > change else 1.0
+    change, common = change + share * elastic, common + share * lag[WORKS + 1]
     lag[ELASTIC] = share
-    lag[MEMORY] = _remembered(max(by_change, 0.0), by_memory, square + share * lag[LENGTH])
+    lag[MEMORY] = _remembered(max(change, 0.0), common, memory + share * lag[LENGTH])
 
 
 @inlined
@@ -131,76 +362,15 @@ def remember(lag: Array, μ: float) -> None:
 
 
 @compiled
-def _projection(
-    mass: Inertia, V: Array, V1: Array, a: Array, b: Array, sign: float, q: Array, A: Array
-) -> Vector:
-    """Rotation that makes ``Ω × V̄`` nearest to ``a − sign b`` in the metric of inertia."""
-    indptr, indices, blocks = mass
-    n = V.shape[0]
-    put(a[:n] - sign * b[:n], q[0])
-    inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    right = (0.0, 0.0, 0.0)
-    for i in range(n):
-        for k in range(4):
-            right = plus(right, cross(_mean(V, V1, i, k), load_row(q[1, i], k)))
-    put(0.5 * (V + V1), q[0])
-    inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    A[:] = 0.0
-    for i in range(n):
-        for k in range(4):
-            v, p = load_row(q[0, i], k), load_row(q[1, i], k)
-            square = dot(v, p)
-            for j in range(3):
-                A[j, j] += square
-                for m in range(3):
-                    A[j, m] -= 0.5 * (v[j] * p[m] + p[j] * v[m])
-    # motion along one line has no rotation about it
-    least = 1e-12 * (A[0, 0] + A[1, 1] + A[2, 2])
-    if least == 0.0:
-        return (0.0, 0.0, 0.0)
-    for j in range(3):
-        A[j, j] += least
-    first = solve_symmetric(A, right)
-    # the shift taken back, but for directions without rotation
-    rest = minus(right, _times(A, first))
-    rest = plus(rest, scaled(least, first))
-    return plus(first, solve_symmetric(A, rest))
+def velocity_loss(V: Array, V1: Array, delta: Array, h: float, rates: Array) -> float:
+    """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly.
 
-
-@inlined
-def _times(A: Array, v: Vector) -> Vector:
-    return (
-        A[0, 0] * v[0] + A[0, 1] * v[1] + A[0, 2] * v[2],
-        A[1, 0] * v[0] + A[1, 1] * v[1] + A[1, 2] * v[2],
-        A[2, 0] * v[0] + A[2, 1] * v[1] + A[2, 2] * v[2],
-    )
-
-
-@inlined
-def _mean(V: Array, V1: Array, i: int, k: int) -> Vector:
-    return scaled(0.5, plus(load_row(V[i], k), load_row(V1[i], k)))
-
-
-@compiled
-def _loss(
-    mass: Inertia, V: Array, V1: Array, a: Array, b: Array, sign: float, Ω: Vector, q: Array
-) -> float:
-    """``ΔV·G (a − sign b − Ω × V̄)``."""
-    indptr, indices, blocks = mass
+    ``rates`` is ``G ΔV/h``, (n, 4, 3).
+    """
+    loss = 0.0
     for i in range(V.shape[0]):
         for k in range(4):
-            turned = cross(Ω, _mean(V, V1, i, k))
             for j in range(3):
-                q[0, i, k, j] = a[i, k, j] - sign * b[i, k, j] - turned[j]
-    inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    return float(np.sum((V1 - V) * q[1]))
-
-
-@compiled
-def velocity_loss(mass: Inertia, V: Array, V1: Array, delta: Array, h: float, q: Array) -> float:
-    """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly."""
-    indptr, indices, blocks = mass
-    n = V.shape[0]
-    put(delta[:n] / h - 0.5 * (V + V1), q[0])
-    inertia.multiply(indptr, indices, blocks, q[0], q[1])
-    return float(np.sum((V1 - V) * q[1]))
+                g = delta[i, k, j] - 0.5 * h * (V[i, k, j] + V1[i, k, j])
+                loss += g * rates[i, k, j]
+    return loss

@@ -15,15 +15,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
+from fem_lie.joints.equations.terms import jacobian
+from fem_lie.lie.tuples import (
+    Vector,
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+)
 from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.conserving.step.records import Legs
 
 
 @inlined
@@ -143,3 +157,36 @@ def add_joints(
                 for k in range(12):
                     work += p[k] * dz[k]
     return work, loss
+
+
+@compiled
+def border_at(
+    joints: PackedJoints,
+    legs: Legs,
+    held: Flags,
+    frames: tuple[Array, Array, Array],
+    out: Array,
+) -> None:
+    """Rows and columns of the constraints in the matrix of a step.
+
+    Args:
+        joints: Table of all joints.
+        legs: Which nodes the constraints touch.
+        held: Which unknowns are zero, (n, 6).
+        frames: At the end of the step, half-way, where the unknowns' axes are, and where forces
+            act.
+        out: Rows and columns, (2, legs, 6), overwritten.
+    """
+    end, axes, middle = frames
+    table = joint_table(joints)
+    out[:] = 0.0
+    jacobian(end, table, out[0])
+    jacobian(middle, table, out[1])
+    for leg in range(legs.nodes.shape[0]):
+        i, row = legs.nodes[leg], out[0, leg]
+        e, a = end[i], axes[i]
+        spatial = rotate(load_row(e, 1), load_row(e, 2), load_row(e, 3), load(row, 0))
+        store(row, 0, rotate_back(load_row(a, 1), load_row(a, 2), load_row(a, 3), spatial))
+        for k in range(6):
+            if held[i, k]:
+                out[0, leg, k] = out[1, leg, k] = 0.0

@@ -13,6 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.fixed_arrays import put
+from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -24,32 +25,55 @@ from fem_lie.lie.tuples import (
     rotate_back,
     store,
 )
-from fem_lie.linear.factors import PlainFactors, solve
+from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.cayley import spin
-from fem_lie.solve.conserving.step.dissipation import REMEMBERS
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import Model, Scheme, State, Step, solution_of, span_of
-from fem_lie.solve.conserving.step.stopping import (
+from fem_lie.solve.conserving.step.corrections import (
+    ASIDE,
     ASKED,
+    CLOSE,
     EXCESS,
     FELT,
+    FLOOR,
     INCREMENT,
     ITERATION,
     LEAST,
     MARK,
     MOTION,
+    NEARLY,
     PREVIOUS,
     STALLS,
     STEPS,
     TOTAL,
     converged,
+    correction,
     count,
+    hasten,
     lags,
     settled,
+    size,
     stagnates,
 )
+from fem_lie.solve.conserving.step.dissipation import (
+    MEMORY,
+    REMEMBERS,
+    begin_products,
+    set_turnings,
+)
+from fem_lie.solve.conserving.step.joints import border_at
+from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.records import (
+    Legs,
+    Model,
+    Scheme,
+    State,
+    Step,
+    products_of,
+    solution_of,
+    span_of,
+)
+from fem_lie.system.nodes.inertia import Inertia
 
 DONE, MATRIX, FAILED = 0, 1, 2
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
@@ -58,21 +82,28 @@ _FELT = 8.0
 """Increments are round-off if they are at most as large as this many changes by it."""
 _ASTRAY = 1e-6
 """Unless they are larger than this: far from any solution, where elements fold, all is felt."""
+_USUAL, _OF_ONE = 2, 0.1
+"""Terms for old constraints that cost nothing, and what others cost, in iterations."""
 
 
 @linked
 def packed_begin(model: PackedModel, state: Indices, step: Indices) -> float:
     """:func:`begin` of :class:`~fem_lie.solve.conserving.step.packing.Packed`."""
     m = model_of(model)
-    return begin(m.held, m.measure, m.scheme.h, state_of(state), step_of(step))
+    return begin(m.held, m.measure, m.inertia, m.scheme, state_of(state), step_of(step))
 
 
 @compiled
-def begin(held: Flags, measure: Array, h: float, state: State, this: Step) -> float:
+def begin(
+    held: Flags, measure: Array, mass: Inertia, scheme: Scheme, state: State, this: Step
+) -> float:
     """Predict the step; returns the size of its largest motion."""
     H, V, trend, step = state.H, state.V, state.trend, this.step
     put(V, this.V1)
     put(state.weights, this.weights)
+    if scheme.loss * state.lag[REMEMBERS] > 0.0:
+        begin_products(mass, V, state.w, products_of(this))
+    h = scheme.h
     ahead, largest = h * h, 0.0
     for i in range(step.shape[0]):
         u = combined(h, load_row(V[i], 0), ahead, load(trend[i], 0))
@@ -101,16 +132,21 @@ def _hold(H: Array, held: Flags, u: Vector, ψ: Vector, step: Array) -> None:
 
 
 @compiled
-def correction(measure: Array, r: Array, factors: PlainFactors) -> float:
-    """Solve for the correction; returns the size of its largest part."""
-    residual, x, work = solution_of(r)
-    largest = 0.0
-    solve(factors, residual, work, x)
-    for k in range(x.shape[0]):
-        size = abs(x[k]) * measure[k]
-        if size > largest or size != size:  # nan stays
-            largest = size
-    return largest
+def _compare(
+    joints: PackedJoints, legs: Legs, held: Flags, scheme: Scheme, state: State, this: Step
+) -> None:
+    """What of the step as it is is not in the matrix: its constraints, and rotations of Π."""
+    along, change = span_of(this.rows), this.border
+    if this.turnings.shape[1] > 0:
+        χ, frames = scheme.loss * state.lag[REMEMBERS], (along.mean, along.middle)
+        set_turnings(products_of(this), frames, held, χ, scheme.h, this.turnings)
+    if legs.nodes.shape[0] == 0:
+        return
+    border_at(joints, legs, held, (along.end, along.middle, along.middle), change)
+    for side in range(2):
+        for leg in range(change.shape[1]):
+            for k in range(6):
+                change[side, leg, k] -= state.border[side, leg, k]
 
 
 @compiled
@@ -153,18 +189,21 @@ def run(
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
             for where that was not enough.
         counters: Shape (7,), updated.
-        numbers: Shape (9,), updated.
+        numbers: Shape (10,), updated.
         last: Step to reach.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     tolerance, limit, patience, cost, spare = options
     # what takes all of the model is much code at each call
     held, measure, scale, scheme = model.held, model.measure, model.scale, model.scheme
+    legs, aside, compared = model.legs, (this.border, this.turnings), False
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
-            numbers[MOTION] = max(begin(held, measure, scheme.h, state, this), numbers[MOTION])
+            numbers[MOTION] = max(
+                begin(held, measure, model.inertia, scheme, state, this), numbers[MOTION]
+            )
             numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
-            counters[ITERATION], counters[STALLS] = 1, 0
+            counters[ITERATION], counters[STALLS], compared = 1, 0, False
         iteration = counters[ITERATION]
         if counters[ASKED] != iteration:
             counters[ASKED] = iteration
@@ -177,7 +216,24 @@ def run(
             if due:
                 return MATRIX
         residual(model, state, this)
-        numbers[INCREMENT] = correction(measure, this.r, factors)
+        if not compared:
+            _compare(model.joints, legs, held, scheme, state, this)
+            compared = True
+        fine = numbers[FLOOR]
+        close = CLOSE if iteration == 1 else NEARLY
+        numbers[INCREMENT], terms, numbers[ASIDE] = correction(
+            measure,
+            scale,
+            this.r,
+            factors,
+            legs,
+            aside,
+            (close, fine, 1.0 if iteration == 1 else numbers[ASIDE]),
+        )
+        numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
+        if state.slow.shape[0] > 0:
+            x, cut = solution_of(this.r).x, state.lag[MEMORY] < 1.0
+            hasten(measure, x, state.slow, state.share, (cut, iteration == 1), 16.0 * fine)
         counters[TOTAL] += 1
         if iteration == 1:
             numbers[MARK] = numbers[INCREMENT]
@@ -229,10 +285,11 @@ def _round_off(model: Model, state: State, this: Step, factors: PlainFactors) ->
         weights[c] *= 1.0 + sign * _ULP
         sign = -sign
     residual(model, state, this)
-    correction(measure, this.r, factors)
-    largest = 0.0
+    aside = this.border, this.turnings
+    correction(measure, model.scale, this.r, factors, model.legs, aside, (NEARLY, 0.0, 1.0))
     for k in range(x.shape[0]):
-        largest = max(largest, abs(solution.x[k] - x[k]) * measure[k])
+        solution.x[k] -= x[k]
+    largest = size(measure, solution.x)
     put(kept, step)
     put(kept_weights, weights)
     residual(model, state, this)

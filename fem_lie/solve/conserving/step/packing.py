@@ -19,7 +19,7 @@ from fem_lie.forms.fixed_arrays import (
     numbers3,
     numbers4,
 )
-from fem_lie.solve.conserving.step.records import Leaders, Model, Pieces, Scheme, State, Step
+from fem_lie.solve.conserving.step.records import Leaders, Legs, Model, Pieces, Scheme, State, Step
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
 
@@ -55,6 +55,7 @@ class Packed:
                     *model.pressure,
                     *model.probes,
                     model.driven,
+                    *model.legs,
                 )
             ),
             FixedArrays(state),
@@ -103,6 +104,7 @@ def model_of(packed: PackedModel) -> Model:
         (numbers1(table, 27), integers1(table, 28)),
         numbers1(table, 29),
         supported,
+        Legs(integers1(table, 30), integers1(table, 31)),
     )
 
 
@@ -126,6 +128,9 @@ def state_of(table: Indices) -> State:
         numbers2(table, 13),
         numbers2(table, 14),
         numbers1(table, 15),
+        numbers3(table, 16),
+        numbers2(table, 17),
+        numbers1(table, 18),
     )
 
 
@@ -153,4 +158,8 @@ def step_of(table: Indices) -> Step:
         numbers2(table, 17),
         numbers1(table, 18),
         numbers3(table, 19),
+        numbers3(table, 20),
+        numbers4(table, 21),
+        numbers4(table, 22),
+        numbers3(table, 23),
     )

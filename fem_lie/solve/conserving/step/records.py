@@ -56,6 +56,18 @@ class Pieces(NamedTuple):
     across: Array
 
 
+class Legs(NamedTuple):
+    """Which nodes the constraints touch, see :class:`~fem_lie.linear.bordered.Border`.
+
+    Attributes:
+        nodes: Of each leg.
+        constraints: Likewise.
+    """
+
+    nodes: Indices
+    constraints: Indices
+
+
 class Model(NamedTuple):
     """What does not change in a step.
 
@@ -76,6 +88,7 @@ class Model(NamedTuple):
         probes: Table of the coordinates that results report.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
         supported: Which unknowns are held from outside, (n, 6).
+        legs: Of the constraints.
     """
 
     cells: CellTable
@@ -94,6 +107,7 @@ class Model(NamedTuple):
     probes: PackedJoints
     driven: Array
     supported: Flags
+    legs: Legs
 
 
 class State(NamedTuple):
@@ -112,12 +126,17 @@ class State(NamedTuple):
         w_F: Of changes of forces, (places, 6).
         lag: Numbers of the last iteration, see :mod:`fem_lie.solve.conserving.step.dissipation`,
             (11,).
-        carry: Forces and moments left over by the last step, global components, (n, 6).
+        carry: Forces left over by the last step, and moments about where the nodes are now, global
+            components, (n, 6).
         books: Work of loads and drives that has no potential, of damping, numerical loss, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
         earlier: Multipliers of the two steps before the last one, (2, m).
         sizes: Of the last three steps since the start or an event, 0 for those before, (3,).
+        border: Rows and columns of the constraints in the matrix, (2, legs, 6).
+        slow: Of :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2, 6 n + m); without
+            dissipation (0, 6 n + m).
+        share: Likewise, (2,).
     """
 
     H: Array
@@ -136,6 +155,25 @@ class State(NamedTuple):
     trend: Array
     earlier: Array
     sizes: Array
+    border: Array
+    slow: Array
+    share: Array
+
+
+class Products(NamedTuple):
+    """Of velocities in the metric of inertia, see :mod:`.dissipation`.
+
+    Attributes:
+        δ: ``Δq/h − V``, (n, 4, 3).
+        Gδ: That times the mass matrix.
+        GV: V times the mass matrix, likewise.
+        sums: Of each pair of (V, δ, w), (3, 3, 3, 3).
+    """
+
+    δ: Array
+    Gδ: Array
+    GV: Array
+    sums: Array
 
 
 class Step(NamedTuple):
@@ -160,10 +198,15 @@ class Step(NamedTuple):
         forces: On the leaders, (n, 6).
         q: For inertia, (2, n, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
-        r: :class:`Solution` of the equations, (3, 6 n + m).
+        r: :class:`Solution` of the equations, (5, 6 n + m).
         weights: Multipliers at the start of the step, (m,).
         filtered: Forces of the changes of elastic forces and of their memory, on all nodes,
             (2, N, 6).
+        border: How the constraints differ from those in the matrix, (2, legs, 6).
+        sums: Of :class:`Products`, (3, 3, 3, 3).
+        own: Its arrays of the nodes, (3, n, 4, 3).
+        turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
+            without dissipation (2, 0, 6 n).
     """
 
     step: Array
@@ -186,6 +229,10 @@ class Step(NamedTuple):
     r: Array
     weights: Array
     filtered: Array
+    border: Array
+    sums: Array
+    own: Array
+    turnings: Array
 
 
 class Span(NamedTuple):
@@ -211,11 +258,15 @@ class Solution(NamedTuple):
         residual: What is wrong.
         x: The correction.
         work: Of the solver.
+        rest: What of the equations a solution has not met.
+        term: The solution for that.
     """
 
     residual: Array
     x: Array
     work: Array
+    rest: Array
+    term: Array
 
 
 @inlined
@@ -225,6 +276,12 @@ def span_of(rows: Array) -> Span:
 
 
 @inlined
+def products_of(this: Step) -> Products:
+    """Parts of a step."""
+    return Products(this.own[0], this.own[1], this.own[2], this.sums)
+
+
+@inlined
 def solution_of(r: Array) -> Solution:
-    """Parts of ``r`` (3, size)."""
-    return Solution(r[0], r[1], r[2])
+    """Parts of ``r`` (5, size)."""
+    return Solution(r[0], r[1], r[2], r[3], r[4])
