@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from fem_lie.lie.kinds import SURFACE
 from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRIC
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def meshed(kkt: KKT) -> bool:
 
 def methods_for(equations: Equations) -> tuple[Method, ...]:
     """What is fastest for the static equations of a scene."""
-    if not equations.unknowns.uncoupled.any():
+    unknowns = equations.unknowns
+    thin = bool((unknowns.kinds == SURFACE).any())  # shells whose nodes are no frames
+    if not thin and not unknowns.uncoupled.any():
         return CHAINS
     if not equations.unknowns.symmetric:
         return SURFACES

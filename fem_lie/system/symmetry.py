@@ -6,6 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.forms.term import Term
+from fem_lie.lie.kinds import CROSSING, SURFACE
 from fem_lie.lie.motions import retract
 from fem_lie.system.system import System
 
@@ -29,7 +30,9 @@ def symmetric(system: System, *, potential: bool) -> bool:
     """
     table = system.table
     bound = bool(table.selection[:, 3:].any() or table.functions.any())
-    return not bound and bool(system.uncoupled.all()) and potential
+    # axes of thin shells do not turn with their nodes
+    still = system.uncoupled | (system.kinds == SURFACE) | (system.kinds == CROSSING)
+    return not bound and bool(still.all()) and potential
 
 
 def _conserve(system: System) -> bool:
