@@ -187,7 +187,7 @@ def test_error_says_what_is_wrong(name):
 
 
 def test_scene_refuses_what_is_not_a_part_of_one():
-    with pytest.raises(TypeError, match="bodies, joints, links, loads"):
+    with pytest.raises(TypeError, match="bodies, joints, links, contacts, loads"):
         fl.Scene().add(SECTION)
 
 

@@ -72,6 +72,12 @@ def thin_shell() -> fl.Scene:
     return scene_with(fl.ThinShell(patch, LAYER))
 
 
+def solid() -> fl.Scene:
+    """Nodes of places."""
+    material = fl.NeoHooke(80.0, 0.3, density=2.0)
+    return scene_with(fl.Solid.brick((2.0, 1.0, 1.0), material, cells=(2, 1, 1)))
+
+
 def pressed(scene: fl.Scene) -> fl.Scene:
     body = scene.bodies[0]
     if isinstance(body, fl.Beam):
@@ -209,6 +215,7 @@ TERMS: dict[str, Case] = {
         lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
     ),
     "thin shell": Case(thin_shell, "elements"),
+    "solid": Case(solid, "elements"),
     "pressure on a thin shell": Case(lambda: pressed(thin_shell()), "pressure on thin shells"),
     "load within a geodesic": Case(lambda: held(beam()), HELD),
     "load within two directors": Case(lambda: held(beam(fl.Director(1))), HELD),
