@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 import fem_lie as fl
-from fem_lie.contact import cones
+from fem_lie.contact.impact import cones
 
 GRAVITY, RADIUS = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))

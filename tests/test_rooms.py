@@ -44,6 +44,7 @@ MAY_IMPORT = {
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
     "contact": {"bodies"},
+    "contact.impact": {"contact"},
     "pictures": {"bodies.beams"},
     "scene": {
         "joints",
@@ -70,7 +71,7 @@ MAY_IMPORT = {
     "solve.stability": {"solve.statics"},
     "solve.recording": {"solve"},
     "solve.motion": {"solve.recording"},
-    "solve.alpha.step": {"solve.motion"},
+    "solve.alpha.step": {"solve.motion", "contact.impact"},
     "solve.alpha": {"solve.alpha.step"},
     "solve.conserving.step": {"solve.motion"},
     "solve.conserving": {"solve.conserving.step"},

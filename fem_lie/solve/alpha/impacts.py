@@ -1,8 +1,8 @@
 """Generalised-α for rigid bodies that nothing holds, and that touch each other and ground.
 
 Each body makes its step as if it were alone (:mod:`fem_lie.solve.alpha.free_bodies`), and contacts
-change its end (:mod:`fem_lie.contact.impacts`). Accelerations are then those of the end without
-contacts.
+change its end (:mod:`fem_lie.contact.impact.settle`). Accelerations are then those of the end
+without contacts.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem_lie._arrays import Indices
-from fem_lie.contact.impacts import (
+from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
     IMPACT,
@@ -22,8 +22,8 @@ from fem_lie.contact.impacts import (
     TOLD,
     Masses,
 )
+from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.laws import Impact
-from fem_lie.contact.touching import Touching
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.results.steps import ContactSteps

@@ -8,10 +8,12 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie.contact import impacts
-from fem_lie.contact.impacts import FRICTION, GROUND, IMPACT, Masses, Touch, Work, settle
+from fem_lie.contact.impact import records
+from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Touch, Work
+from fem_lie.contact.impact.settle import settle
+from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
-from fem_lie.lie.tuples import dot, load, load_row, negative, rotate_back, scaled, store
+from fem_lie.lie.tuples import load_row, negative, rotate_back, scaled, store
 from fem_lie.solve.alpha.step.free_body import act, book, load_of, make_step, residual
 from fem_lie.solve.alpha.step.free_records import (
     BODY,
@@ -45,7 +47,7 @@ class Contacts(NamedTuple):
         patience: How far places may move until it has to be looked again.
         arm: The largest distance of a place from its body's centre.
         sum: How far they may have moved, shape (1,).
-        told: Of all steps, see :data:`fem_lie.contact.impacts.TOLD`, shape (S, 13).
+        told: Of all steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (S, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
         done: These at the rows of these steps, shape (kept, 7).
     """
@@ -70,16 +72,6 @@ def _accelerate(m: float, J: Array, inverse: Array, f: Array, here: Start) -> No
     store(here.vdot, 3, negative(rotate_back(*rows, moment)))
     for k in range(6):
         here.a[k] = here.vdot[k]
-
-
-@inlined
-def _speed(v: Array, arm: float) -> float:
-    """The largest of any place."""
-    found = 0.0
-    for i in range(v.shape[0]):
-        u, ω = load(v[i], 0), load(v[i], 3)
-        found = max(found, np.sqrt(dot(u, u)) + arm * np.sqrt(dot(ω, ω)))
-    return found
 
 
 @inlined
@@ -148,7 +140,7 @@ def advance(
         told = contacts.told[index - 1]
         start = H0, v0
         if settle(p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, told):
-            if not told[impacts.RESIDUAL] <= LARGEST:
+            if not told[records.RESIDUAL] <= LARGEST:
                 return index - 1, factorisations, UNSETTLED
             for i in range(n):
                 if _changed(state.v[i], work.v[i], state.H[i], work.H[0, i]):
@@ -164,7 +156,8 @@ def advance(
             contacts.booked[0] -= told[IMPACT] + told[FRICTION]
             for k in range(6):
                 contacts.booked[1 + k] += told[GROUND + k]
-        contacts.sum[0] += p.h * max(_speed(v0, contacts.arm), _speed(state.v, contacts.arm))
+        speed = max(largest_speed(v0, contacts.arm), largest_speed(state.v, contacts.arm))
+        contacts.sum[0] += p.h * speed
         kept = index % plan.every == 0 or index == plan.total
         for i in range(n):
             to_local(group[i], state.H[i], state.v[i], state.vdot[i], twist, rate)

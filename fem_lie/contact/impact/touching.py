@@ -8,7 +8,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impacts import CLOSED, Touch, Work, set_gaps, work_of
+from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
+from fem_lie.contact.impact.rows import set_gaps
 from fem_lie.contact.laws import Impact
 from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.table import Nodes, Side

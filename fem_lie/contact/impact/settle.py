@@ -1,0 +1,188 @@
+"""Impacts and Coulomb's friction of rigid bodies in one step: what comes after the smooth step.
+
+Brüls, Acary & Cardona, CMAME 281 (2014) 131, and Cosimo, Galvez, Cavalieri, Cardona & Brüls,
+Nonlinear Dyn. 102 (2020) 2453, decoupled: the step without contacts first. What is different here:
+
+- an impact has a time ``τ h``, from the gaps at both ends and the velocity at the start, and
+  restitution is of the velocity that there is then;
+- contacts that were closed push along the mean of their rows at both ends, and their impulses move
+  bodies by half a step, as constant forces do; impulses of impacts by what is left of the step. All
+  contacts of a step have one such part, the mean by their impulses, so that forces in
+  equilibrium stay so;
+- restitution is reduced, if the step would have more energy than it began with.
+
+Two passes make the rows those of the end. Bodies move on R³×SO(3): velocities are ``ẋ``, global,
+and ``ω``, in the body's axes.
+"""
+
+from __future__ import annotations
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, linked
+from fem_lie.contact.impact import cones
+from fem_lie.contact.impact.books import energy, note_ground, note_works
+from fem_lie.contact.impact.cones import along
+from fem_lie.contact.impact.places import aim, moved, settle_places
+from fem_lie.contact.impact.records import (
+    CONTACTS,
+    FRICTION,
+    IMPACT,
+    PENETRATION,
+    RESIDUAL,
+    SWEEPS,
+    Masses,
+    Touch,
+    Work,
+)
+from fem_lie.contact.impact.velocities import choose, join, set_cones
+from fem_lie.contact.kinematics import gap
+
+_PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
+"""Passes; most of them; in how many contacts may join; reductions of restitution."""
+
+_ROUGH = 1e-4
+"""Residual of the cones in the first pass, which is there for its rows; places are rough, too."""
+
+_PLACES, _SWEEPS = 20, 200
+"""Iterations of places, and sweeps in one, at most."""
+
+
+@linked
+def _pass(
+    h: float,
+    touch: Touch,
+    masses: Masses,
+    H: Array,
+    v: Array,
+    w: Work,
+    factor: float,
+    tolerance: float,
+    told: Array,
+    limits: tuple[int, int],
+) -> bool:
+    """One pass from the end without contacts to ``H`` and ``v``; whether a contact has joined."""
+    k = set_cones(h, touch, masses, w, factor)
+    sweeps, _, told[RESIDUAL] = cones.solve(w.cones, k, tolerance)
+    told[CONTACTS], told[SWEEPS] = k, told[SWEEPS] + sweeps
+    v[:] = w.v + w.cones.W
+    note_works(w, k, v, told)
+    note_ground(masses, w, k, told)
+    part = aim(h, touch, w, k, factor)
+    moved(w.H[0], w.cones.W, part * h, H)
+    return settle_places(touch, masses, H, w, limits)
+
+
+@compiled
+def _kick(touch: Touch, w: Work) -> float:
+    """The largest velocity that restitution gives."""
+    found = 0.0
+    for at in range(w.many[0]):
+        c = w.close[at]
+        if w.joined[c]:
+            found = max(found, -touch.restitution[c] * w.incoming[c])
+    return found
+
+
+@compiled
+def _fall(w: Work, k: int) -> float:
+    """The largest change of a normal velocity in the smooth step."""
+    found = 0.0
+    for i in range(k):
+        free = along(w.cones.rows[i], w.cones.bodies[i], w.v, 0)
+        found = max(found, abs(free - w.speed[w.chosen[i]]))
+    return found
+
+
+@linked
+def settle(
+    h: float,
+    touch: Touch,
+    masses: Masses,
+    start: tuple[Array, Array],
+    H: Array,
+    v: Array,
+    w: Work,
+    tolerance: float,
+    told: Array,
+) -> bool:
+    """What contacts make of the end of a step; whether there are any.
+
+    Args:
+        h: Size of the step.
+        touch: Pairs.
+        masses: Of the bodies.
+        start: Frames and velocities at its start.
+        H: Frames at its end without contacts, shape (n, 4, 3), updated.
+        v: Velocities, shape (n, 6), updated.
+        w: Work; gaps and impulses are kept from step to step.
+        tolerance: Of :func:`~fem_lie.contact.impact.cones.residual`.
+        told: See :data:`~fem_lie.contact.impact.records.TOLD`, overwritten.
+    """
+    told[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
+    for c in range(m):
+        i, j = touch.pairs[c]
+        w.smooth[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+        w.joined[c] = w.smooth[c] <= 0.0
+        overlaps = overlaps or w.joined[c]
+    if not overlaps:
+        w.impulses[:] = 0.0
+        w.gaps[:] = w.smooth
+        return False
+    choose(h, touch, start, v, w)
+    join(h, touch, start, w)
+    w.H[0], w.H[1], w.v[:] = H, H, v
+    free, before = energy(masses, H, v), energy(masses, start[0], start[1])
+    _guarded(h, touch, masses, before, H, v, w, tolerance, told)
+    told[IMPACT] = energy(masses, H, v) - free - told[FRICTION]
+    for c in range(m):
+        i, j = touch.pairs[c]
+        w.gaps[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+        told[PENETRATION] = max(told[PENETRATION], -w.gaps[c])
+    return True
+
+
+@linked
+def _guarded(
+    h: float,
+    touch: Touch,
+    masses: Masses,
+    before: float,
+    H: Array,
+    v: Array,
+    w: Work,
+    tolerance: float,
+    told: Array,
+) -> None:
+    """Passes, with as much of the restitution as does not add to the energy ``before``."""
+    factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
+    passes, tries, last = 0, 0, False
+    for attempt in range(_MOST):
+        wanted, limits = (_ROUGH, (1, 3)) if attempt == 0 else (tolerance, (_PLACES, _SWEEPS))
+        grew = _pass(h, touch, masses, H, v, w, factor, wanted, told, limits)
+        w.H[1] = H
+        if grew and attempt < _GROWING:
+            continue
+        passes += 1
+        if passes < _PASSES:
+            continue
+        if last or _kick(touch, w) <= 1e-2 * _fall(w, int(told[CONTACTS])):
+            return
+        excess = energy(masses, H, v) - before
+        if excess <= 1e-10 * abs(told[IMPACT] + told[FRICTION]) + 1e-14 * abs(before):
+            if tries == 0:
+                return
+            least, below = factor, excess
+        else:
+            most, above = factor, excess
+        tries += 1
+        if tries == 1:
+            factor = 0.0
+        elif least < 0.0:
+            factor, last = 1.0, True  # it is not restitution that gives it
+        elif tries >= _GUARDS or most - least < 1e-3 or -below < 1e-12 * abs(before):
+            if factor == least:
+                return
+            factor, last = least, True
+        else:
+            by_secant = -below / (above - below)
+            factor = least + (most - least) * min(0.95, max(0.05, by_secant))
