@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.elements.thin_shells import cells as kernels
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unloaded
+from fem_lie.elements.thin_shells.cell_tables import stress_at
 from fem_lie.elements.thin_shells.rows import NODES, VECTORS
 from fem_lie.forms.body_term import BodyTerm, NodalInertia
 from fem_lie.forms.cell_forms import FormTable
@@ -79,7 +80,7 @@ class ThinShellAssembly(BodyTerm):
         self._forces = summed(kernels.force_kernel.address)
         self._matrix = summed(kernels.tangent_kernel.address)
         self._points = strains.shape[1]
-        at = kernels.stress_at(sampled.shape[1], self._points)
+        at = stress_at(sampled.shape[1], self._points)
         self._carried = self._values[:, at:]
         place = self._values.ctypes.data, self._values.shape[1]
         self._place = cells, place, int(self._tables.ctypes.data)

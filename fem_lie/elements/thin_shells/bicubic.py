@@ -25,7 +25,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, number
 from fem_lie.elements.thin_shells import hermite
-from fem_lie.elements.thin_shells.cells import Rule
+from fem_lie.elements.thin_shells.cell_tables import Rule
 
 
 @dataclass(frozen=True)
