@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fem_lie.forms.cells import Cells
-from fem_lie.solve.conserving.memory import model_of, room_for_step, start_state
+from fem_lie.solve.conserving.memory import legs_of, model_of, room_for_step, start_state
 from fem_lie.solve.conserving.step import packing, records
 from fem_lie.system.equations import Equations
 from tests.random_scenes import CONSERVING, random_scene
@@ -33,11 +33,12 @@ def given() -> dict[str, Any]:
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
     equations = Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
-    model = model_of(equations, cells, records.Scheme(1e-3, 0.1, 0.9))
+    legs = legs_of(equations, follows=True)
+    room = equations, cells, legs
     return {
-        "model": model,
-        "state": start_state(equations, cells),
-        "step": room_for_step(equations, cells),
+        "model": model_of(equations, cells, records.Scheme(1e-3, 0.1, 0.9), legs),
+        "state": start_state(*room, dissipates=True),
+        "step": room_for_step(*room, dissipates=True),
     }
 
 
