@@ -240,10 +240,14 @@ def stagnates(counters: Indices, numbers: Array) -> bool:
 
 
 @inlined
-def converged(numbers: Array, tolerance: float, iteration: int) -> bool:
-    """Whether what would follow is below the tolerance, or round-off, or nothing would."""
+def converged(numbers: Array, tolerance: float, iteration: int, known: bool) -> bool:
+    """Whether what would follow is below the tolerance, or round-off, or nothing would.
+
+    Round-off is told by the rate where the matrix is ``known`` to be good. Next to postures in
+    which constraints lose rank it is not: increments are small there, and what is missing is not.
+    """
     increment = numbers[INCREMENT]
-    if iteration > 1 and (tolerance > 0.0 or numbers[FLOOR] > 0.0):
+    if iteration > 1 and (tolerance > 0.0 or (known and numbers[FLOOR] > 0.0)):
         ratio = max(increment / numbers[PREVIOUS], 0.7 * numbers[RATIO])
         numbers[RATIO] = ratio
         if tolerance == 0.0:

@@ -82,6 +82,8 @@ _FELT = 8.0
 """Increments are round-off if they are at most as large as this many changes by it."""
 _ASTRAY = 1e-6
 """Unless they are larger than this: far from any solution, where elements fold, all is felt."""
+_SMALL = 0.1
+"""What of the constraints is not in the matrix, where a step may end by the rate of convergence."""
 _USUAL, _OF_ONE = 2, 0.1
 """Terms for old constraints that cost nothing, and what others cost, in iterations."""
 
@@ -242,7 +244,8 @@ def run(
             # one sample of round-off may be small by chance
             numbers[FELT] = max(_round_off(model, state, this, factors), numbers[FELT])
             noise = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
-        if noise or converged(numbers, tolerance, iteration):
+        known = legs.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
+        if noise or converged(numbers, tolerance, iteration, known):
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
                 correct(held, scale, scheme, state, this)
