@@ -12,12 +12,11 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.forms.frames import push
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.results import Result
 from fem_lie.solve.conserving.step.cayley import advance
-from fem_lie.solve.motion.consistent import accelerations, check_velocities
+from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import DIVERGED, ROTATION, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Decisions, EveryIteration, Policy
@@ -26,16 +25,15 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational.ends import Ends
+from fem_lie.solve.variational.prescribed import prescribe
 from fem_lie.system.equations import Equations, Instant, Plan
 from fem_lie.system.nodes import inertia
 
 _log = logging.getLogger(__name__)
 
-PREFIX = "fem_lie_dynamics_"
 _STAGNANT, _FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
 """Increments below the first, over those of the model, that do not fall by the second are noise."""
-_UNFILTERED = 1e-6
-"""Size of steps, over the true one, whose matrix finds velocities from momenta."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,7 @@ class VariationalRun(Integration[Recorder]):
         self._factors: Factors | None = None
         self._made, self._factorisations, self._iterations = 0, 0, 0
         self._increment, self._born = np.inf, 0
-        self._at_ends: DirectSolver | None = None
+        self._ends = Ends(equations, step)
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -120,7 +118,7 @@ class VariationalRun(Integration[Recorder]):
         momenta.of_rates(self.H, V, self._mass, self.before)
         self.steps[:, :, :3] = self.h * V[:, 0]
         self.steps[:, :, 3:] = self.h * np.einsum("nij,ni->nj", self.H[:n, 1:], v[:n, 3:])
-        rates, self.weights[:] = self._solved_at_end(v, 0.0)
+        rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
         self.earlier[:] = self.weights
         now = Instant(self.H, v[:n], rates, self.weights)
         equations.residual(now, np.ones(len(self.weights)), self._work)
@@ -133,7 +131,8 @@ class VariationalRun(Integration[Recorder]):
 
     def _advance(self, history: Recorder) -> bool:
         if self._changing:
-            self._set_time()
+            given = self._driven, self.twists
+            prescribe(self.equations, self.H, self.index * self.h, self.h, self.rows, given)
         before = self._iterations
         made = self._made_with(self.decisions)
         if not made and self.options.policy.rescue:
@@ -143,22 +142,6 @@ class VariationalRun(Integration[Recorder]):
         if made:
             self._accept()
         return made
-
-    def _set_time(self) -> None:
-        """Loads in the middle of the step, drives and prescribed motions at its end, too."""
-        equations, n, start = self.equations, self._n, self.index * self.h
-        middle, end = start + 0.5 * self.h, start + self.h
-        if equations.unknowns.driven:
-            at = [equations.prescribed(time).targets for time in (start, end)]
-            self._driven[:] = at[1] - at[0]
-        if len(self.H) > n + 1:
-            delta, mean, last, half_way = self.rows
-            after, between = equations.prescribed(end), equations.prescribed(middle, self.h)
-            delta[n + 1 :] = after.frames - self.H[n + 1 :]
-            mean[n + 1 :] = 0.5 * (after.frames + self.H[n + 1 :])
-            last[n + 1 :], half_way[n + 1 :] = after.frames, between.frames
-            self.twists[n + 1 :] = between.velocities
-        equations.set_time(middle)
 
     def _made_with(self, decisions: Decisions) -> bool:
         """Make the step from its start; whether it converges."""
@@ -257,18 +240,11 @@ class VariationalRun(Integration[Recorder]):
 
     def _book(self, weights: Array) -> None:
         """By the trapezoidal rule, with velocities along a line through the last two steps."""
-        equations, n, h, time = self.equations, self._n, self.h, self.index * self.h
-        twists = equations.start.velocities.copy()
-        spatial = (1.5 * self.steps[0] - 0.5 * self.steps[1]) / h
-        momenta.to_local(self.H, spatial, equations.unknowns.held, twists[:n])
+        time = self.index * self.h
         if self._changing:
-            equations.set_time(time)
-            twists[n + 1 :] = equations.prescribed(time, h).velocities
-        rates = np.empty((n, 6))
-        change = (self.steps[0] - self.steps[1]) / h**2
-        momenta.to_local(self.H, change, equations.unknowns.held, rates)
-        rates[:, :3] -= np.cross(twists[:n, 3:], twists[:n, :3])
-        self.books.add(h, time, self.H, twists[:n], rates, weights)
+            self.equations.set_time(time)
+        twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
+        self.books.add(self.h, time, self.H, twists[: self._n], rates, weights)
 
     def _take_rows(self) -> None:
         for row in self.rows[1:]:
@@ -287,46 +263,15 @@ class VariationalRun(Integration[Recorder]):
         wanted = history.wants(self.index)
         if wanted:
             time, n = self.index * self.h, self._n
-            v = self._velocities(time) if self.index else self.equations.start.velocities
-            rates, weights = self._solved_at_end(v, time)
+            v = self.equations.start.velocities
+            if self.index:
+                v = self._ends.velocities(self.H, self.before, time)
+            rates, weights = self._ends.accelerations(self.H, v, time)
             history.fill(time, self.H, v[:n], rates, weights, self.books.total)
         return wanted
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self._factorisations, history.seconds)
-
-    @property
-    def _solver(self) -> DirectSolver:
-        if self._at_ends is None:
-            self._at_ends = DirectSolver(self.equations.matrix, PREFIX)
-        return self._at_ends
-
-    def _velocities(self, time: float) -> Array:
-        """Twists of all rows that have the momenta and that constraints allow."""
-        equations, n, solver = self.equations, self._n, self._solver
-        v = equations.start.velocities.copy()
-        v[:n] = 0.0
-        given = equations.prescribed(time, self.h)
-        v[n + 1 :] = given.velocities
-        r = solver.right_hand_side
-        held = equations.unknowns.held
-        momenta.to_local(self.H, self.before, held, r[: 6 * n].reshape(n, 6))
-        plan = Plan(self._still, at_rest=_UNFILTERED * self.h)
-        scale = equations.fill(Instant(self.H, self._still, self._still, self._none), None, plan)
-        moved, _ = equations.constraints(self.H).rates(v)
-        r[6 * n :] = scale * (given.target_rates[0] - moved)
-        solver.factorise()
-        solver.solve()
-        v[:n] = solver.solution[: 6 * n].reshape(n, 6)
-        return v
-
-    def _solved_at_end(self, v: Array, time: float) -> tuple[Array, Array]:
-        """Accelerations and multipliers at the present state."""
-        equations, n = self.equations, self._n
-        now = Instant(self.H, v[:n], self._still, self._none)
-        # elements' own unknowns are those half-way
-        equations.residual(now, np.ones(len(self.weights)), self._work)
-        return accelerations(equations, self._solver, self.H, v, time, self.h)
 
     # --- checkpoints ---
 

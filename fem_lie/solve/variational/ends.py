@@ -1,0 +1,98 @@
+"""Velocities, accelerations and multipliers at the ends of steps, where there are momenta."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.motion.consistent import accelerations
+from fem_lie.solve.variational import momenta
+from fem_lie.system.equations import Equations, Instant, Plan
+
+PREFIX = "fem_lie_dynamics_"
+_UNFILTERED = 1e-6
+"""Size of steps, over the true one, whose matrix finds velocities from momenta."""
+
+
+class Ends:
+    """What results and books want to know there."""
+
+    def __init__(self, equations: Equations, step: float) -> None:
+        """Nothing is factorised yet.
+
+        Args:
+            equations: Of the scene.
+            step: Step size.
+        """
+        n, m = equations.unknowns.moving, equations.unknowns.m
+        self.equations, self.h, self._n = equations, step, n
+        self._still, self._none = np.zeros((n, 6)), np.zeros(m)
+        self._work = np.zeros(equations.unknowns.size)
+        self._made: DirectSolver | None = None
+
+    @property
+    def _solver(self) -> DirectSolver:
+        if self._made is None:
+            self._made = DirectSolver(self.equations.matrix, PREFIX)
+        return self._made
+
+    def velocities(self, H: Array, spatial: Array, time: float) -> Array:
+        """Twists of all rows that have the momenta and that constraints allow, shape (N, 6).
+
+        Args:
+            H: All rows, shape (N, 4, 3).
+            spatial: Momenta, shape (n, 6).
+            time: When.
+        """
+        equations, n, solver = self.equations, self._n, self._solver
+        v = equations.start.velocities.copy()
+        v[:n] = 0.0
+        given = equations.prescribed(time, self.h)
+        v[n + 1 :] = given.velocities
+        r = solver.right_hand_side
+        held = equations.unknowns.held
+        momenta.to_local(H, spatial, held, r[: 6 * n].reshape(n, 6))
+        plan = Plan(self._still, at_rest=_UNFILTERED * self.h)
+        scale = equations.fill(Instant(H, self._still, self._still, self._none), None, plan)
+        moved, _ = equations.constraints(H).rates(v)
+        r[6 * n :] = scale * (given.target_rates[0] - moved)
+        solver.factorise()
+        solver.solve()
+        v[:n] = solver.solution[: 6 * n].reshape(n, 6)
+        return v
+
+    def accelerations(self, H: Array, v: Array, time: float) -> tuple[Array, Array]:
+        """Accelerations, shape (n, 6), and multipliers, shape (m,).
+
+        Args:
+            H: All rows, shape (N, 4, 3).
+            v: Their twists, shape (N, 6).
+            time: When.
+        """
+        equations, n = self.equations, self._n
+        now = Instant(H, v[:n], self._still, self._none)
+        # elements' own unknowns are those half-way
+        equations.residual(now, np.ones(len(self._none)), self._work)
+        return accelerations(equations, self._solver, H, v, time, self.h)
+
+    def through(self, H: Array, steps: Array, time: float, changing: bool) -> tuple[Array, Array]:
+        """Twists, shape (N, 6), and their rates, shape (n, 6), of a line through two steps.
+
+        Args:
+            H: All rows at the end of the last step, shape (N, 4, 3).
+            steps: It and the one before, shape (2, n, 6).
+            time: When it ends.
+            changing: Whether anything is prescribed in time.
+        """
+        equations, n, h = self.equations, self._n, self.h
+        twists = equations.start.velocities.copy()
+        spatial = (1.5 * steps[0] - 0.5 * steps[1]) / h
+        momenta.to_local(H, spatial, equations.unknowns.held, twists[:n])
+        if changing:
+            twists[n + 1 :] = equations.prescribed(time, h).velocities
+        rates = np.empty((n, 6))
+        change = (steps[0] - steps[1]) / h**2
+        momenta.to_local(H, change, equations.unknowns.held, rates)
+        rates[:, :3] -= np.cross(twists[:n, 3:], twists[:n, :3])
+        return twists, rates
