@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.pictures.stage import INK, Canvas, add_frame, plotting, target_of
-from fem_lie.pictures.vtk import CellKind, surface_grid
+from fem_lie.pictures.vtk_grids import CellKind, surface_grid
 
 # of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"

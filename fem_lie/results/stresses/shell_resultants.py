@@ -170,7 +170,7 @@ class Resultants(ResultantValues):
         Raises:
             ValueError: The name does not end in ``.vtu``.
         """
-        from fem_lie.pictures.vtk import write_surface
+        from fem_lie.pictures.vtk_grids import write_surface
 
         node = self.places.patches.node
         turning = self.places.jump <= LARGEST_JUMP

@@ -108,7 +108,7 @@ class SolidStresses:
         Raises:
             ValueError: The name does not end in ``.vtu``.
         """
-        from fem_lie.pictures.vtk import write_volume
+        from fem_lie.pictures.vtk_grids import write_volume
 
         data = {
             "displacement": self.displacement,
