@@ -23,8 +23,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.composed.compositions import Composition, FiveStages
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.motion.events import events
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import Integrator, why_steps_change
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
@@ -82,8 +81,7 @@ class Composed(Integrator):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        jumps = events(scene, duration)
-        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
+        given = why_steps_change(scene, duration, choice)
         raise ValueError(
             "Composed makes constant steps over smooth functions of time: wanted the size of the "
             f"step as a number and nothing that jumps, got {given}; use EnergyMomentum"

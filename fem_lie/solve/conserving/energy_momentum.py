@@ -40,7 +40,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.conserving import variable
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
-from fem_lie.solve.motion.integrator import Integrator, check_kinds
+from fem_lie.solve.motion.integrator import Integrator, check_until_round_off
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
@@ -69,12 +69,7 @@ class EnergyMomentum(Integrator):
 
     def __post_init__(self) -> None:
         """Check the options."""
-        check_kinds(self.tolerance, self.max_iterations, self.policy)
-        if not self.tolerance >= 0 or self.max_iterations < 1:
-            raise ValueError(
-                "wanted tolerance ≥ 0 and max_iterations ≥ 1, got "
-                f"{self.tolerance}, {self.max_iterations}"
-            )
+        check_until_round_off(self.tolerance, self.max_iterations, self.policy)
 
     def _equations(self, scene: Scene) -> Equations:
         return self.equations(scene)

@@ -166,6 +166,26 @@ def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
     instance(policy, Policy, "policy", "a Policy such as Automatic()")
 
 
+def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy) -> None:
+    """:func:`check_kinds` of an iteration whose tolerance may be 0: until only round-off changes.
+
+    Raises:
+        TypeError: One is of another kind than wanted.
+        ValueError: One is out of its range.
+    """
+    check_kinds(tolerance, max_iterations, policy)
+    if not tolerance >= 0 or max_iterations < 1:
+        raise ValueError(
+            f"wanted tolerance ≥ 0 and max_iterations ≥ 1, got {tolerance}, {max_iterations}"
+        )
+
+
+def why_steps_change(scene: Scene, duration: float, choice: StepChoice) -> str:
+    """What was given that makes steps unlike, for schemes that refuse it."""
+    jumps = events(scene, duration)
+    return f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
+
+
 def _number_of_steps(duration: float, step: float) -> int:
     positive(step, "step")
     steps = round(duration / step)

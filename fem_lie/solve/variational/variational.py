@@ -40,8 +40,11 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.events import events
-from fem_lie.solve.motion.integrator import Integrator, check_kinds
+from fem_lie.solve.motion.integrator import (
+    Integrator,
+    check_until_round_off,
+    why_steps_change,
+)
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
@@ -66,12 +69,7 @@ class Variational(Integrator):
 
     def __post_init__(self) -> None:
         """Check the options."""
-        check_kinds(self.tolerance, self.max_iterations, self.policy)
-        if not self.tolerance >= 0 or self.max_iterations < 1:
-            raise ValueError(
-                "wanted tolerance ≥ 0 and max_iterations ≥ 1, got "
-                f"{self.tolerance}, {self.max_iterations}"
-            )
+        check_until_round_off(self.tolerance, self.max_iterations, self.policy)
 
     def _equations(self, scene: Scene) -> Equations:
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
@@ -90,8 +88,7 @@ class Variational(Integrator):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        jumps = events(scene, duration)
-        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
+        given = why_steps_change(scene, duration, choice)
         raise ValueError(
             "Variational makes constant steps, for its energy would drift with others: wanted the "
             f"size of the step as a number and nothing that jumps, got {given}; use EnergyMomentum"
