@@ -139,13 +139,9 @@ class Stopped(Exception):
     """Instead of a step."""
 
 
-@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
-@pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
-def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
-    plan = {"duration": 0.12, "step": 4e-3}
-    whole = scheme.run(scene(), **plan)
-    file = tmp_path / "run.h5"
-    written = History.write_checkpoint
+def resumed_as_whole(scheme, scene, plan, file, monkeypatch):
+    """A run that ends after its second checkpoint, at step 14, and goes on, against a whole one."""
+    whole, written = scheme.run(scene(), **plan), History.write_checkpoint
 
     def stop(self, index, memory):
         written(self, index, memory)
@@ -158,6 +154,13 @@ def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
     monkeypatch.undo()
     same(scheme.resume(scene(), file), whole)
     same(fl.Result.load(file), whole)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+@pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
+    plan = {"duration": 0.12, "step": 4e-3}
+    resumed_as_whole(scheme, scene, plan, tmp_path / "run.h5", monkeypatch)
 
 
 # --- bad input ---

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.recording.recorder import History
-from tests.test_composed import Stopped, driven, flying, rigid_pendulum
-from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate, same
+from tests.test_composed import driven, flying, resumed_as_whole, rigid_pendulum
+from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate
 
 SCHEME = fl.Variational()
 
@@ -116,21 +115,7 @@ def test_the_matrix_is_kept():
 @pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
     plan = {"duration": 0.03, "step": 1e-3, "save_every": 3}
-    whole = SCHEME.run(scene(), **plan)
-    file = tmp_path / "run.h5"
-    written = History.write_checkpoint
-
-    def stop(self, index, memory):
-        written(self, index, memory)
-        if index == 14:
-            raise Stopped
-
-    monkeypatch.setattr(History, "write_checkpoint", stop)
-    with pytest.raises(Stopped):
-        SCHEME.run(scene(), **plan, file=file, checkpoint_every=7)
-    monkeypatch.undo()
-    same(SCHEME.resume(scene(), file), whole)
-    same(fl.Result.load(file), whole)
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
 
 
 # --- bad input ---
