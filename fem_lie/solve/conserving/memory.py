@@ -39,6 +39,7 @@ def start_state(equations: Equations, cells: Cells, legs: Legs, *, dissipates: b
         border=z((2, len(legs.nodes), 6)),
         slow=z((2 if dissipates else 0, 6 * n + m)),
         share=z(2),
+        probe=np.cos(np.arange(6 * n + m)),
     )
 
 

@@ -196,6 +196,11 @@ class Run(RunState):
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, counters, self.numbers, last)
+            if code == loop.LOST:
+                code = self._go_anew()
+                if code == loop.DONE and self.index < last:
+                    continue
+                return code
             if code == loop.DONE and self.rule is None:
                 self.decisions.after_step(int(counters[corrections.LAST]))
             if code != loop.MATRIX:
@@ -208,6 +213,13 @@ class Run(RunState):
                 except SingularMatrixError:
                     self.numbers[corrections.INCREMENT] = np.inf
                     return loop.FAILED
+
+    def _go_anew(self) -> int:
+        """Make the present step by full Newton, for kept constraints would lead it astray."""
+        self.counters[corrections.ASKED], self._lost = 0, True
+        code = self._go(self.index + 1, (1, 0.0), always=True)
+        self._lost = False
+        return code
 
     def _given(self, rule: tuple[int, float], limit: int) -> tuple[float, int, int, float, float]:
         """What the loop is told."""

@@ -106,6 +106,7 @@ class RunState(Integration[History]):
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(10)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
+        self._lost = False  # whether each iteration of the present step has a matrix
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
         now = Instant(*equations.start, still, self.s.weights)
@@ -243,7 +244,7 @@ class RunState(Integration[History]):
 
     def _age(self) -> float:
         """Steps to the middle of the matrix's likely life: as old as the last one became."""
-        return float((self.index - self.counts[1]) // 2)
+        return 0.0 if self._lost else float((self.index - self.counts[1]) // 2)
 
     def _moved(self, H: Array, v: Array, steps: float) -> Array:
         """Frames so many steps later."""

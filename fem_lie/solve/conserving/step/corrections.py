@@ -31,7 +31,7 @@ CLOSE, NEARLY = 1e-6, 1e-4
 """Terms that are left out, over the first one: in the first correction of a step, and later."""
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
-_FALLS = 0.5
+FALLS = 0.5
 """Where terms do not fall by this factor the series says nothing."""
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
@@ -102,7 +102,7 @@ def correction(
                 rest[i] -= along * turnings[1, c, i]
         solve(factors, rest, work, term)
         now = size(measure, term)
-        if not now < _FALLS * before:
+        if not now < FALLS * before:
             return size(measure, x), k + 1, 1.0
         for i in range(x.shape[0]):
             x[i] += term[i]
@@ -111,6 +111,42 @@ def correction(
             return size(measure, x), k + 1, falls
         before, put = now, term
     return size(measure, x), MOST, falls
+
+
+@compiled
+def growth(
+    measure: Array,
+    scale: Array,
+    r: Array,
+    factors: PlainFactors,
+    legs: Legs,
+    change: Array,
+    probe: Array,
+) -> float:
+    """Ratio of the terms for old constraints in the direction in which they fall the least.
+
+    What an iteration does in other directions than that of its residual is not seen in it before
+    round-off has grown there. Where it is 1 or more next to a posture in which constraints lose
+    rank, the step ends in another branch.
+
+    Args:
+        measure: Size of each unknown and scaled multiplier.
+        scale: Factor of each constraint.
+        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, of which
+            nothing but memory is used.
+        factors: Of the matrix.
+        legs: Which nodes the constraints touch.
+        change: Of the border since the matrix was made, (2, legs, 6).
+        probe: That direction, by one step of the power method more each time, (6 n + m,), updated.
+    """
+    _, _, work, rest, term = solution_of(r)
+    _multiply(legs, scale, change, probe, rest)
+    solve(factors, rest, work, term)
+    grown = size(measure, term)
+    if grown > 0.0:
+        for k in range(probe.shape[0]):
+            probe[k] = term[k] / grown
+    return grown
 
 
 @compiled

@@ -34,6 +34,7 @@ from fem_lie.solve.conserving.step.corrections import (
     ASKED,
     CLOSE,
     EXCESS,
+    FALLS,
     FELT,
     FLOOR,
     INCREMENT,
@@ -49,6 +50,7 @@ from fem_lie.solve.conserving.step.corrections import (
     converged,
     correction,
     count,
+    growth,
     hasten,
     lags,
     settled,
@@ -75,7 +77,7 @@ from fem_lie.solve.conserving.step.records import (
 )
 from fem_lie.system.nodes.inertia import Inertia
 
-DONE, MATRIX, FAILED = 0, 1, 2
+DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)
 """What unknowns are changed by, in lengths of the model, to see what round-off does."""
 _FELT = 8.0
@@ -180,7 +182,9 @@ def run(
     numbers: Array,
     last: int,
 ) -> int:
-    """Go on until step ``last``, or until a new matrix is wanted, or a step fails.
+    """Go on until step ``last``, or until a new matrix is wanted, or a step fails or would be lost.
+
+    It would be where the constraints of its predicted end are not nearly those of the matrix.
 
     Args:
         packed: The model, see :class:`~fem_lie.solve.conserving.step.packing.Packed`.
@@ -189,7 +193,7 @@ def run(
         factors: Of the matrix.
         options: Tolerance (0: until nothing changes), most iterations, patience and cost as of
             :class:`~fem_lie.solve.motion.policies.Automatic`, and iterations that a step may go on
-            for where that was not enough.
+            for where that was not enough; without such (0) a step is made with whatever it has.
         counters: Shape (7,), updated.
         numbers: Shape (10,), updated.
         last: Step to reach.
@@ -221,6 +225,10 @@ def run(
         if not compared:
             _compare(model.joints, legs, held, scheme, state, this)
             compared = True
+            if iteration == 1 and spare > 0.0 and legs.nodes.shape[0] > 0:
+                border, probe = this.border, state.probe
+                if growth(measure, scale, this.r, factors, legs, border, probe) > FALLS:
+                    return LOST
         fine = numbers[FLOOR]
         close = CLOSE if iteration == 1 else NEARLY
         numbers[INCREMENT], terms, numbers[ASIDE] = correction(

@@ -131,6 +131,7 @@ def state_of(table: Indices) -> State:
         numbers3(table, 16),
         numbers2(table, 17),
         numbers1(table, 18),
+        numbers1(table, 19),
     )
 
 

@@ -137,6 +137,7 @@ class State(NamedTuple):
         slow: Of :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2, 6 n + m); without
             dissipation (0, 6 n + m).
         share: Likewise, (2,).
+        probe: Of :func:`~fem_lie.solve.conserving.step.corrections.growth`, (6 n + m,).
     """
 
     H: Array
@@ -158,6 +159,7 @@ class State(NamedTuple):
     border: Array
     slow: Array
     share: Array
+    probe: Array
 
 
 class Products(NamedTuple):
