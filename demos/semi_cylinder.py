@@ -69,16 +69,18 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([LENGTH * b, RADIUS * np.cos(angle), RADIUS * np.sin(angle)])
 
 
-def pinched(mesh: int, material: str, formulation: fl.ShellFormulation | None) -> fl.Scene:
+def pinched(
+    mesh: int, layers: fl.ShellSection, formulation: fl.ShellFormulation | None
+) -> fl.Scene:
     """A half with its supports and its load; without a formulation as a thin shell."""
     shell: fl.Shell | fl.ThinShell
     if formulation is None:
         patch = fl.smooth_patch(place, (mesh, mesh))
-        shell = fl.ThinShell(patch, section(material), along=(1, 0, 0), name="shell")
+        shell = fl.ThinShell(patch, layers, along=(1, 0, 0), name="shell")
     else:
         shell = fl.Shell(
             fl.surface(place, (mesh, mesh)),
-            section(material),
+            layers,
             director=lambda x: np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2]),
             along=(1, 0, 0),
             formulation=formulation,
@@ -107,7 +109,7 @@ def main(
     if formulation not in FORMULATIONS:
         raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
     reference = REFERENCE[material]
-    result = fl.follow_loads(pinched(mesh, material, FORMULATIONS[formulation]), list(reference))
+    result = fl.follow_loads(pinched(mesh, section(material), FORMULATIONS[formulation]), list(reference))
     found = RADIUS - result.position("shell.11")[:, 2]
     errors = found / np.array(list(reference.values())) - 1.0
     print("load  deflection  reference  error")

@@ -57,7 +57,8 @@ class System:
         elastic: Those within bodies and on them.
         tangent: The matrix; ``kkt`` is what it is filled into.
         carried_drilling: Frames that follow the mid-surface, to be turned after each step.
-        carried: These, and axes of places that follow what is around them, if there are any.
+        carried_axes: Axes of places that follow what is around them.
+        carried: All axes that follow something, if there are any.
         in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` alone, but
             for what is held.
         turns: How far elements turn from end to end.
@@ -125,10 +126,10 @@ class System:
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
         self._guided = bool(self.supports)
         self.carried_drilling = CarriedDrilling(numbering, self.held, self.connections.nodes)
-        axes = CarriedAxes(numbering, self.held, self.connections.bound)
+        self.carried_axes = CarriedAxes(numbering, self.held, self.connections.bound)
         following = FollowingAxes(numbering, self.connections.nodes)
         self.carried: list[CarriedDrilling | CarriedAxes | FollowingAxes] = [
-            each for each in (self.carried_drilling, axes, following) if each
+            each for each in (self.carried_drilling, self.carried_axes, following) if each
         ]
         self._check_redundant()
         self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))

@@ -90,6 +90,7 @@ class Run(Newton):
             books.targets,
             (known.joints, known.probes),
             stored,
+            known.around,
             self.counters,
             self.numbers,
             self.decisions.known,
@@ -140,6 +141,7 @@ class Run(Newton):
             history.count += iterations
             made = iterations > 0
             if made:
+                self._turn()
                 self._close(self._end)
         return made
 
@@ -209,8 +211,11 @@ class Run(Newton):
             count = int(self.counters[TOTAL]) if made else 0
         count = count or self._rescued()
         if count:
-            self.equations.turn_drills(self.s.H, self.s.motion, WRITTEN_LOCALLY)
+            self._turn()
         return count
+
+    def _turn(self) -> None:
+        self.equations.turn_drills(self.s.H, self.s.motion, WRITTEN_LOCALLY)
 
     def _rescued(self) -> int:
         """The step that has failed with the kept matrix; returns all its iterations, or 0.

@@ -17,9 +17,10 @@ from fem_lie.system.system import System
 def supported(system: System) -> Flags:
     """Which unknowns are held from outside, shape (n, 6).
 
-    What a shell of five parameters needs to have its drilling held is none: it is no support.
+    What a shell of five parameters needs to have its drilling held is none: it is no support. Nor is
+    what a node has not.
     """
-    held = system.held.copy()
+    held = system.held & ~system.numbering.absent
     inner = system.uncoupled.copy()
     inner[[system.numbering.node(clamp.point) for clamp in system.scene.clamps]] = False
     held[inner, 5] = False

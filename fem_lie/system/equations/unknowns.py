@@ -10,6 +10,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.carried_axes import PlainSurroundings
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe, symmetry
 from fem_lie.system.balance.acting import supported
@@ -152,7 +153,8 @@ class Tables(NamedTuple):
         stored: Cells whose energy is all that bodies have, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
         turns: Whether joints count their turns.
-        drills: Whether axes follow a mid-surface or what is around them, turned after each step.
+        around: Places whose axes follow what is around them, turned after each step.
+        drills: Whether other axes do, of a mid-surface or as bodies say.
     """
 
     kinds: Indices
@@ -178,6 +180,7 @@ class Tables(NamedTuple):
     in_one_sum: bool
     stored: tuple[Indices, Indices] | None
     turns: bool
+    around: PlainSurroundings
     drills: bool
 
     @classmethod
@@ -206,5 +209,6 @@ class Tables(NamedTuple):
             in_one_sum=system.in_one_sum,
             stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
             turns=connections.first.turns,
-            drills=bool(system.carried),
+            around=system.carried_axes.plain,
+            drills=any(each is not system.carried_axes for each in system.carried),
         )

@@ -15,62 +15,25 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled
 from fem_lie.bodies.body import Follower
+from fem_lie.lie.carried_axes import (
+    PlainSurroundings,
+    Surroundings,
+    find_unturned,
+    turn_axes,
+)
 from fem_lie.lie.kinds import NodeKind, all_axes
-from fem_lie.lie.polar import polar_rotation
 from fem_lie.system.nodes.numbering import Numbering
 
-
-@compiled
-def _rotation(i: int, H: Array, indptr: Indices, indices: Indices, b: Array, R: Array) -> bool:
-    """The rotation around a node."""
-    F = np.zeros((3, 3))
-    for k in range(indptr[i], indptr[i + 1]):
-        for a in range(3):
-            for c in range(3):
-                F[a, c] += H[indices[k], 0, a] * b[k, c]
-    return polar_rotation(F, R)
-
-
-@compiled
-def _unturned(H: Array, indptr: Indices, indices: Indices, b: Array, axes: Array) -> None:
-    """Axes before anything has turned, as rows, shape (n, 3, 3)."""
-    R = np.empty((3, 3))
-    for i in range(axes.shape[0]):
-        axes[i] = H[i, 1:]
-        if indptr[i] < indptr[i + 1] and _rotation(i, H, indptr, indices, b, R):
-            axes[i] = H[i, 1:] @ R
-
-
-@compiled
-def _turn(
-    H: Array, around: tuple[Indices, Indices, Array], axes: Array, moves: Flags, turns: Array
-) -> None:
-    """Turn the axes; ``turns`` (n, 3, 3) takes components in the old ones to the new ones."""
-    indptr, indices, b = around
-    R = np.empty((3, 3))
-    for i in range(moves.shape[0]):
-        if not moves[i]:
-            continue
-        if not _rotation(i, H, indptr, indices, b, R):
-            turns[i] = np.eye(3)
-            continue
-        new = axes[i] @ R.T
-        turns[i] = new @ H[i, 1:].copy().T
-        H[i, 1:] = new
-
-
-@compiled
-def _turn_vectors(motion: Array, moves: Flags, turns: Array) -> None:
-    for i in range(moves.shape[0]):
-        if moves[i]:
-            for at in (0, 3):
-                motion[i, at : at + 3] = turns[i] @ motion[i, at : at + 3].copy()
+_NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
 
 
 class CarriedAxes:
-    """Axes to be turned."""
+    """Axes to be turned.
+
+    Attributes:
+        plain: What compiled code turns them by.
+    """
 
     def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
         """Collect what the elements say of their nodes' neighbourhoods.
@@ -93,20 +56,27 @@ class CarriedAxes:
         r = np.concatenate(rows)
         order = np.argsort(r, kind="stable")
         indptr: Indices = np.searchsorted(r[order], np.arange(count + 1))
-        self._around = indptr, np.concatenate(columns)[order], np.concatenate(factors)[order]
-        self._moves: Flags = (np.diff(indptr) > 0) & ~held[:, :3].any(axis=1)
-        self._moves[joined[joined < count]] = False
-        self._turns, self._axes = np.empty((count, 3, 3)), np.empty((count, 3, 3))
+        moves: Flags = (np.diff(indptr) > 0) & ~held[:, :3].any(axis=1)
+        moves[joined[joined < count]] = False
+        self.plain: PlainSurroundings = (
+            *Surroundings(
+                nodes=np.flatnonzero(moves),
+                indptr=indptr.astype(np.int64),
+                indices=np.concatenate(columns)[order],
+                b=np.concatenate(factors)[order],
+                axes=np.empty((count, 3, 3)),
+            ),
+        )
         if self:
-            _unturned(numbering.frames, *self._around, self._axes)
+            find_unturned(numbering.frames, self.plain)
 
     def __bool__(self) -> bool:
         """Whether there is anything to turn."""
-        return bool(self._moves.any())
+        return self.plain[0].size > 0
 
     def turn(self, H: Array) -> None:
         """Turn the axes at the head of ``H`` (≥ n, 4, 3)."""
-        _turn(H, self._around, self._axes, self._moves, self._turns)
+        turn_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
         """Turn the axes and what is written in them.
@@ -118,9 +88,7 @@ class CarriedAxes:
             local: Which of ``motion`` have components in the axes, shape (k,); velocities of the
                 nodes' groups have global ones.
         """
-        self.turn(H)
-        for k in np.flatnonzero(local):
-            _turn_vectors(motion[k], self._moves, self._turns)
+        turn_axes(H, self.plain, motion, np.flatnonzero(local))
 
 
 class FollowingAxes:

@@ -35,6 +35,7 @@ class Numbering:
         kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each leader, shape (count,).
         clamped: What a clamp holds of each leader, shape (count, 6).
         held: Which unknowns of the leaders their bodies hold, shape (count, 6).
+        absent: Which of them are not there, of nodes with fewer; they are held, too.
         supported: Leaders that something holds but that they do not drill, in increasing order.
         supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
         uncoupled: Which leaders move by ``x + R u`` in statics, shape (count,).
@@ -112,7 +113,8 @@ class Numbering:
         self.supports = supports[self.attachment.leaders]
         self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a kind does not have couple with nothing in the matrix
-        self.held |= np.arange(6) >= np.array([[each.unknowns] for each in traits])
+        self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])
+        self.held |= self.absent
         self._check_velocities(velocities)
 
     def _hold_leaders(self, held: Flags, fixed: Flags) -> None:

@@ -12,9 +12,10 @@ import numpy as np
 from fem_lie._arrays import Indices
 from fem_lie._jit import inlined, linked
 from fem_lie.joints.equations.terms import unwrap_both
+from fem_lie.lie.carried_axes import turn_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call
 from fem_lie.solve.alpha.step.node import PlainScheme
-from fem_lie.solve.alpha.step.nodes import PlainState, accept, correct, predict
+from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict
 from fem_lie.solve.alpha.step.records import (
     BETWEEN,
     CHECKED,
@@ -122,8 +123,9 @@ def settled_ratio(ratio: float, iteration: int) -> float:
 
 @linked
 def _end(table: Indices, h: float, steps: PlainSteps) -> None:
-    """Count turns and book the step that was accepted."""
+    """Turn axes, count turns and book the step that was accepted."""
     this, how = packed(table), Steps(*steps)
+    turn_axes(this.H, this.around, this.motion, TWISTS)
     if how.turns:
         joints, probes = this.joints
         unwrap_both(this.H, joints, probes)

@@ -45,6 +45,9 @@ class Motion(NamedTuple):
 WRITTEN_LOCALLY = np.isin(Motion._fields, ("twist1", "rate1"))
 """Which of :attr:`State.motion` are twists on any group, shape (8,)."""
 
+TWISTS: Indices = np.flatnonzero(WRITTEN_LOCALLY)
+"""Their numbers."""
+
 
 class State(NamedTuple):
     """Start of a step, and its end with index 1.

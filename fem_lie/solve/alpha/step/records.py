@@ -6,8 +6,9 @@ from typing import NamedTuple, TypeAlias
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers3
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.carried_axes import PlainSurroundings
 
 BETWEEN, OPEN, WEIGHED, SOLVED, CHECKED, LEARNED = range(6)
 """Phases: between steps; a residual is wanted; it is known; the correction is; the step has
@@ -45,6 +46,7 @@ class Packed(NamedTuple):
         targets: Of the constraints, shape (m,).
         joints: Numbers and integers of their table, and those of probes.
         cells: Those that have energy, two arrays.
+        around: Places whose axes turn.
         counters: See :data:`STEP`.
         numbers: See :data:`RATIO`.
         known: What the policy has learned.
@@ -68,6 +70,7 @@ class Packed(NamedTuple):
     targets: Array
     joints: tuple[PackedJoints, PackedJoints]
     cells: tuple[Indices, Indices]
+    around: PlainSurroundings
     counters: Indices
     numbers: Array
     known: Array
@@ -107,9 +110,16 @@ def packed(table: Indices) -> Packed:
             (numbers1(table, 18), integers1(table, 19)),
         ),
         (integers2(table, 20), integers1(table, 21)),
-        integers1(table, 22),
-        numbers1(table, 23),
-        numbers1(table, 24),
+        (
+            integers1(table, 22),
+            integers1(table, 23),
+            integers1(table, 24),
+            numbers2(table, 25),
+            numbers3(table, 26),
+        ),
+        integers1(table, 27),
+        numbers1(table, 28),
+        numbers1(table, 29),
     )
 
 
