@@ -482,6 +482,21 @@ def test_linear_tetrahedra_are_warned_of(caplog):
     assert "too stiff in bending" in caplog.text
 
 
+def test_linear_tetrahedra_of_rubber_are_refused():
+    """Unless they are asked for, whatever the law."""
+    rubber = fl.NeoHooke(1.0, 0.49)
+    law = fl.Hyperelastic(rubber.energy, parameters=rubber.parameters)
+    assert rubber.incompressibility() == pytest.approx(2 * 1.49 / (3 * 0.02), rel=1e-3)
+    for material in (rubber, law):
+        with pytest.raises(ValueError, match=r"tetrahedra of degree 1 lock .* 50 times"):
+            brick((1, 1, 1), material=material, cell="tetrahedron")
+    given = {"cell": "tetrahedron", "formulation": fl.Isoparametric()}
+    assert brick((1, 1, 1), material=rubber, **given).formulation == fl.Isoparametric()
+    assert brick((1, 1, 1), material=rubber, cell="tetrahedron", degree=2).degree == 2
+    mesh = fl.block(lambda a, b, c: (a, b, c), (2, 1, 1), cell="tetrahedron")
+    assert fl.Solid(mesh, fl.NeoHooke(1.0, 0.45)).formulation == fl.Isoparametric()
+
+
 # --- closed forms ---
 
 

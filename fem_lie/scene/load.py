@@ -12,17 +12,19 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, at_time, flag, history, instance
+from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
 
 History = Callable[[float], float]
+Field: TypeAlias = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
+"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
 
 
 def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
@@ -43,6 +45,18 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
             f"the history of load {list(histories)[k] + 1} is {factors[t, k]} at time {at[t]:g}"
         )
     return factors
+
+
+def at_places(force: Field, places: Array, what: str) -> Array:
+    """A force per area or volume at unloaded places (m, g, 3), checked.
+
+    Raises:
+        ValueError: It has not three finite components.
+    """
+    if not callable(force):
+        return np.broadcast_to(vector(force, 3, what), places.shape)
+    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
+    return np.array(values).reshape(places.shape)
 
 
 class Sum(Protocol):

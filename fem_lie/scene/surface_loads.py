@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +12,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.mesh.shapes import FaceRule
-from fem_lie.scene.load import History, Load, NodalLoad
-
-Field = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
-"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
+from fem_lie.scene.load import Field, History, Load, NodalLoad, at_places
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +162,7 @@ class SurfaceLoad(NodalLoad):
 
     def _density(self, places: Array) -> Array:
         """The load at places (c, g, 3)."""
-        what = f"{type(self).__name__} on {self.shell.label}"
-        if callable(self.force):
-            return _evaluated(self.force, places, what)
-        return np.broadcast_to(vector(self.force, 3, what), places.shape)
+        return at_places(self.force, places, f"{type(self).__name__} on {self.shell.label}")
 
     def _scaled(self, shell: Shell, factors: Array) -> Array:
         """Shares of the nodes of the loaded cells, times a factor for each cell of the shell."""
@@ -252,12 +245,6 @@ def require_shell(load: Load, shell: object) -> None:
 def on_places(rows: Array) -> Array:
     """Of forces on the rows of nodes (n, 4, 3) those on places, as nodal loads, (n, 6)."""
     return np.concatenate([rows[:, 0], np.zeros((len(rows), 3))], axis=1)
-
-
-def _evaluated(force: Callable[[Array], npt.ArrayLike], places: Array, what: str) -> Array:
-    """A user's function at places (m, g, 3), checked."""
-    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
-    return np.array(values).reshape(places.shape)
 
 
 def nodes_of(shell: Shell) -> Indices:

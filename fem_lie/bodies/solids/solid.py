@@ -91,7 +91,8 @@ class Solid(SupportedSolid):
 
         Raises:
             ValueError: The mesh is no volume or has inverted cells, a cell has no material or that
-                of another law, the element is not for these cells, or there is damping with strain.
+                of another law, the element is not for these cells, tetrahedra of degree 1 would
+                lock, or there is damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
@@ -103,14 +104,14 @@ class Solid(SupportedSolid):
         if self.degree > 2:
             raise ValueError(f"Solid: degree must be 1 or 2, got {degree!r}")
         self.mesh, self.source = mesh, mesh.mesh
-        self.formulation = (
-            default_formulation(mesh.cell, self.degree) if formulation is None else formulation
-        )
+        materials = self._take(material)
+        if formulation is None:
+            formulation = default_formulation(mesh.cell, self.degree, materials)
+        self.formulation = formulation
         self.formulation.check(mesh.cell, self.degree)
         self.damping = Damping() if damping is None else damping
         if self.damping.factors().any():
             raise ValueError("a Solid has damping with mass only, got Damping(stiffness=…)")
-        self._take(material)
         self._space = fem.functionspace(mesh.mesh, ("P", self.degree))
         self.connectivity: Indices = self._space.dofmap.list.astype(np.int64)
         self.rule = VolumeRule.of(mesh.mesh, self.degree)
@@ -170,17 +171,15 @@ class Solid(SupportedSolid):
             mesh, material, degree=degree, formulation=formulation, damping=damping, name=name
         )
 
-    def _take(self, material: SolidMaterials) -> None:
-        """Law, parameters and density of the cells."""
+    def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
+        """Law, parameters and density of the cells; returns the materials, each once."""
         count = self.mesh.cells
         if isinstance(material, Mapping):
             wanted = "a SolidMaterial such as NeoHooke(E, nu, density)"
             kind: Any = SolidMaterial
             each = of_groups(material, kind, wanted, count, self.mesh.group)
         else:
-            instance(
-                material, SolidMaterial, "Solid: material", "a SolidMaterial, or one per group"
-            )
+            instance(material, SolidMaterial, "Solid: material", "a SolidMaterial or one per group")
             each = [material] * count
         self.material = each[0]
         for other in each:
@@ -193,6 +192,7 @@ class Solid(SupportedSolid):
         self.parameters = np.array([of.parameters for of in each], dtype=np.float64)
         self.has_mass = all(of.density is not None for of in each)
         self.density = np.array([0.0 if of.density is None else of.density for of in each])
+        return list({id(of): of for of in each}.values())
 
     def _named(self) -> dict[str, int]:
         """Nodes of points that are one node each."""

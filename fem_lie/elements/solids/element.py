@@ -10,7 +10,7 @@ Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import basix.ufl
@@ -35,6 +35,8 @@ QUADRATURE = {
     ("hexahedron", 2): 5,
 }
 """Degree of integration of the energy: 1, 4, 8 and 27 points."""
+
+_MOST_INCOMPRESSIBLE = 20.0  # Poisson's ratio of 0.475: a third of a deflection is missing
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -172,8 +174,23 @@ def from_voigt(ε: Expr) -> Expr:
     return ufl.as_matrix([[1 + 2 * a, d, e], [d, 1 + 2 * b, f], [e, f, 1 + 2 * c]])
 
 
-def default_formulation(cell: str, degree: int) -> SolidFormulation:
-    """What suits a cell."""
+def default_formulation(
+    cell: str, degree: int, materials: Iterable[SolidMaterial]
+) -> SolidFormulation:
+    """What suits a cell of any of these materials.
+
+    Raises:
+        ValueError: None does: tetrahedra of degree 1 lock where volumes hardly change.
+    """
+    if (cell, degree) == ("tetrahedron", 1):
+        for material in materials:
+            ratio = material.incompressibility()
+            if ratio > _MOST_INCOMPRESSIBLE:
+                raise ValueError(
+                    f"tetrahedra of degree 1 lock with {material}, whose bulk modulus is "
+                    f"{ratio:.0f} times the shear modulus: take degree=2, or hexahedra, which have "
+                    "MeanDilatation(); formulation=Isoparametric() takes them as they are"
+                )
     return MeanDilatation() if (cell, degree) == ("hexahedron", 1) else Isoparametric()
 
 

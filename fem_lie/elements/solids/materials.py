@@ -10,10 +10,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 import ufl
 from ufl.core.expr import Expr
 
 from fem_lie._arrays import instance, number, positive
+
+_SMALL = 1e-3  # strain
 
 
 class SolidMaterial(ABC):
@@ -46,6 +49,19 @@ class SolidMaterial(ABC):
             C: Right Cauchy-Green tensor, a symmetric matrix (3, 3).
             parameters: :attr:`parameters` of each cell.
         """
+
+    def incompressibility(self) -> float:
+        """Bulk over shear modulus of small strains; 2.2 with Poisson's ratio 0.3, 50 with 0.49."""
+
+        def stored(*stretches: float) -> float:
+            C = ufl.as_matrix(np.diag(np.square(stretches)).tolist())
+            return float(self.energy(C, *self.parameters)(()))
+
+        # 9 K e²/2 and 2 μ e² on either side
+        ε = _SMALL
+        bulk = sum(stored(1 + s, 1 + s, 1 + s) for s in (-ε, ε)) / 9.0
+        shear = sum(stored(1 + s, 1 / (1 + s), 1.0) for s in (-ε, ε)) / 4.0
+        return bulk / shear
 
     def _check_density(self) -> None:
         if self.density is not None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,11 +11,8 @@ from fem_lie._arrays import Array, instance, number, text, vector
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.solids.faces import Faces
 from fem_lie.bodies.solids.solid import Solid
-from fem_lie.scene.load import History, Load, NodalLoad, Sum
+from fem_lie.scene.load import Field, History, Load, NodalLoad, Sum, at_places
 from fem_lie.scene.surface_pressure import SurfacePushes
-
-SolidField: TypeAlias = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
-"""Three components, or a function of the unloaded place, shape (3,), that gives them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +28,7 @@ class FaceLoad(NodalLoad):
 
     solid: Solid
     face: str
-    force: SolidField
+    force: Field
     history: History | None = None
 
     following = False
@@ -58,7 +53,7 @@ class FaceLoad(NodalLoad):
         rule = faces.rule
         areas = np.linalg.norm(rule.normals(x, faces.nodes), axis=2)
         what = f"FaceLoad on {self.solid.label}"
-        density = _at_places(self.force, rule.places(x, faces.nodes), what)
+        density = at_places(self.force, rule.places(x, faces.nodes), what)
         values = np.zeros((len(x), 6))
         shares = np.einsum("gk,fg,fgj->fkj", rule.values, areas, density)
         np.add.at(values[:, :3], faces.nodes, shares)
@@ -131,7 +126,7 @@ class BulkLoad(NodalLoad):
     """
 
     solid: Solid
-    force: SolidField
+    force: Field
     cells: str | None = None
     history: History | None = None
 
@@ -156,7 +151,7 @@ class BulkLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
         rule, chosen = self.solid.rule, self.solid.cells_of(self.cells)
-        density = _at_places(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
+        density = at_places(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
         shares = np.einsum("gk,mg,mgj->mkj", rule.values, rule.volumes[chosen], density)
         values = np.zeros((len(self.solid.frames), 6))
         np.add.at(values[:, :3], self.solid.connectivity[chosen], shares)
@@ -165,11 +160,3 @@ class BulkLoad(NodalLoad):
 
 def _require_solid(load: Load, solid: object) -> None:
     instance(solid, Solid, f"{type(load).__name__}: solid", "a Solid")
-
-
-def _at_places(force: SolidField, places: Array, what: str) -> Array:
-    """A force per area or volume at places (m, g, 3), checked."""
-    if not callable(force):
-        return np.broadcast_to(vector(force, 3, what), places.shape)
-    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
-    return np.array(values).reshape(places.shape)

@@ -17,8 +17,8 @@ from fem_lie.system.system import System
 def supported(system: System) -> Flags:
     """Which unknowns are held from outside, shape (n, 6).
 
-    What a shell of five parameters needs to have its drilling held is none: it is no support. Nor is
-    what a node has not.
+    What a shell of five parameters needs to have its drilling held is none: it is no support. Nor
+    are unknowns that a node has not.
     """
     held = system.held & ~system.numbering.absent
     inner = system.uncoupled.copy()
