@@ -190,13 +190,15 @@ def compare(record: dict[str, Any]) -> None:
 
 
 def draw(result: fl.Result, case: int) -> None:
-    """Leave a picture of the motion and a diagram of the energies."""
+    """Leave a picture of the motion, a diagram of the energies, and a page for a browser."""
     RESULTS.mkdir(exist_ok=True)
     motion = RESULTS / f"double_pendulum_{case}.png"
     energies = RESULTS / f"double_pendulum_{case}_energies.png"
     result.picture(motion, trace=["bar II.end"], title=f"Double pendulum, case {case}")
     result.plot_energies(energies)
-    print(f"pictures: {motion}, {energies}")
+    page = RESULTS / f"double_pendulum_{case}.html"
+    result.page(page, trace=["bar II.end"], title=f"Double pendulum, case {case}")
+    print(f"pictures: {motion}, {energies}; it moves in {page}")
 
 
 if __name__ == "__main__":

@@ -83,6 +83,8 @@ from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.mesh.volumes.blocks import block, brick
 from fem_lie.mesh.volumes.reading import read_gmsh_volume, volume_from_dolfinx
 from fem_lie.mesh.volumes.volume_mesh import VolumeMesh
+from fem_lie.pictures.page.colours import NodalColours
+from fem_lie.pictures.page.page import Page
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
 from fem_lie.results.buckling import BucklingModes
@@ -92,7 +94,12 @@ from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, PathS
 from fem_lie.results.steps import StepHistory
 from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
-from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series, resultants
+from fem_lie.results.stresses.shell_resultants import (
+    Resultants,
+    resultant_colours,
+    resultant_series,
+    resultants,
+)
 from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
 from fem_lie.results.thin_shells.resultants import ThinResultants, thin_resultants
 from fem_lie.results.vibrations import Modes
@@ -234,8 +241,10 @@ __all__ = [
     "Net",
     "Never",
     "Newton",
+    "NodalColours",
     "NodalFrames",
     "Orthotropic",
+    "Page",
     "Parameters",
     "Parametrisation",
     "PathEnds",
@@ -321,6 +330,7 @@ __all__ = [
     "read_gmsh",
     "read_gmsh_surface",
     "read_gmsh_volume",
+    "resultant_colours",
     "resultant_series",
     "resultants",
     "section_forces",

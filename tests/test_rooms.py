@@ -46,6 +46,7 @@ MAY_IMPORT = {
     "contact": {"bodies"},
     "contact.impact": {"contact"},
     "pictures": {"bodies.beams"},
+    "pictures.page": {"pictures"},
     "scene": {
         "joints",
         "contact",
@@ -63,7 +64,7 @@ MAY_IMPORT = {
     "system.balance": {"system"},
     "system.small_motions": {"system"},
     "system.equations": {"system.balance", "system.small_motions"},
-    "results": {"scene"},
+    "results": {"scene", "pictures.page"},
     "results.stresses": {"results"},
     "results.thin_shells": {"results"},
     "solve": {"system.equations", "results.stresses"},

@@ -11,18 +11,17 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes
+from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes, with_sharp_edges
 from fem_lie.pictures.stage import INK, PLAIN, Canvas, add_frame, plotting, target_of
 
 _PALEST = 0.25
 _AMBIENT = 0.45
-_SAME_POINT = 1e-7  # part of the body
-_BALL = 0.008  # radius of a joint, part of the scene
+BALL = 0.008
+"""Radius of a joint, part of the scene."""
 _THROUGH = 0.35  # opacity of bodies with nodal frames inside
 _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
 _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
-_EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 
 PLAYED = Canvas(size=(800, 600))
 """Of pictures that move."""
@@ -163,14 +162,11 @@ def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:
     import pyvista
 
     surfaces = [
-        pyvista.PolyData(shape.points(frames), shape.faces)
-        .clean(tolerance=_SAME_POINT, absolute=False, polys_to_lines=False, lines_to_points=False)
-        .compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
-        for shape in bodies
+        with_sharp_edges(pyvista.PolyData(shape.points(frames), shape.faces)) for shape in bodies
     ]
     places = joint_places(info, frames)
     if len(places):
-        ball = pyvista.Sphere(radius=_BALL * scene_size(frames))
+        ball = pyvista.Sphere(radius=BALL * scene_size(frames))
         surfaces.append(pyvista.PolyData(places).glyph(geom=ball, scale=False, orient=False))
     return surfaces
 

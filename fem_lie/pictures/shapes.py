@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 
 # Slender members would vanish: nothing is drawn thinner than this part of the scene.
 _THINNEST = 0.004
+_SAME_POINT = 1e-7  # part of the body
+_EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 _STEP_ANGLE = np.radians(4.0)
 _MOST_STEPS = 16
 _CIRCLE = np.column_stack([f(2.0 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
@@ -21,41 +24,45 @@ _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A surface that moves with its body.
+    """A surface that moves with its body: every corner with a ring, which is a frame.
+
+    Rings are the body's n nodes and, behind these, ``steps − 1`` of each cell that is drawn in so
+    many pieces, on the geodesic between its nodes.
 
     Attributes:
         faces: Polygons as VTK has them: number of corners, then the corners, again and again.
         body: What it belongs to.
-        outline: Outline of each cell's section, enlarged if it is too thin to be seen, (m, k, 2).
-        box: Edges of a rigid body's box, shape (3,).
+        ring: That of each corner, shape (p,).
+        offset: From the ring to the corner along its directors, shape (p, 3).
         steps: Pieces in which a cell is drawn.
-        sheet: Thickness of a shell at each of its nodes, enlarged likewise, shape (n,).
-        skin: Whether the faces are those of a solid, without a thickness.
     """
 
     faces: Indices
     body: BodyInfo
-    outline: Array
-    box: Array
-    steps: int
-    sheet: Array = field(default_factory=lambda: np.empty(0))
-    skin: bool = False
+    ring: Indices
+    offset: Array
+    steps: int = 1
+
+    def rings(self, frames: Array) -> Array:
+        """Frames of the rings for those of all nodes, (N, 4, 3); shape (r, 4, 3)."""
+        nodes = frames[self.body.nodes]
+        if self.steps == 1:
+            return np.asarray(nodes)
+        between = _between(frames, self.body.cells, self.steps).reshape(-1, 4, 3)
+        return np.concatenate([nodes, between])
 
     def points(self, frames: Array) -> Array:
         """Corners of the polygons for the frames of all nodes, shape (N, 4, 3)."""
-        if self.skin:
-            return np.asarray(frames[self.body.nodes, 0])
-        if len(self.body.faces):
-            middle = frames[self.body.nodes]
-            half = 0.5 * self.sheet[:, np.newaxis] * middle[:, 3]
-            return np.concatenate([middle[:, 0] - half, middle[:, 0] + half])
-        if not len(self.body.cells):
-            centres = frames[self.body.nodes]
-            corners = np.einsum("ck,nkj->ncj", _CORNERS * self.box, centres[:, 1:])
-            return np.asarray(centres[:, :1] + corners).reshape(-1, 3)
-        rings = _refined(frames, self.body.cells, self.steps)
-        section = np.einsum("mpk,mskj->mspj", self.outline, rings[:, :, 2:])
-        return np.asarray(rings[:, :, :1] + section).reshape(-1, 3)
+        at = self.rings(frames)[self.ring]
+        return np.asarray(at[:, 0] + np.einsum("pk,pkj->pj", self.offset, at[:, 1:]))
+
+    def values(self, nodal: Array) -> Array:
+        """Values at the rings for those at the body's n nodes, shape (n,)."""
+        if self.steps == 1:
+            return nodal
+        a, b = nodal[_own(self.body, self.body.cells)].T[:, :, np.newaxis]
+        between = a + _inside(self.steps) * (b - a)
+        return np.concatenate([nodal, between.ravel()])
 
 
 def scene_size(frames: Array) -> float:
@@ -80,11 +87,24 @@ def joint_places(info: SceneInfo, frames: Array) -> Array:
     return np.array(places).reshape(-1, 3)
 
 
-def _sheet(body: BodyInfo, size: float) -> Shape:
-    """Both faces of a shell, and its rim."""
+def with_sharp_edges(surface: Any) -> Any:
+    """A surface of PyVista with normals that jump at sharp edges, and at these points twice."""
+    return surface.clean(
+        tolerance=_SAME_POINT, absolute=False, polys_to_lines=False, lines_to_points=False
+    ).compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
+
+
+def _own(body: BodyInfo, nodes: Indices) -> Indices:
+    """Numbers within the body of nodes of the system."""
     number = np.full(body.nodes.max() + 1, -1)
     number[body.nodes] = np.arange(len(body.nodes))
-    top, count = number[body.faces] + len(body.nodes), len(body.nodes)
+    return np.asarray(number[nodes])
+
+
+def _sheet(body: BodyInfo, size: float) -> Shape:
+    """Both faces of a shell, and its rim."""
+    count = len(body.nodes)
+    top = _own(body, body.faces) + count
     directed = np.stack([top, np.roll(top, -1, axis=1)], axis=2).reshape(-1, 2)
     _, first, uses = np.unique(
         np.sort(directed, axis=1), axis=0, return_index=True, return_counts=True
@@ -94,41 +114,49 @@ def _sheet(body: BodyInfo, size: float) -> Shape:
     faces = [_polygons(top), _polygons(top[:, ::-1] - count), _polygons(rim)]
     corners = (top - count).ravel()
     total = np.bincount(corners, np.repeat(body.thickness, top.shape[1]), count)
-    sheet = total / np.maximum(1, np.bincount(corners, minlength=count))
-    return Shape(
-        np.concatenate(faces),
-        body,
-        np.empty((0, 0, 2)),
-        np.zeros(3),
-        1,
-        np.maximum(sheet, _THINNEST * size),
-    )
+    thickness = total / np.maximum(1, np.bincount(corners, minlength=count))
+    half = 0.5 * np.maximum(thickness, _THINNEST * size)
+    offset = np.concatenate([-half, half])[:, np.newaxis] * [0.0, 0.0, 1.0]
+    return Shape(np.concatenate(faces), body, np.tile(np.arange(count), 2), offset)
 
 
 def _skin(body: BodyInfo) -> Shape:
     """The outside of a solid."""
-    number = np.full(body.nodes.max() + 1, -1)
-    number[body.nodes] = np.arange(len(body.nodes))
-    faces = _polygons(number[body.faces])
-    return Shape(faces, body, np.empty((0, 0, 2)), np.zeros(3), 1, skin=True)
+    faces = _polygons(_own(body, body.faces))
+    return Shape(faces, body, np.arange(len(body.nodes)), np.zeros((len(body.nodes), 3)))
 
 
-def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
-    if len(body.faces) and not body.thickness.any():
-        return _skin(body)
-    if len(body.faces):
-        return _sheet(body, size)
-    box: Array = np.full(3, 4.0 * _THINNEST * size)
+def _boxes(body: BodyInfo, size: float) -> Shape:
+    """A box at each node."""
+    edges: Array = np.full(3, 4.0 * _THINNEST * size)
     if body.box is not None:
-        box = np.maximum(body.box, 2.0 * _THINNEST * size)
-    if not len(body.cells):
-        boxes = [8 * i + np.array(face) for i in range(len(body.nodes)) for face in _FACES]
-        return Shape(_polygons(np.array(boxes)), body, np.empty((0, 0, 2)), box, 1)
+        edges = np.maximum(body.box, 2.0 * _THINNEST * size)
+    count, corners = len(body.nodes), len(_CORNERS)
+    boxes = [corners * i + np.array(face) for i in range(count) for face in _FACES]
+    ring = np.repeat(np.arange(count), corners)
+    return Shape(_polygons(np.array(boxes)), body, ring, np.tile(_CORNERS * edges, (count, 1)))
+
+
+def _tube(body: BodyInfo, frames: Array, size: float) -> Shape:
+    """Sections along lines."""
     outline = _outlines(body, _THINNEST * size)
     ends = frames[:, body.cells]
     turn = np.linalg.norm(lie.se3_relative(ends[:, :, 0], ends[:, :, 1])[..., 3:], axis=-1).max()
     steps = int(np.clip(np.ceil(turn / _STEP_ANGLE), 1, _MOST_STEPS))
-    return Shape(_tube_faces(body.cells, steps, outline), body, outline, box, steps)
+    a, b = _own(body, body.cells).T
+    between = len(body.nodes) + np.arange(len(a) * (steps - 1)).reshape(len(a), -1)
+    rings = np.column_stack([a, between, b])
+    corners = outline.shape[1]
+    section = np.broadcast_to(outline[:, np.newaxis], (len(a), steps + 1, corners, 2))
+    offset = np.insert(section.reshape(-1, 2), 0, 0.0, axis=1)
+    faces = _tube_faces(body.cells, steps, outline)
+    return Shape(faces, body, np.repeat(rings.ravel(), corners), offset, steps)
+
+
+def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
+    if len(body.faces):
+        return _sheet(body, size) if body.thickness.any() else _skin(body)
+    return _tube(body, frames, size) if len(body.cells) else _boxes(body, size)
 
 
 def _outlines(body: BodyInfo, thinnest: float) -> Array:
@@ -149,12 +177,16 @@ def _padded(outline: Array, corners: int) -> Array:
     return np.concatenate([outline, again], axis=-2)
 
 
-def _refined(frames: Array, cells: Indices, steps: int) -> Array:
-    """Frames along each cell on the geodesic between its ends, shape (m, steps + 1, 4, 3)."""
+def _between(frames: Array, cells: Indices, steps: int) -> Array:
+    """Frames within each cell on the geodesic between its ends, shape (m, steps − 1, 4, 3)."""
     a, b = frames[cells[:, 0]], frames[cells[:, 1]]
-    s = np.linspace(0.0, 1.0, steps + 1)
-    d = lie.se3_relative(a, b)
-    return lie.se3_retract(a[:, np.newaxis], s[:, np.newaxis] * d[:, np.newaxis])
+    d = lie.se3_relative(a, b)[:, np.newaxis]
+    return lie.se3_retract(a[:, np.newaxis], _inside(steps)[:, np.newaxis] * d)
+
+
+def _inside(steps: int) -> Array:
+    """Where pieces of a cell meet, shape (steps − 1,)."""
+    return np.arange(1, steps) / np.float64(steps)
 
 
 def _tube_faces(cells: Indices, steps: int, outlines: Array) -> Indices:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.pictures.units import SI, Units
 
 INK = "#333333"
@@ -82,12 +82,7 @@ def add_frame(plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canva
     units, size = canvas.units, canvas.size
     from vtkmodules.vtkCommonCore import vtkStringArray
 
-    x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
-    low, high = x.min(axis=0), x.max(axis=0)
-    step = _round_step(float((high - low).max()))
-    flat = np.flatnonzero(high - low < 1e-3 * step)
-    low, high = np.floor(low / step + 0.1), np.ceil(high / step - 0.1)
-    low, high = step * (low - (low >= high)), step * (high + (low >= high))
+    low, high, step, flat = round_box(frames, paths)
     counts = np.rint((high - low) / step).astype(int) + 1
     bounds = np.column_stack([low, high]).ravel().tolist()
     font = canvas.text or size[0] // _PER_TEXT
@@ -153,6 +148,20 @@ def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> N
     camera.focal_point = focus.tolist()
     camera.position = (focus - distance * forward).tolist()
     camera.parallel_scale = 0.5 * per_pixel * size[1]
+
+
+def round_box(frames: Array, paths: Sequence[Array]) -> tuple[Array, Array, float, Indices]:
+    """Box of round numbers about all configurations, shape (..., N, 4, 3), and lines.
+
+    Returns:
+        Lowest and highest corner, the distance of grid lines, and along which axes it is flat.
+    """
+    x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
+    low, high = x.min(axis=0), x.max(axis=0)
+    step = _round_step(float((high - low).max()))
+    flat = np.flatnonzero(high - low < 1e-3 * step)
+    low, high = np.floor(low / step + 0.1), np.ceil(high / step - 0.1)
+    return step * (low - (low >= high)), step * (high + (low >= high)), step, flat
 
 
 def _round_step(extent: float) -> float:

@@ -13,6 +13,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.page.curves import Diagram, along_a_load
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
@@ -122,6 +123,19 @@ class StaticResult(StateSeries, Displaced):
                 raise ValueError(f"there are {count} states, got the index {state}")
             return int(state) % count
         return nearest(self.factors, state, "a load factor")
+
+    def _along(self, units: Units) -> tuple[Array, str, str]:
+        """Load factors."""
+        return self.factors, "load factor", ""
+
+    def _diagrams(
+        self, rows: Indices, trace: Sequence[Point | str | int], units: Units
+    ) -> Sequence[Diagram]:
+        """The path of the first of the points."""
+        if not trace:
+            return ()
+        moved = np.linalg.norm(self.displacement(trace[0]), axis=-1)
+        return (along_a_load(moved, self.factors, label_of(trace[0]), rows, units.length),)
 
     def _instants(self, images: int) -> Indices:
         """Numbers of so many states at most, evenly."""

@@ -14,6 +14,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.page.curves import Diagram, energies
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.file import NUMBERS, Stored, read, write
@@ -286,6 +287,17 @@ class Result(StateSeries):
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
         drawn, paths = self.frames[rows], self._traces(trace)
         bodies.draw(self.info, drawn, path, paths=paths, triads=frames, canvas=Canvas(title, units))
+
+    def _along(self, units: Units) -> tuple[Array, str, str]:
+        """Times."""
+        return self.times, "time", units.time
+
+    def _diagrams(
+        self, rows: Indices, trace: Sequence[Point | str | int], units: Units
+    ) -> Sequence[Diagram]:
+        """Energies."""
+        parts = {"kinetic": self.kinetic, "elastic": self.elastic, "potential": self.potential}
+        return energies(self.times, parts, rows, units)
 
     def _instants(self, images: int) -> Indices:
         """Numbers of the states at evenly spaced times."""

@@ -14,12 +14,15 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, instance, number
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
+from fem_lie.pictures.page.content import drawn
+from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 
 LARGEST_TURN = 0.5
 """Rad: pictures show no more unless they are told to."""
 
+_PHASES = 49  # of one swing in a page
 _PART = 0.1  # of the model: the largest displacement in pictures
 
 _Shapes = TypeVar("_Shapes", bound=npt.NDArray[Any])
@@ -95,13 +98,45 @@ class ModeShapes(ABC):
         Raises:
             ValueError: There is no such mode, or one that only turns has no such amplitude.
         """
-        shape = self.shape(mode) if amplitude is None else self.displacing_shape(mode)
         look = self._look(mode)
-        fitting = self._fitting(mode, look.size)
-        largest = fitting if amplitude is None else number(amplitude, "amplitude")
-        frames = moved_along(shape, self.frames, largest * np.asarray(look.parts))
+        frames = self._frames(mode, amplitude, np.asarray(look.parts))
         name = look.title if title is None else title
         bodies.draw(self.info, frames, path, canvas=Canvas(name, units))
+
+    def page(
+        self,
+        mode: int = 1,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        amplitude: float | None = None,
+        seconds: float = 2.0,
+        title: str | None = None,
+        units: Units = SI,
+    ) -> Page:
+        """A page in which a mode swings about its state; see :meth:`StateSeries.page`.
+
+        Args:
+            mode: Counted from 1.
+            path: Name of the ``.html`` file; a notebook shows the answer without one.
+            amplitude: As for :meth:`picture`.
+            seconds: How long one swing plays.
+            title: Above the page; default: what it is, and the load factor.
+            units: For the axes.
+
+        Raises:
+            ValueError: As for :meth:`picture`, or the name does not end in ``.html``.
+        """
+        phases = np.linspace(0.0, 2 * np.pi, _PHASES)
+        content = drawn(self.info, self._frames(mode, amplitude, np.sin(phases)), (), (), units)
+        slider = Slider(np.degrees(phases), "phase", "°", seconds, plays=True)
+        return page(path, content, slider, (), self._look(mode).title if title is None else title)
+
+    def _frames(self, mode: int, amplitude: float | None, parts: Array) -> Array:
+        """Frames beside the state at parts of an amplitude."""
+        shape = self.shape(mode) if amplitude is None else self.displacing_shape(mode)
+        fitting = self._fitting(mode, self._look(mode).size)
+        largest = fitting if amplitude is None else number(amplitude, "amplitude")
+        return moved_along(shape, self.frames, largest * parts)
 
     @abstractmethod
     def _look(self, mode: int) -> ModeLook:

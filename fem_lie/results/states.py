@@ -15,6 +15,10 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints import Connection
 from fem_lie.pictures import bodies
+from fem_lie.pictures.page.colours import NodalColours
+from fem_lie.pictures.page.content import drawn
+from fem_lie.pictures.page.curves import Diagram
+from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.reactions import Support, reaction
@@ -145,6 +149,53 @@ class StateSeries(Located, ABC):
             paths=paths,
             canvas=Canvas(title, units, bodies.PLAYED.size),
         )
+
+    def page(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        states: int = 300,
+        seconds: float = 5.0,
+        trace: Sequence[Point | str | int] = (),
+        colours: Sequence[NodalColours] = (),
+        title: str = "",
+        units: Units = SI,
+    ) -> Page:
+        """A page in which the states move: one HTML file for any browser, without a network.
+
+        One turns it, goes nearer, plays it and goes through the states with a slider; diagrams
+        run along: energies of a motion, or the path of the first traced point of an equilibrium.
+
+        Args:
+            path: Name of the ``.html`` file; a notebook shows the answer without one.
+            states: At most so many, evenly spaced; between them places are interpolated.
+            seconds: How long all of them play.
+            trace: Points whose paths are drawn, too.
+            colours: Values of bodies in all states of this result, such as
+                :meth:`fem_lie.results.stresses.section_forces.SectionForces.colours`.
+            title: Above the page.
+            units: For the axes.
+
+        Raises:
+            ValueError: The name does not end in ``.html``, there is no such point, or no state,
+                or colours are not those of this result.
+        """
+        rows = np.unique(self._instants(whole(states, "states")))
+        shown = [one.rows(rows, len(self.frames)) for one in colours]
+        content = drawn(self.info, self.frames[rows], self._traces(trace), shown, units)
+        values, label, unit = self._along(units)
+        slider = Slider(values[rows], label, unit, seconds, plays=len(rows) > 1)
+        return page(path, content, slider, self._diagrams(rows, trace, units), title)
+
+    @abstractmethod
+    def _along(self, units: Units) -> tuple[Array, str, str]:
+        """What tells the states apart, shape (k,), what that is called, and its unit."""
+
+    @abstractmethod
+    def _diagrams(
+        self, rows: Indices, trace: Sequence[Point | str | int], units: Units
+    ) -> Sequence[Diagram]:
+        """What runs along beside the states of a page."""
 
     @abstractmethod
     def _instants(self, images: int) -> Indices:

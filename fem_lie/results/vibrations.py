@@ -12,6 +12,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, whole
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
+from fem_lie.pictures.page.content import drawn
+from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.mode_shapes import LARGEST_TURN, chosen
@@ -19,6 +21,7 @@ from fem_lie.results.mode_shapes import LARGEST_TURN, chosen
 Complex = npt.NDArray[np.complex128]
 
 _GROWS = 1e-6  # real part over absolute value; less is round-off
+_PHASES = 49  # of one swing in a page
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +155,31 @@ class Modes:
         frames, name = self.moved(mode, amplitude, phases), self._title(mode, title, units)
         canvas = Canvas(name, units, bodies.PLAYED.size)
         bodies.animate(self.info, frames, path, seconds=seconds, canvas=canvas)
+
+    def page(
+        self,
+        mode: int,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        amplitude: float = 0.1,
+        seconds: float = 2.0,
+        title: str | None = None,
+        units: Units = SI,
+    ) -> Page:
+        """A page in which a mode swings, without growth or decay; see :meth:`StateSeries.page`.
+
+        Args:
+            mode: Counted from 1, as in the table.
+            path: Name of the ``.html`` file; a notebook shows the answer without one.
+            amplitude: See :meth:`moved`.
+            seconds: How long one swing plays.
+            title: Above the page; default: number and frequency.
+            units: For the axes.
+        """
+        phases = np.linspace(0.0, 2 * np.pi, _PHASES)
+        content = drawn(self.info, self.moved(mode, amplitude, phases), (), (), units)
+        slider = Slider(np.degrees(phases), "phase", "°", seconds, plays=True)
+        return page(path, content, slider, (), self._title(mode, title, units))
 
     def _title(self, mode: int, title: str | None, units: Units) -> str:
         if title is not None:

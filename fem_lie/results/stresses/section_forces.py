@@ -6,6 +6,7 @@ In each state of a result, at both ends and in the middle of each element::
     found.raw("My"), found.mean("My"), found.smooth("My")    # ends, middles, without jumps
     found.plot("N", "My", path="diagram.png")
     found.write_vtk("forces.pvd")
+    result.page("motion.html", colours=[found.colours("N")])
 
 A section whose normal is e₁ carries the force and moment that the beam beyond it exerts, in
 components along its own e₁, e₂, e₃: N, V_y, V_z and T, M_y, M_z, about the point of the beam's
@@ -25,11 +26,12 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
+from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in, require_states, state_number
-from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces
+from fem_lie.results.stresses.beam_quantities import COMPONENTS, of_forces, unit
 from fem_lie.results.stresses.element_forces import (
     ElementForces,
     in_the_middle,
@@ -219,6 +221,17 @@ class SectionForces:
         return self.smooth(name)[:, elements[0], ends[0]]
 
     # --- pictures and files ---
+
+    def colours(self, name: str, *, units: Units = SI) -> NodalColours:
+        """A quantity in all states for the colours of a page: means of :meth:`smooth` at nodes.
+
+        Args:
+            name: As for :meth:`raw`.
+            units: For the label.
+        """
+        at_ends, nodes = self.smooth(name), self.beam.elements[:, :2].ravel()
+        values = at_nodes(at_ends.reshape(len(at_ends), -1), nodes, self.frames.shape[1])
+        return NodalColours(self.beam.name, values, f"{name} [{unit(name, units)}]")
 
     def plot(
         self,

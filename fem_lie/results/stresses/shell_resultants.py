@@ -12,15 +12,18 @@ What they are is said in :mod:`fem_lie.results.stresses.shell_values`::
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import dolfinx
+import numpy as np
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
+from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.states import States, nodes_in, require_states, state_number
@@ -77,6 +80,27 @@ def resultant_series(
     """Those of all states of a result; see :func:`resultants`."""
     require_states(result)
     return _of_states(result, shell, range(len(result.frames)), along, kink_angle)
+
+
+def resultant_colours(
+    series: Sequence[Resultants], name: str, *, units: Units = SI
+) -> NodalColours:
+    """A quantity of a shell for the colours of a page, from :func:`resultant_series`.
+
+    Args:
+        series: Of all states of the result that the page shows.
+        name: A quantity, see :meth:`Resultants.raw`; averaged, and at kinks the mean of all sides.
+        units: For the label.
+
+    Raises:
+        ValueError: There is no state, or no such quantity.
+    """
+    if not series:
+        raise ValueError("colours need the resultants of at least one state, got none")
+    shell, nodes = series[0].shell, series[0].places.patches.node
+    smooth = np.array([state.smooth(name) for state in series])
+    values = at_nodes(smooth, nodes, len(shell.frames))
+    return NodalColours(shell.name, values, f"{name} [{quantity(name).unit(units)}]")
 
 
 def _of_states(

@@ -1,0 +1,125 @@
+"""What a page's script draws: bodies, joints, traces and axes, in lengths of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures.bodies import BALL
+from fem_lie.pictures.diagrams import COLOURS
+from fem_lie.pictures.page.colours import NodalColours, Scale
+from fem_lie.pictures.page.corners import Corners
+from fem_lie.pictures.page.packed import LARGEST, packed, unit_of, whole_places
+from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes
+from fem_lie.pictures.stage import round_box
+from fem_lie.pictures.units import Units
+
+Content = dict[str, object]
+
+
+def drawn(
+    info: SceneInfo,
+    frames: Array,
+    paths: Sequence[Array],
+    colours: Sequence[NodalColours],
+    units: Units,
+) -> Content:
+    """What is seen of a scene in k states.
+
+    Args:
+        info: Bodies and joints.
+        frames: Shape (k, N, 4, 3).
+        paths: Lines to draw with them, each of shape (t, 3).
+        colours: Values of bodies in these states; others have a colour of their own.
+        units: For the axes.
+
+    Raises:
+        ValueError: Colours are of a body that is not there, of another number of nodes or states,
+            or of several quantities.
+    """
+    size = scene_size(frames)
+    bodies = shapes(info, frames)
+    rings = [np.array([shape.rings(step) for step in frames]) for shape in bodies]
+    balls = np.array([joint_places(info, step) for step in frames])
+    middle, unit = unit_of([*(one[:, :, 0] for one in rings), *([balls] if balls.size else [])])
+    scale = Scale.of(colours) if colours else None
+    values = {one.body: _checked(one, info, len(frames)) for one in colours}
+
+    def body(k: int) -> Content:
+        found = _surface(bodies[k], rings[k], frames[0], size)
+        found["colour"] = COLOURS[k % len(COLOURS)]
+        found["places"] = whole_places(rings[k][:, :, 0], middle, unit)
+        nodal = values.get(info.bodies[k].name)
+        if nodal is not None and scale is not None:
+            shown = np.array([bodies[k].values(step) for step in nodal])
+            found["values"] = packed(scale.steps(shown), "u1")
+        return found
+
+    return {
+        "unit": unit / size,
+        "bodies": [body(k) for k in range(len(bodies))],
+        "joints": {
+            "count": balls.shape[1],
+            "radius": BALL,
+            "places": whole_places(balls, middle, unit),
+        }
+        if balls.size
+        else None,
+        "traces": [packed((line - middle) / size, "f4") for line in paths],
+        "axes": list(_axes(frames, paths, middle, size, units)),
+        "colours": None if scale is None else _legend(scale),
+    }
+
+
+def _surface(shape: Shape, rings: Array, unloaded: Array, size: float) -> Content:
+    """Triangles, where their corners are beside their rings, and the rings' directors."""
+    corners = Corners.of(shape, unloaded)
+    offset = shape.offset[corners.points]
+    used = np.flatnonzero(np.any(offset != 0.0, axis=0))
+    directors = rings[:, :, 1 + used]
+    longest = float(np.abs(directors).max(initial=1.0))
+    return {
+        "rings": rings.shape[1],
+        "triangles": packed(corners.triangles, "u4"),
+        "ring": packed(shape.ring[corners.points], "u4"),
+        "offset": packed(longest * offset[:, used] / size, "f4"),
+        "directors": whole_places(directors, np.zeros(3), longest / LARGEST),
+    }
+
+
+def _checked(colours: NodalColours, info: SceneInfo, states: int) -> Array:
+    """Values of the states that are drawn, shape (k, n)."""
+    wanted = (states, len(info.body(colours.body).nodes))
+    if colours.values.shape != wanted:
+        raise ValueError(
+            f"colours of {colours.body} must have shape {wanted} (states, nodes), "
+            f"got {colours.values.shape}"
+        )
+    return colours.values
+
+
+def _axes(
+    frames: Array, paths: Sequence[Array], middle: Array, size: float, units: Units
+) -> Iterator[Content]:
+    """Ticks along x, y and z, and the numbers there."""
+    low, high, step, flat = round_box(frames, paths)
+    for i, name in enumerate("xyz"):
+        ticks = step * np.arange(np.rint(low[i] / step), np.rint(high[i] / step) + 1)
+        yield {
+            "label": f"{name} [{units.length}]",
+            "flat": i in flat,
+            "ticks": ((ticks - middle[i]) / size).tolist(),
+            "texts": [f"{tick:.6g}" for tick in ticks],
+        }
+
+
+def _legend(scale: Scale) -> Content:
+    return {
+        "label": scale.label,
+        "names": scale.names,
+        "low": f"{scale.low:.3g}",
+        "high": f"{scale.high:.3g}",
+    }
