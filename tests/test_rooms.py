@@ -13,7 +13,7 @@ import fem_lie
 
 PACKAGE = Path(fem_lie.__file__).parent
 MOST_FILES = 12
-OUTSIDE = {"__init__", "_arrays", "_compat"}
+OUTSIDE = {"__init__", "__main__", "_arrays", "_compat"}
 
 FLOOR = {"_arrays", "_compat", "_jit"}
 """What everybody may import."""
@@ -87,6 +87,8 @@ def modules():
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
+        if parts == ("__main__",):
+            continue  # a program, which nothing imports
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 

@@ -69,7 +69,7 @@ def own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Ite
 
     Functions that stand in no file, but were typed in, are not cached.
     """
-    if _BASE is None or not Path(inspect.getfile(function)).is_file():
+    if FOLDER is None or not Path(inspect.getfile(function)).is_file():
         yield False
         return
     numbas = CacheImpl._locator_classes
@@ -83,17 +83,17 @@ def own_cache(function: Callable[..., Any], *, for_callers: bool = False) -> Ite
 @cache
 def _folder_of(file: Path) -> Path:
     """The folder for the machine code of this state of ``file``, marked as in use."""
-    assert _BASE is not None
+    assert FOLDER is not None
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
     for source in sorted(_with_all_it_imports(file)):
         digest.update(f"{source.name} {_code(source.read_bytes())}".encode())
     name = _name_of(file)
-    folder = _BASE / f"{name}-{digest.hexdigest()[:16]}"
+    folder = FOLDER / f"{name}-{digest.hexdigest()[:16]}"
     if folder.is_dir():
         os.utime(folder)
     else:
         folder.mkdir(parents=True, exist_ok=True)
-        _keep_last(_BASE.glob(f"{name}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
+        _keep_last(FOLDER.glob(f"{name}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
     return folder
 
 
@@ -116,8 +116,8 @@ def _with_all_it_imports(file: Path) -> set[Path]:
 
 def _code(source: bytes) -> str:
     """Fingerprint of a file without its comments and docstrings; kept, as it takes a while."""
-    assert _BASE is not None
-    kept = _BASE / "sources" / hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
+    assert FOLDER is not None
+    kept = FOLDER / "sources" / hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
     with suppress(FileNotFoundError):
         return kept.read_text()
     tree = ast.parse(source)
@@ -127,7 +127,7 @@ def _code(source: bytes) -> str:
     code = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
     kept.parent.mkdir(exist_ok=True)
     _keep_last(kept.parent.glob("*"), _KEEP_SOURCES)
-    with tempfile.NamedTemporaryFile("w", dir=_BASE, delete=False) as file:
+    with tempfile.NamedTemporaryFile("w", dir=FOLDER, delete=False) as file:
         file.write(code)
     os.replace(file.name, kept)
     return code
@@ -196,4 +196,5 @@ def _prepare_base() -> Path | None:
     return base
 
 
-_BASE = _prepare_base()
+FOLDER = _prepare_base()
+"""Of all machine code; None where nothing can be written."""

@@ -1,0 +1,90 @@
+"""``python -m fem_lie``: versions, solvers and caches; clears caches if asked."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import shutil
+from importlib import metadata
+from pathlib import Path
+
+from petsc4py import PETSc
+
+import dolfinx
+import slepc4py
+
+from fem_lie._jit.machine_code import FOLDER
+
+_PACKAGES = ("fenics-ufl", "fenics-basix", "fenics-ffcx", "numba", "numpy", "scipy", "h5py")
+_SHOWN = ("gmsh", "pyvista", "matplotlib", "imageio", "tqdm")
+_SOLVERS = ("mumps", "umfpack", "klu", "superlu", "suitesparse", "ptscotch", "hypre")
+
+
+def caches() -> dict[str, Path]:
+    """Folders of what was compiled, by name; some may not exist yet."""
+    found = {"forms": Path(dolfinx.jit.get_options()["cache_dir"])}
+    if FOLDER is not None:
+        found["machine-code"] = FOLDER
+    return found
+
+
+def size(folder: Path) -> tuple[int, int]:
+    """Number of files in a folder and in those in it, and their bytes."""
+    files = [path for path in folder.rglob("*") if path.is_file()] if folder.is_dir() else []
+    return len(files), sum(path.stat().st_size for path in files)
+
+
+def versions() -> list[tuple[str, str]]:
+    """What is installed, and its version."""
+    petsc = ".".join(map(str, PETSc.Sys.getVersion()))
+    scalars = "complex" if PETSc.ScalarType().dtype.kind == "c" else "real"
+    found = [
+        ("fem_lie", f"{_version('fem_lie')}, {Path(__file__).parent}"),
+        ("Python", platform.python_version()),
+        ("DOLFINx", dolfinx.__version__),
+        ("PETSc", f"{petsc}, {scalars} numbers"),
+        ("slepc4py", slepc4py.__version__),
+    ]
+    return found + [(name, _version(name)) for name in (*_PACKAGES, *_SHOWN)]
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed as a package"
+
+
+def report() -> str:
+    """All of it as text."""
+    lines = [f"{name:13} {version}" for name, version in versions()]
+    solvers = [name for name in _SOLVERS if PETSc.Sys.hasExternalPackage(name)]
+    lines += ["", f"{'solvers':13} {', '.join(solvers)}", ""]
+    for name, folder in caches().items():
+        count, total = size(folder)
+        lines.append(f"{name:13} {folder}: {count} files, {total / 1e6:.1f} MB")
+    return "\n".join(lines)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Print the report, or clear caches."""
+    parser = argparse.ArgumentParser(prog="python -m fem_lie", description=__doc__)
+    parser.add_argument(
+        "--clear",
+        choices=[*caches(), "all"],
+        help="remove what was compiled, which is made again when it is needed: 'forms' are those "
+        "of DOLFINx, of other projects, too",
+    )
+    asked = parser.parse_args(arguments).clear
+    if asked is None:
+        print(report())
+        return
+    for name, folder in caches().items():
+        if asked in (name, "all"):
+            count, total = size(folder)
+            shutil.rmtree(folder, ignore_errors=True)
+            print(f"removed {folder}: {count} files, {total / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    main()
