@@ -4,6 +4,7 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.orientation import Twisted
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
@@ -19,6 +20,7 @@ from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
+from fem_lie.elements.gradients.ancf import AncfElement
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
@@ -163,6 +165,8 @@ __all__ = [
     "MITC6",
     "MITC9",
     "AdaptiveStep",
+    "AncfBeam",
+    "AncfElement",
     "ArcLength",
     "AreaLoad",
     "Automatic",

@@ -31,6 +31,12 @@ def test_bend45(elements, bound):
     assert record["iterations"] <= 20
 
 
+def test_bend45_by_places_and_slopes():
+    record = main("bend45", elements=16, formulation="ancf")
+    assert record["tip_error"] <= 3e-4
+    assert record["iterations"] <= 15 and record["failed_iterations"] == 0
+
+
 @pytest.mark.parametrize(
     ("formulation", "bound"), [("geodesic", 2e-4), ("director1", 5e-3), ("director2", 2e-4)]
 )
@@ -210,8 +216,8 @@ def test_bad_options():
         main("local_frame_claims", scene="rope")
     with pytest.raises(ValueError, match="case must be 1, 2 or 3, got 4"):
         main("double_pendulum", case=4)
-    with pytest.raises(ValueError, match=r"formulation must be one of geodesic, .*, got ancf"):
-        main("bend45", formulation="ancf")
+    with pytest.raises(ValueError, match=r"formulation must be one of geodesic, .*, got none such"):
+        main("bend45", formulation="none such")
     with pytest.raises(ValueError, match=r"policy must be one of automatic, .*, got 'often'"):
         main("double_pendulum", policy="often")
     with pytest.raises(ValueError, match=r"case must be symmetric, paper or .*, got 'heavy'"):

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fem_lie import lie
+from fem_lie.grips.cross_section import on_section
 from fem_lie.grips.follower import following
 from fem_lie.grips.geodesic import on_geodesic
 from fem_lie.grips.grip import bend, changes, locate
@@ -62,6 +63,7 @@ def near_patch(places, rng):
     return lie.se3_compose(lie.se3_exp(rng.normal(size=6)), X)
 
 
+ON_SURFACES = {"surface", "cross-section"}
 SURFACES = np.repeat([kinds.SURFACE, kinds.CROSSING], 2)
 
 
@@ -75,7 +77,7 @@ def moved_surface(X, h):
 def turned_with(motion, X, name):
     """All nodes moved rigidly, axes that are no rows, too."""
     moved = lie.se3_compose(motion, X)
-    if name == "surface":
+    if name in ON_SURFACES:
         axes = kinds.all_axes(SURFACES, X) @ motion[1:]
         kinds.set_all_axes(SURFACES, moved, axes)
     return moved
@@ -93,6 +95,7 @@ GRIPS = {
     "tangent": (along_tangent(0), moved_slopes),
     **{name: (patch(places), moved_places) for name, places in PATCHES.items()},
     "surface": (on_surface(range(4), SHARES), moved_surface),
+    "cross-section": (on_section(range(4), SHARES), moved_surface),
 }
 """Each with how its nodes move: adding one here tests it."""
 
@@ -181,7 +184,7 @@ def test_frames_are_frames_and_turn_with_the_body(name, seed):
         return
     # of a rigid motion the grip has the same as all nodes
     twist = rng.normal(size=6)
-    if name == "surface":
+    if name in ON_SURFACES:
         rigid = kinds.rigid_motions(SURFACES, X, np.zeros(3))
         shown = np.concatenate([H[1:] @ (twist[:3] + np.cross(twist[3:], H[0])), H[1:] @ twist[3:]])
         np.testing.assert_allclose(np.einsum("kij,kjl,l->i", J, rigid, twist), shown, atol=1e-13)

@@ -43,6 +43,10 @@ def beam(formulation=None, **options) -> fl.Scene:
     return scene_with(line)
 
 
+def ancf(**options) -> fl.Scene:
+    return scene_with(fl.AncfBeam.straight((0, 0, 0), (2, 1, 0), SECTION, cells=2, **options))
+
+
 def branch(**options) -> fl.Scene:
     """Nodes that follow others."""
     mesh = fl.LineMesh.from_cells(
@@ -215,6 +219,9 @@ TERMS: dict[str, Case] = {
         lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
     ),
     "thin shell": Case(thin_shell, "elements"),
+    "beam of slopes": Case(ancf, "elements"),
+    "damping of mass of a beam of slopes": Case(lambda: ancf(damping=MASS), "damping of mass"),
+    "load within a beam of slopes": Case(lambda: held(ancf()), HELD),
     "solid": Case(solid, "elements"),
     "pressure on a thin shell": Case(lambda: pressed(thin_shell()), "pressure on thin shells"),
     "load within a geodesic": Case(lambda: held(beam()), HELD),

@@ -55,7 +55,8 @@ def _frame(X: Array, c: Array, H: Array, Q: Array) -> tuple[float, float, float]
 
 
 @compiled
-def _locate(X: Array, data: Array, H: Array, J: Array) -> None:
+def locate_surface(X: Array, data: Array, H: Array, J: Array) -> None:
+    """See :class:`~fem_lie.grips.grip.GripKind`."""
     k = X.shape[0]
     c, Q = data.reshape((k, 2, 3)), np.empty((k, 3, 3))
     s, p, q = _frame(X, c, H, Q)
@@ -70,7 +71,7 @@ def _locate(X: Array, data: Array, H: Array, J: Array) -> None:
 
 
 @compiled
-def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
+def bend_surface(X: Array, data: Array, f: Array, K: Array) -> None:
     """The frame turns with the force, and ``s``, ``p``, ``q`` change; axes of nodes stay."""
     k = X.shape[0]
     c, Q, H = data.reshape((k, 2, 3)), np.empty((k, 3, 3)), np.empty((4, 3))
@@ -97,7 +98,7 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
                         K[i, 3 * other : 3 * other + 3, j, 3 * half + m] = Q[i].T @ dg
 
 
-ON_SURFACE = GripKind(_locate, _bend)
+ON_SURFACE = GripKind(locate_surface, bend_surface)
 
 
 def on_surface(nodes: Sequence[int], shares: Array) -> Grip:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, instance, vector
 from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.points import require_point
 from fem_lie.grips.held_load import HeldLoad
 from fem_lie.scene.load import NodalLoad, Sum
@@ -112,7 +113,7 @@ class LineLoad(NodalLoad):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument is of another kind than wanted."""
         super().__post_init__()
-        instance(self.beam, LineBody, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
+        instance(self.beam, LineBody | AncfBeam, "LineLoad: beam", "a Beam (on shells: EdgeLoad)")
 
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""

@@ -28,13 +28,13 @@ class Clamp:
         """Raise ``ValueError`` if the point is ground."""
         if self.point.is_ground:
             raise ValueError("a clamp needs a point of a body, got ground")
-        require_node(self.point, "a clamp")
         body = self.point.body
         if body is not None and body.compound:
             raise ValueError(
-                f"a clamp holds one node, and a point of {body.label} is several: hold an edge or "
-                f"corner by {type(body).__name__}.clamp"
+                f"a clamp holds one node, and a point of {body.label} is several: hold it by "
+                f"{type(body).__name__}.clamp"
             )
+        require_node(self.point, "a clamp")
         if body is not None:
             body.require_direction(self.point.node)
 

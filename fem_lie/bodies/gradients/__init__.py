@@ -1,0 +1,1 @@
+"""Beams whose sections deform: twelve unknowns at each point."""

@@ -1,0 +1,1 @@
+"""Beams whose points have a place and all three of its slopes."""

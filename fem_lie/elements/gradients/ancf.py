@@ -1,0 +1,135 @@
+r"""Fully parametrised beam: places and all three slopes, sections that deform; its law and inertia.
+
+Of the strains of :mod:`.strains` those of the axis and the curvatures have the section's stiffness
+``D``. With ``b = (E₁₁, 2E₁₂, 2E₁₃, κ₁, κ₂, κ₃)``, its mean ``b̄`` by Simpson's rule over ends and
+middle, and ``D*`` the stiffness with the residual bending flexibility of MacNeal,
+:func:`~fem_lie.elements.beams.element.with_bending_flexibility`::
+
+    W = ½ ℓ b̄·D* b̄ + ½ ℓ Σ wₚ (bₚ − b̄)·D (bₚ − b̄) + ½ ½ℓ Σ_ends a·M a
+
+The mean stress so is that of forces at the ends for small deflections, which ``D`` would lock. The
+last part is that of the section, ``a = (E₂₂ + ν E₁₁, E₃₃ + ν E₁₁, 2E₂₃)``: with the elasticity of
+an isotropic solid the energy of ``(E₁₁, E₂₂, E₃₃)`` is just ``½ EA E₁₁²`` and ``½ a·M a``. A beam
+that is bent has ``E I`` without that, since the section may be curved across it; in a solid of
+linear ``r_y``, ``r_z`` it could not, and would be stiffer by ``(1 − ν)/((1 + ν)(1 − 2ν))``.
+
+Sources: J. Gerstmayr & A. A. Shabana, *Nonlinear Dyn.* 45 (2006) 109; K. Nachbagauer, A. S.
+Pechstein, H. Irschik & J. Gerstmayr, *Multibody Syst. Dyn.* 26 (2011) 245 (closed form, and why
+the solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the strain split).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, number
+from fem_lie.elements.beams.element import with_bending_flexibility
+from fem_lie.elements.gradients.strains import CURVATURE, NODES, SECTION, STRAINS, VECTORS
+
+_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+_NODE = np.array([0, 0, 2, 2, 1, 1, 3, 3])
+_ROW = np.array([0, 1, 1, 2, 0, 1, 1, 2])
+"""Where the vectors ``(r, r_x, r_y, r_z)`` of both ends are in the rows of a cell's nodes."""
+
+
+@dataclass(frozen=True)
+class AncfElement:
+    """The element of :class:`~fem_lie.AncfBeam`.
+
+    Attributes:
+        poisson: Poisson's ratio of the sections; default: that of a section that knows its moduli,
+            else zero.
+        bending_flexibility: Whether the mean stress has the residual bending flexibility.
+
+    Raises:
+        ValueError: Poisson's ratio is not between −1 and 0.5.
+    """
+
+    poisson: float | None = None
+    bending_flexibility: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        if self.poisson is not None:
+            check_poisson(number(self.poisson, "AncfElement: poisson"))
+
+    def stiffness(self, D: Array, poisson: Array, ends: Array, lengths: Array) -> Array:
+        """``C`` of cells, shape (m, 18, 18).
+
+        Args:
+            D: Section stiffness on (Γ, κ), shape (m, 6, 6).
+            poisson: Of the sections, shape (m,).
+            ends: Frames of both ends, unloaded, shape (m, 2, 4, 3).
+            lengths: Of the cells, shape (m,).
+        """
+        mean = D
+        if self.bending_flexibility:
+            mean = with_bending_flexibility(D, lie.se3_relative(ends[:, 0], ends[:, 1]))
+        b = _axis_strains()
+        average = np.einsum("p,pik->ik", _SIMPSON, b)
+        rest = b - average
+        C = np.einsum("ia,mij,jb->mab", average, mean, average, optimize=True)
+        C += np.einsum("p,pia,mij,pjb->mab", _SIMPSON, rest, D, rest, optimize=True)
+        for end in range(2):
+            a = _section_strains(end, poisson)
+            C += 0.5 * np.einsum("mia,mij,mjb->mab", a, _across(D[:, 0, 0], poisson), a)
+        return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
+
+    def inertia(self, density: Array, lengths: Array) -> Array:
+        """Constant matrix of the rows of cells' nodes, shape (m, 4, 4, 4, 4).
+
+        Args:
+            density: Gram matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4).
+            lengths: Shape (m,).
+        """
+        s, w = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS
+        N = np.zeros((len(lengths), len(s), 4, VECTORS))
+        h = lengths[:, np.newaxis]
+        N[:, :, 0, 0], N[:, :, 0, 4] = (1 - s) ** 2 * (1 + 2 * s), s**2 * (3 - 2 * s)
+        N[:, :, 0, 1], N[:, :, 0, 5] = h * s * (1 - s) ** 2, h * s**2 * (s - 1)
+        for k in (2, 3):
+            N[:, :, k, k], N[:, :, k, 4 + k] = 1 - s, s
+        M = np.einsum("m,p,mpia,mij,mpjb->mab", lengths, w, N, density, N, optimize=True)
+        found = np.zeros((len(lengths), NODES, 4, NODES, 4))
+        a, b = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
+        found[:, _NODE[a], _ROW[a], _NODE[b], _ROW[b]] = M
+        return found
+
+
+def check_poisson(value: float) -> float:
+    """Raise ``ValueError`` if it is no Poisson's ratio of a stable solid that can be compressed."""
+    if not -1.0 < value < 0.5:
+        raise ValueError(f"Poisson's ratio must lie between -1 and 0.5, got {value!r}")
+    return value
+
+
+def _axis_strains() -> Array:
+    """``b`` at the three places of all strains, shape (3, 6, 18)."""
+    b = np.zeros((3, 6, STRAINS))
+    for p in range(3):
+        for k in range(3):
+            b[p, k, 3 * p + k] = b[p, 3 + k, CURVATURE + k] = 1.0
+    return b
+
+
+def _section_strains(end: int, poisson: Array) -> Array:
+    """``a`` at an end of all strains, shape (m, 3, 18)."""
+    a = np.zeros((len(poisson), 3, STRAINS))
+    for k in range(3):
+        a[:, k, SECTION + 3 * end + k] = 1.0
+    a[:, 0, 6 * end] = a[:, 1, 6 * end] = poisson
+    return a
+
+
+def _across(EA: Array, poisson: Array) -> Array:
+    """``M``, shape (m, 3, 3)."""
+    M = np.zeros((len(EA), 3, 3))
+    lame = EA * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    M[:, 2, 2] = 0.5 * EA / (1 + poisson)
+    M[:, 0, 1] = M[:, 1, 0] = lame
+    M[:, 0, 0] = M[:, 1, 1] = lame + 2 * M[:, 2, 2]
+    return M

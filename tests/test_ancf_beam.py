@@ -1,0 +1,232 @@
+"""Beams of places and three slopes: laws of the element, statics, motion, joints, bad input."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.bodies.gradients.assembly import GradientAssembly
+from fem_lie.lie import kinds
+
+STEEL = fl.Material(1e3, 0.3, 2.0)
+SECTION = fl.Section.rectangle(0.2, 0.3, STEEL)
+ELEMENTS = {
+    "default": fl.AncfElement(),
+    "no flexibility": fl.AncfElement(bending_flexibility=False),
+    "other ratio": fl.AncfElement(poisson=-0.2),
+}
+every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+
+
+def bowed(s):
+    return np.array([s, 0.3 * s * s, 0.2 * s**3])
+
+
+class Alone:
+    """A beam by itself."""
+
+    def __init__(self, cells=2, element=None, section=SECTION):
+        self.body = fl.AncfBeam.curve(bowed, section, cells=cells, formulation=element)
+        self.term, self.kinds = GradientAssembly([self.body]), self.body.node_kinds
+        self.count = len(self.kinds)
+        self.rng = np.random.default_rng(1)
+
+    def follow(self, H, h):
+        out = np.empty_like(H)
+        kinds.follow_all(self.kinds, H, h, out)
+        return out
+
+    def deformed(self, size=0.1):
+        return self.follow(self.body.frames, size * self.rng.normal(size=(self.count, 6)))
+
+    def forces(self, H):
+        out = np.zeros((self.count, 6))
+        self.term.add_forces(H, out)
+        return out
+
+    def matrix(self, H):
+        self.term.reset_stress(H)
+        K, (rows, columns) = np.zeros((self.count, 6, self.count, 6)), self.term.pairs
+        K[rows, :, columns] = self.term.tangent(H, np.empty((0, 6)))
+        return K.reshape(6 * self.count, -1)
+
+    def turned(self, H, motion):
+        """Moved rigidly, the axes as the body turns them then."""
+        moved = H @ motion[1:]
+        moved[:, 0] += motion[0]
+        self.body.follower()(moved)
+        return moved
+
+
+@every_element
+def test_forces_are_the_gradient_of_the_energy(element):
+    beam, step = Alone(element=element), 1e-5
+    H, d = beam.deformed(), np.random.default_rng(2).normal(size=(beam.count, 6))
+    ahead, behind = (beam.term.energy(beam.follow(H, s * step * d)) for s in (1, -1))
+    assert np.vdot(beam.forces(H), d) == pytest.approx((ahead - behind) / (2 * step), rel=1e-7)
+
+
+@every_element
+def test_tangent_is_the_derivative_of_the_forces(element):
+    beam, step = Alone(element=element), 1e-5
+    H, d = beam.deformed(), np.random.default_rng(2).normal(size=(beam.count, 6))
+    ahead, behind = (beam.forces(beam.follow(H, s * step * d)) for s in (1, -1))
+    numeric = ((ahead - behind) / (2 * step)).ravel()
+    K = beam.matrix(H)
+    np.testing.assert_allclose(K @ d.ravel(), numeric, atol=1e-7 * np.abs(numeric).max())
+    np.testing.assert_allclose(K, K.T, atol=1e-13 * np.abs(K).max())
+
+
+def test_carried_stress_is_linear_along_the_increment():
+    """That of the next state to first order, and exactly where the increment is zero."""
+    beam, step = Alone(), 1e-4
+    H, d = beam.deformed(), np.random.default_rng(2).normal(size=(beam.count, 6))
+    beam.term.carry(H, step * d)
+    carried = beam.term.carried
+    beam.term.reset_stress(beam.follow(H, step * d))
+    here = beam.term.carried
+    beam.term.reset_stress(H)
+    gap, change = np.abs(carried - here).max(), np.abs(here - beam.term.carried).max()
+    assert 0.0 < gap < 0.01 * change
+
+
+@every_element
+def test_rigid_motion_changes_nothing_in_local_axes(element):
+    """Claim 5: no energy, forces that turn along, and the same matrix to round-off."""
+    beam = Alone(element=element)
+    H = beam.turned(beam.deformed(), np.eye(4, 3, -1))
+    moved = beam.turned(H, lie.se3_exp(np.array([3.0, -2.0, 1.0, 2.0, 0.5, -1.5])))
+    rest = beam.turned(beam.body.frames, lie.se3_exp(np.array([1.0, 2.0, 3.0, -1.0, 2.0, 1.0])))
+    assert beam.term.energy(rest) < 1e-25
+    force, K = beam.forces(H), beam.matrix(H)
+    np.testing.assert_allclose(beam.forces(moved), force, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(beam.matrix(moved), K, atol=1e-12 * np.abs(K).max())
+
+
+@every_element
+def test_only_rigid_motions_have_no_energy(element):
+    beam = Alone(1, element)
+    K = beam.matrix(beam.body.frames)
+    stiffness = np.linalg.eigvalsh(K)
+    assert np.abs(stiffness[:6]).max() < 1e-12 * stiffness[-1]
+    assert stiffness[6] > 1e-5 * stiffness[-1]
+    rigid = kinds.rigid_motions(beam.kinds, beam.body.frames, np.zeros(3)).reshape(-1, 6)
+    np.testing.assert_allclose(K @ rigid, 0.0, atol=1e-12 * stiffness[-1])
+
+
+# --- statics --------------------------------------------------------------------------------------
+
+
+def cantilever(beam, **load):
+    scene = fl.Scene()
+    scene.add(beam)
+    beam.clamp(beam.start)
+    scene.add(fl.PointLoad(beam.end, **load))
+    return scene
+
+
+def tip(beam, load_steps=1, **load):
+    result = fl.statics(cantilever(beam, **load), load_steps=load_steps)
+    return result.position(beam.end)[-1], result
+
+
+@pytest.mark.parametrize("cells", [1, 3])
+def test_small_deflections_are_those_of_timoshenko(cells):
+    """Force and moment at the tip, in both planes, tension with contraction, and twist: exact."""
+    D, L, small = np.diag(SECTION.stiffness), 2.0, 1e-8
+    beam = fl.AncfBeam.straight((0, 0, 0), (L, 0, 0), SECTION, cells=cells)
+    moved, result = tip(beam, force=(small, small, small), moment=(small, 0, 0))
+    across = [small * (L**3 / (3 * EI) + L / GA) for EI, GA in ((D[5], D[1]), (D[4], D[2]))]
+    expected = np.array([small * L / D[0], *across])
+    np.testing.assert_allclose(moved - (L, 0, 0), expected, rtol=5e-5)
+    node = beam.points_count - 1
+    rows = result.frames[-1][2 * node + 1]
+    # the moment acts on one slope, and so shears the section a little
+    assert 0.5 * (rows[1, 2] - rows[2, 1]) == pytest.approx(small * L / D[3], rel=1e-4)
+    strained = [1 - 0.3 * small / D[0]] * 2
+    np.testing.assert_allclose([rows[1, 1], rows[2, 2]], strained, atol=1e-4 * small / D[0])
+
+
+def thin(slenderness):
+    """EI = 1 of a beam of length one."""
+    t = 1.0 / slenderness
+    return fl.Section.rectangle(t, t, fl.Material(12.0 / t**4, 0.3, 1.0))
+
+
+ELASTICA = np.array([0.44500440, 0.81060902])
+"""Tip under 10 EI/L² without stretch and shear, by the differential equation."""
+
+
+@pytest.mark.parametrize("slenderness", [1e2, 1e3, 1e4])
+def test_elastica_does_not_lock(slenderness):
+    errors = []
+    for cells in (4, 8, 16):
+        beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), thin(slenderness), cells=cells)
+        place, result = tip(beam, 8, force=(0, 10.0, 0))
+        assert result.total_iterations <= 5 * len(result.factors)
+        errors.append(np.linalg.norm(place[:2] - ELASTICA))
+    assert (np.array(errors) < [4e-3, 1.3e-3, 4e-4]).all()
+
+
+@pytest.mark.parametrize("slenderness", [1e3, 1e4])
+def test_rolls_up_to_a_full_circle(slenderness):
+    beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), thin(slenderness), cells=16)
+    place, result = tip(beam, 16, moment=(0, 0, 2 * np.pi))
+    assert np.linalg.norm(place) < 5e-4
+    assert result.total_iterations <= 5 * len(result.factors) and not result.failed_iterations
+
+
+def test_the_limit_of_the_bend_is_that_of_beams_whose_sections_stay():
+    """But for what sections deform, of the order of (thickness/radius)²: with stiffer ones not."""
+
+    def lifted(beam):
+        scene = fl.Scene()
+        scene.add(beam)
+        if isinstance(beam, fl.AncfBeam):
+            beam.clamp(beam.start)
+        else:
+            scene.add(fl.Clamp(beam.start))
+        scene.add(fl.PointLoad(beam.end, force=(0, 0, 600.0)))
+        return fl.statics(scene, load_steps=3).position(beam.end)[-1]
+
+    def arc(s):
+        return 100 * np.array([np.sin(s * np.pi / 4), 1 - np.cos(s * np.pi / 4), 0.0])
+
+    gaps = []
+    for stiff in (1.0, 100.0):
+        EA, EI = stiff * 1e7, 1e7 / 12
+        section = fl.Section.from_stiffness([EA, EA / 2, EA / 2, EI, EI, EI])
+        exact = lifted(fl.Beam.curve(arc, section, cells=16))
+        found = lifted(fl.AncfBeam.curve(arc, section, cells=32))
+        gaps.append(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+    assert 1e-4 < gaps[0] < 2e-4 and gaps[1] < 2e-5
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+
+def test_corners_are_refused():
+    mesh = fl.LineMesh.from_cells([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1), (1, 2)])
+    with pytest.raises(ValueError, match="corners or branches"):
+        fl.AncfBeam(mesh, SECTION)
+
+
+def test_damping_with_strain_is_refused():
+    with pytest.raises(ValueError, match="with mass only"):
+        fl.AncfBeam.straight(
+            (0, 0, 0), (1, 0, 0), SECTION, cells=2, damping=fl.Damping(stiffness=0.1)
+        )
+
+
+def test_a_clamp_of_half_a_point_is_refused():
+    beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2)
+    with pytest.raises(ValueError, match=r"AncfBeam\.clamp"):
+        fl.Clamp(beam.start).check()
+    with pytest.raises(ValueError, match="no node of it"):
+        beam.clamp(beam.within(0, 0.5))
+
+
+@pytest.mark.parametrize("ratio", [0.5, -1.0, 0.7])
+def test_no_ratio_of_poisson(ratio):
+    with pytest.raises(ValueError, match=r"between -1 and 0\.5"):
+        fl.AncfElement(poisson=ratio)
