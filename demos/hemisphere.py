@@ -13,7 +13,8 @@ element has assumed transverse shear (MITC4), and Hellinger-Reissner (HR) or Hu-
 fields against membrane locking. And Newton's method with stresses taken from the displacements
 needs steps as small as the ratio of bending to membrane stiffness: here the stress is carried as an
 iterate in all of them. The load is applied by the load-capped arc length: one call, about a dozen
-linear solutions. Thin shells (thin) have bicubic patches without shear, and assumed strains, too.
+linear solutions. Thin shells have bicubic patches without shear, and assumed strains, too:
+of the surface itself (thin) or of the smooth spline through its nodes (spline).
 
 ``--gmsh`` meshes meshes/hemisphere.geo instead of making the same mesh by hand.
 """
@@ -35,13 +36,14 @@ RADIUS, HOLE = 10.0, np.radians(18)
 # thickness: force, deflections outward and inward
 CASES = {0.04: (400.0, 4.0753, 8.1524), 0.01: (5.0, 3.8267, 7.0991)}
 UNITS = Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation | None] = {
+FORMULATIONS: dict[str, fl.ShellFormulation] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-    "thin": None,
 }
+PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
+"""What thin shells lie on."""
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -51,10 +53,12 @@ def place(a: float, b: float) -> np.ndarray:
     return RADIUS * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(height)])
 
 
-def quarter(mesh: int, gmsh: bool = False, thin: bool = False) -> fl.SurfaceMesh | fl.SmoothPatch:
+def quarter(
+    mesh: int, gmsh: bool = False, formulation: str = "HR"
+) -> fl.SurfaceMesh | fl.SmoothPatch:
     """Mesh of the quarter, by gmsh or by hand, or a patch for thin shells."""
-    if thin:
-        return fl.smooth_patch(place, (mesh, mesh))
+    if formulation in PATCHES:
+        return PATCHES[formulation](place, (mesh, mesh))
     if gmsh:
         return fl.read_gmsh_surface(MODEL, parameters={"cells": mesh})
     return fl.surface(place, (mesh, mesh))
@@ -98,13 +102,14 @@ def main(
 ) -> dict[str, Any]:
     if thickness not in CASES:
         raise ValueError(f"thickness must be one of {list(CASES)}, got {thickness}")
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
-    chosen, thin = FORMULATIONS[formulation], formulation == "thin"
-    if gmsh and thin:
+    known = [*FORMULATIONS, *PATCHES]
+    if formulation not in known:
+        raise ValueError(f"formulation must be one of {', '.join(known)}, got {formulation}")
+    chosen = FORMULATIONS.get(formulation)
+    if gmsh and formulation in PATCHES:
         raise ValueError("thin shells lie on patches, which are no meshes: leave out gmsh")
-    fl.follow_loads(pinched(thickness, quarter(4, thin=thin), chosen))  # compiles
-    result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, thin), chosen))
+    fl.follow_loads(pinched(thickness, quarter(4, formulation=formulation), chosen))  # compiles
+    result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, formulation), chosen))
     moved = {name: result.position(f"hemisphere.{name}")[-1] for name in ("00", "10")}
     record = {
         "thickness": thickness,

@@ -30,13 +30,15 @@ HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
 SMALL = 1e-6
 UNITS = Units(length="length")
-AnyShell = fl.ShellFormulation | fl.BicubicHermite
+AnyShell = fl.ShellFormulation | Callable[..., fl.SmoothPatch]
+"""An element, or what a thin shell lies on."""
 FORMULATIONS: dict[str, AnyShell] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-    "thin": fl.BicubicHermite(),
+    "thin": fl.smooth_patch,
+    "spline": fl.spline_patch,
 }
 
 
@@ -64,9 +66,8 @@ def _shell(
     director: Callable[[np.ndarray], np.ndarray],
 ) -> fl.Shell | fl.ThinShell:
     """On a mesh, or a thin one on a patch; edges and corners have the same names."""
-    if isinstance(formulation, fl.BicubicHermite):
-        patch = fl.smooth_patch(place, cells)
-        return fl.ThinShell(patch, section, formulation=formulation, name="shell")
+    if not isinstance(formulation, fl.ShellFormulation):
+        return fl.ThinShell(formulation(place, cells), section, name="shell")
     mesh = fl.surface(place, cells)
     return fl.Shell(mesh, section, director=director, formulation=formulation, name="shell")
 

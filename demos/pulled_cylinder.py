@@ -30,6 +30,9 @@ REFERENCE = {"a": 2.750, "b": 4.555, "c": 3.275}
 PUBLISHED = [(0.864, 0.025), (1.471, 0.05), (2.217, 0.1), (2.904, 0.2), (3.227, 0.3), (3.443, 0.4),
              (3.653, 0.5), (4.061, 0.525), (4.171, 0.55), (4.274, 0.6), (4.385, 0.7), (4.455, 0.8),
              (4.508, 0.9), (4.551, 1.0)]  # fmt: skip
+PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
+"""What thin shells lie on."""
+FORMULATIONS = "HR", *PATCHES
 UNITS = Units(length="mm")
 
 
@@ -39,12 +42,13 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([RADIUS * np.cos(angle), RADIUS * np.sin(angle), b * LENGTH / 2])
 
 
-def cylinder(around: int, along: int, thin: bool = False) -> fl.Scene:
+def cylinder(around: int, along: int, formulation: str = "HR") -> fl.Scene:
     """An eighth with a quarter of the force."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(10.5e6, 0.3125, 1.0))
     shell: fl.Shell | fl.ThinShell
-    if thin:
-        shell = fl.ThinShell(fl.smooth_patch(place, (around, along)), section, name="cylinder")
+    if formulation in PATCHES:
+        patch = PATCHES[formulation](place, (around, along))
+        shell = fl.ThinShell(patch, section, name="cylinder")
     else:
         shell = fl.Shell(
             fl.surface(place, (around, along)),
@@ -68,19 +72,22 @@ def deflections(result: fl.StaticResult) -> dict[str, np.ndarray]:
 
 
 def main(
-    mesh: str = "24x16", thin: bool = False, path: bool = False, pictures: bool = True
+    mesh: str = "24x16", formulation: str = "HR", path: bool = False, pictures: bool = True
 ) -> dict[str, Any]:
-    """``thin``: a thin shell of bicubic patches, without shear."""
+    """``formulation``: HR, or a thin shell without shear on the surface (thin) or a spline."""
+    if formulation not in FORMULATIONS:
+        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
     try:
         around, along = map(int, mesh.split("x"))
     except ValueError:
         raise ValueError(f"mesh must be cells around x cells along, as 24x16, got {mesh}") from None
-    fl.follow_loads(cylinder(4, 4, thin), [0.01])  # compiles
-    result = fl.follow_loads(cylinder(around, along, thin))
+    fl.follow_loads(cylinder(4, 4, formulation), [0.01])  # compiles
+    result = fl.follow_loads(cylinder(around, along, formulation))
     moved = {name: float(values[-1]) for name, values in deflections(result).items()}
     errors = {name: moved[name] / REFERENCE[name] - 1.0 for name in moved}
     record: dict[str, Any] = {
         "mesh": mesh,
+        "formulation": formulation,
         **{f"deflection_{name}": value for name, value in moved.items()},
         "max_error": max(map(abs, errors.values())),
         "load_steps": result.load_steps,
@@ -101,13 +108,13 @@ def main(
         result.picture(picture, title="Pulled cylinder, an eighth", units=UNITS)
         print(f"picture: {picture}")
     if path:
-        record |= trace(around, along, thin, pictures)
+        record |= trace(around, along, formulation, pictures)
     return record
 
 
-def trace(around: int, along: int, thin: bool, pictures: bool) -> dict[str, Any]:
+def trace(around: int, along: int, formulation: str, pictures: bool) -> dict[str, Any]:
     """The whole path through the snap."""
-    path = fl.follow_path(cylinder(around, along, thin))
+    path = fl.follow_path(cylinder(around, along, formulation))
     inward = deflections(path)["b"]
     record = {
         "limit_loads": [point.factor for point in path.limits],

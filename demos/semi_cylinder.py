@@ -17,8 +17,9 @@ that depends on the mesh: 0.52 with 16 x 16 elements, 0.70 with 24 x 24 and 0.93
 MITC4, whose cells are stiffer, turns back at 0.85 with 24 x 24 and arrives with 40 x 40, where no
 directors of neighbours differ by more than 31 degrees; it is taken for this laminate.
 
-Thin shells (thin) have bicubic patches and no shear: of what the force pushes in they miss the part
-that is sheared, which is 2 % of the first deflection, on any mesh (docs/thin_shells.md).
+Thin shells (thin, or spline, on the smooth spline through the nodes) have bicubic patches and no
+shear: of what the force pushes in they miss the part that is sheared, which is 2 % of the first
+deflection, on any mesh (docs/thin_shells.md).
 
 The force is a point's, and the deflection under it has a term that grows with the logarithm of the
 mesh, 0.003 per factor e.
@@ -26,6 +27,7 @@ mesh, 0.003 per factor e.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -38,12 +40,15 @@ HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
 RADIUS, LENGTH, THICKNESS, FORCE = 1.016, 3.048, 0.03, 2000.0
 UNITS = Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation | None] = {
+Formulation = fl.ShellFormulation | Callable[..., fl.SmoothPatch]
+"""An element, or what a thin shell lies on."""
+FORMULATIONS: dict[str, Formulation] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-    "thin": None,
+    "thin": fl.smooth_patch,
+    "spline": fl.spline_patch,
 }
 # load factor: deflection of the crown
 REFERENCE = {
@@ -69,13 +74,11 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([LENGTH * b, RADIUS * np.cos(angle), RADIUS * np.sin(angle)])
 
 
-def pinched(
-    mesh: int, layers: fl.ShellSection, formulation: fl.ShellFormulation | None
-) -> fl.Scene:
-    """A half with its supports and its load; without a formulation as a thin shell."""
+def pinched(mesh: int, layers: fl.ShellSection, formulation: Formulation) -> fl.Scene:
+    """A half with its supports and its load."""
     shell: fl.Shell | fl.ThinShell
-    if formulation is None:
-        patch = fl.smooth_patch(place, (mesh, mesh))
+    if not isinstance(formulation, fl.ShellFormulation):
+        patch = formulation(place, (mesh, mesh))
         shell = fl.ThinShell(patch, layers, along=(1, 0, 0), name="shell")
     else:
         shell = fl.Shell(

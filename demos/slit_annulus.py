@@ -23,6 +23,9 @@ HERE = Path(__file__).parent
 RESULTS = HERE.parent / "results"
 INNER, OUTER, THICKNESS, FORCE = 6.0, 10.0, 0.03, 0.8
 REFERENCE = 13.850, 17.487
+PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
+"""What thin shells lie on."""
+FORMULATIONS = "HR", *PATCHES
 UNITS = Units(length="length")
 
 
@@ -32,13 +35,14 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
 
 
-def ring(radial: int, around: int, thin: bool = False) -> fl.Scene:
+def ring(radial: int, around: int, formulation: str = "HR") -> fl.Scene:
     """The ring with its clamp and its load."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(21e6, 0.0, 1.0))
     shell: fl.Shell | fl.ThinShell
-    if thin:
+    if formulation in PATCHES:
         # its edges are at one place, and not joined
-        shell = fl.ThinShell(fl.smooth_patch(place, (radial, around)), section, name="ring")
+        patch = PATCHES[formulation](place, (radial, around))
+        shell = fl.ThinShell(patch, section, name="ring")
     else:
         shell = fl.Shell(fl.surface(place, (radial, around)), section, name="ring")
     shell.clamp("b=1")
@@ -49,13 +53,16 @@ def ring(radial: int, around: int, thin: bool = False) -> fl.Scene:
 
 
 def main(
-    radial: int = 10, around: int = 80, thin: bool = False, pictures: bool = True
+    radial: int = 10, around: int = 80, formulation: str = "HR", pictures: bool = True
 ) -> dict[str, Any]:
-    """``thin``: a thin shell of bicubic patches, without shear."""
-    result = fl.follow_loads(ring(radial, around, thin))
+    """``formulation``: HR, or a thin shell without shear on the surface (thin) or a spline."""
+    if formulation not in FORMULATIONS:
+        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
+    result = fl.follow_loads(ring(radial, around, formulation))
     record = {
         "radial": radial,
         "around": around,
+        "formulation": formulation,
         "deflection_a": float(result.position("ring.00")[-1, 2]),
         "deflection_b": float(result.position("ring.10")[-1, 2]),
         "load_steps": result.load_steps,

@@ -13,6 +13,7 @@ from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
+from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Impact, Penalty
@@ -321,6 +322,7 @@ __all__ = [
     "block",
     "branch",
     "brick",
+    "bspline_patch",
     "buckling",
     "contact_forces",
     "director_strains",
@@ -340,6 +342,7 @@ __all__ = [
     "section_forces",
     "smooth_patch",
     "solid_stresses",
+    "spline_patch",
     "statics",
     "surface",
     "surface_from_dolfinx",

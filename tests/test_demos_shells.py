@@ -82,6 +82,46 @@ def test_linear_shells(case, bounds):
     assert bounds[0] <= record[f"ratio_{case}"] <= bounds[1]
 
 
+THIN = pytest.mark.parametrize("formulation", ["thin", "spline"])
+
+
+@THIN
+@pytest.mark.parametrize(("thickness", "solutions"), [(0.04, 14), (0.01, 12)])
+def test_thin_hemisphere(formulation, thickness, solutions):
+    """As many solutions as Shell; ten times nearer to the reference."""
+    record = main("hemisphere", formulation=formulation, thickness=thickness)
+    assert max(abs(record["error_a"]), abs(record["error_b"])) <= 0.004
+    assert record["iterations"] <= solutions
+
+
+@THIN
+def test_thin_slit_annulus(formulation):
+    record = main("slit_annulus", formulation=formulation, radial=3, around=20)
+    assert max(abs(record["error_a"]), abs(record["error_b"])) <= 0.005
+
+
+@THIN
+def test_thin_scordelis_lo(formulation):
+    record = main("linear_shells", case="scordelis_lo", formulation=formulation)
+    assert record["ratio_scordelis_lo"] == pytest.approx(0.9941, abs=5e-4)
+
+
+@slow
+@THIN
+def test_thin_pulled_cylinder(formulation):
+    record = main("pulled_cylinder", formulation=formulation, mesh="16x16")
+    assert record["max_error"] <= 0.01
+
+
+@slow
+@THIN
+def test_thin_semi_cylinder(formulation):
+    """Shear is 2 % of the first deflection."""
+    record = main("semi_cylinder", formulation=formulation, mesh=16)
+    assert abs(record["error_a"]) <= 0.003
+    assert record["path_error"] <= 0.025
+
+
 def test_warped_cells_of_a_thin_strip():
     """Cells of a twisted strip: stretched by bending without the membrane of MITC4+."""
     record = main("linear_shells", case="thin_out", mesh=32, formulation="HR+")
@@ -107,7 +147,7 @@ def test_speed_against_error_of_shells(tmp_path):
     record = main(
         "speed_against_error_shells", coarsest=8, finest=8, repeats=1, output=str(tmp_path)
     )
-    for element in ("MITC4", "HR", "HW", "MITC3+"):
+    for element in ("MITC4", "HR", "HW", "MITC3+", "thin"):
         plain, carried = (f"{element}_{m}" for m in ("plain_Newton", "carried_stress"))
         assert record[f"error_{plain}"] == pytest.approx(record[f"error_{carried}"], rel=1e-5)
         assert record[f"iterations_{carried}"] <= record[f"iterations_{plain}"] / 3
@@ -116,6 +156,7 @@ def test_speed_against_error_of_shells(tmp_path):
         assert record[f"error_HW_{method}"] == pytest.approx(same, rel=1e-6)
         assert record[f"iterations_HW_{method}"] == record[f"iterations_HR_{method}"]
     assert record["error_HR_carried_stress"] < record["error_MITC4_carried_stress"] / 2
+    assert record["error_thin_carried_stress"] < record["error_HR_carried_stress"] / 5
     assert (tmp_path / "speed_against_error_shells.csv").is_file()
 
 
@@ -149,6 +190,9 @@ def test_diaphragm_meets_a_plane_of_symmetry():
         ("cantilever_moment", {"formulation": "thick"}),
         ("cantilever_moment", {"levels": 0}),
         ("semi_cylinder", {"material": "45/45"}),
+        ("hemisphere", {"formulation": "thick"}),
+        ("pulled_cylinder", {"formulation": "thick"}),
+        ("slit_annulus", {"formulation": "thick"}),
         ("pinched_cylinder", {"formulation": "thick"}),
         ("linear_shells", {"case": "dome"}),
     ],

@@ -72,7 +72,7 @@ def joined(patches: Mapping[str, SmoothPatch], *, one: bool, label: str) -> Join
         quads = [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]]
         corners.append(np.stack(quads, axis=-1).reshape(-1, 4))
         rows.append(patch.rows.reshape(-1, 4, 3))
-        sizes.append(np.tile(patch.sizes, (na * nb, 1)))
+        sizes.append(np.stack(np.meshgrid(*patch.sizes, indexing="ij"), axis=-1).reshape(-1, 2))
         prefix = f"{name}." if name else ""
         for side in (0, 1):
             at = -side

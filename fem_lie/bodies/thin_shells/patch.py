@@ -25,11 +25,11 @@ class SmoothPatch:
 
     Attributes:
         rows: Place, ∂u, ∂v and ∂u∂v at the nodes, shape (na + 1, nb + 1, 4, 3).
-        sizes: Of a cell along u and v.
+        sizes: Of the cells along u (na,) and along v (nb,).
     """
 
     rows: Array
-    sizes: tuple[float, float]
+    sizes: tuple[Array, Array]
 
 
 def smooth_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
@@ -47,26 +47,51 @@ def smooth_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
             along each other.
         TypeError: The function is none, or the numbers of cells are not whole.
     """
-    instance(function, Callable, "smooth_patch: function", "a function of (a, b)")
+    place, grids = grid(function, cells, "smooth_patch")
+    rows = np.array([[derivatives_of(place, a, b) for b in grids[1]] for a in grids[0]])
+    return from_rows(rows, (np.diff(grids[0]), np.diff(grids[1])))
+
+
+def grid(
+    function: Surface, cells: tuple[int, int], what: str
+) -> tuple[Callable[[float, float], Array], tuple[Array, Array]]:
+    """The function with its values checked, and the parameters of the nodes.
+
+    Args:
+        function: See :func:`smooth_patch`.
+        cells: Likewise.
+        what: Is to be made, for messages.
+    """
+    instance(function, Callable, f"{what}: function", "a function of (a, b)")
     for name, count in zip("ab", cells, strict=True):
-        instance(count, int | np.integer, f"smooth_patch: cells along {name}", "whole")
+        instance(count, int | np.integer, f"{what}: cells along {name}", "whole")
         if count < 1:
-            raise ValueError(f"smooth_patch needs at least one cell along {name}, got {count}")
+            raise ValueError(f"{what} needs at least one cell along {name}, got {count}")
 
     def place(a: float, b: float) -> Array:
         return vector(function(a, b), 3, f"the place at ({a:g}, {b:g})")
 
-    grids = [np.linspace(0.0, 1.0, count + 1) for count in cells]
-    rows = np.array([[_derivatives(place, a, b) for b in grids[1]] for a in grids[0]])
+    nodes: list[Array] = [np.arange(count + 1.0) / count for count in cells]
+    return place, (nodes[0], nodes[1])
+
+
+def from_rows(rows: Array, spans: tuple[Array, Array]) -> SmoothPatch:
+    """A patch with parameters that are lengths.
+
+    Args:
+        rows: Place, ∂a, ∂b and ∂a∂b at the nodes, shape (na + 1, nb + 1, 4, 3).
+        spans: Of the cells in a (na,) and in b (nb,).
+
+    Raises:
+        ValueError: Slopes at a node are zero or along each other.
+    """
     lengths = [float(np.linalg.norm(rows[..., 1 + k, :], axis=-1).mean()) or 1.0 for k in range(2)]
-    rows[..., 1, :] /= lengths[0]
-    rows[..., 2, :] /= lengths[1]
-    rows[..., 3, :] /= lengths[0] * lengths[1]
+    rows = rows / np.array([1.0, *lengths, lengths[0] * lengths[1]])[:, np.newaxis]
     _check_slopes(rows)
-    return SmoothPatch(rows, (lengths[0] / cells[0], lengths[1] / cells[1]))
+    return SmoothPatch(rows, (lengths[0] * spans[0], lengths[1] * spans[1]))
 
 
-def _derivatives(place: Callable[[float, float], Array], a: float, b: float) -> Array:
+def derivatives_of(place: Callable[[float, float], Array], a: float, b: float) -> Array:
     """Place and ∂a, ∂b, ∂a∂b, shape (4, 3)."""
     (x, first), (y, second) = _stencil(a), _stencil(b)
     values = np.array([[place(s, t) for t in y] for s in x])
