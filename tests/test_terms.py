@@ -424,6 +424,14 @@ def test_a_sum_of_terms_is_what_they_are_one_by_one(name):
     assert terms.energy(model.H) == pytest.approx(2.0 * model.term.energy(model.H), rel=1e-13)
 
 
+@pytest.mark.parametrize("shape", [(3, 6), (17,)])
+def test_forces_do_not_go_beyond_the_array_for_them(shape):
+    system = System(beam(), dynamics=True)
+    assert system.count == 3
+    with pytest.raises(ValueError, match=r"shape \(18,\) or longer, got one of shape"):
+        system.terms.add_forces(system.frames, np.zeros(shape))
+
+
 def test_what_is_within_the_sum_over_joints_is_there():
     """Forces of springs and dampers, as the residual of a scene has them, and their stiffness."""
     model = Model("springs")

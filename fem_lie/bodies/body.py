@@ -6,27 +6,24 @@ kind. It knows nothing of unknowns, solvers or other bodies.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices, choice, instance, text, vector
+from fem_lie._arrays import Array, choice, instance, text, vector
 from fem_lie.bodies.held import HeldRotation
-from fem_lie.bodies.loadable import Loadable
-from fem_lie.bodies.node_checks import check_nodes
+from fem_lie.bodies.nodes import Nodes
 from fem_lie.grips.grip import Grip
-from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
 from fem_lie.lie.motions import Group
 
 if TYPE_CHECKING:
     import dolfinx
 
-    from fem_lie.bodies.turning import Turning
     from fem_lie.forms.body_term import BodyTerm
 
 Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
@@ -37,38 +34,23 @@ NO_HOLDS: Holds = MappingProxyType({})
 
 AnyBody = TypeVar("AnyBody", bound="Body")
 
-Follower: TypeAlias = Callable[[Array], None]
-"""Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
-:func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
 
-
-class Body(Loadable):
-    """Nodes that move.
+class Body(Nodes):
+    """Nodes that move, with points that have names.
 
     Attributes:
-        frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
-        velocities: Initial local velocities (translation, rotation), shape (n, 6).
         cells: Pairs of nodes, for drawing, shape (m, 2).
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
             (m, k, 2), nan where there is none; or ``None``: for drawing.
         box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
         size: A length of the body, for tolerances.
-        leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
         group: On which its nodes move in time integration, see :meth:`on`.
         faces: Corners of cells that are surfaces, for drawing, shape (m, 3 or 4).
         thickness: Of those, shape (m,), for drawing.
-        held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
-        supports: Axes fixed in space along which ``held`` translations are, nan where they are the
-            node's own, shape (n, 3, 3).
-        uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
-            by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
-        compound: Whether a point of it is several nodes.
         source: DOLFINx's own mesh, if it was made of one.
         name: How messages and results call it; the scene gives one if it is empty.
     """
 
-    uncoupled: ClassVar[bool] = False
-    compound: ClassVar[bool] = False
     group: Group = Group.SE3
     source: dolfinx.mesh.Mesh | None = None
 
@@ -86,15 +68,11 @@ class Body(Loadable):
     ) -> None:
         """Keep copies of the frames; velocities start at zero."""
         text(name, f"{type(self).__name__}: name")
-        self.frames = np.array(frames, dtype=np.float64)
-        self.velocities = np.zeros((len(self.frames), 6))
+        super().__init__(frames, leaders)
         self.cells, self.outline, self.box = cells, outline, box
         self.size, self.name = size, name
-        self.leaders = np.arange(len(self.frames)) if leaders is None else leaders
         self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)
         self.thickness: Array = np.empty(0)
-        self.held = np.zeros((len(self.frames), 6), dtype=bool)
-        self.supports = np.full((len(self.frames), 3, 3), np.nan)
         self._points = points
 
     def on(self: AnyBody, group: Group) -> AnyBody:
@@ -105,20 +83,6 @@ class Body(Loadable):
         """
         self.group = choice(group, Group, f"{type(self).__name__}: group")
         return self
-
-    @property
-    def node_kind(self) -> NodeKind:
-        """What its nodes are."""
-        return NodeKind.FRAME
-
-    @property
-    def node_kinds(self) -> Indices:
-        """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
-        return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
-
-    def follower(self) -> Follower | None:
-        """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
-        return None
 
     @property
     def kind(self) -> Hashable:
@@ -170,34 +134,6 @@ class Body(Loadable):
             raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {index}")
         return Point(self, index % len(self.frames), f"node {index}")
 
-    def grip_of(self, node: int) -> Grip | None:
-        """By what joints hold a node: ``None`` if it has a frame."""
-        return None
-
-    @property
-    def slackens(self) -> bool:
-        """Whether it goes slack, with an energy that is convex all the same."""
-        return False
-
-    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
-        """Whether its nodes turn about their third directors.
-
-        Args:
-            holds: What takes hold of their rotations.
-
-        Raises:
-            ValueError: They would have to, but cannot.
-        """
-        return True
-
-    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
-        """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
-        return self.drills(holds), None
-
-    def check(self) -> None:
-        """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
-        check_nodes(self.label, self.node_kinds, self.frames, self.velocities)
-
     def turn(self, omega: npt.ArrayLike, about: Point | npt.ArrayLike) -> None:
         """Add a rigid rotation to the initial velocities.
 
@@ -207,42 +143,12 @@ class Body(Loadable):
         """
         centre = about.position if isinstance(about, Point) else vector(about, 3, "about")
         spin = vector(omega, 3, "omega")
-        self._add_velocity(np.zeros(3), spin, centre)
+        self.add_velocity(np.zeros(3), spin, centre)
 
     def move(self, velocity: npt.ArrayLike) -> None:
         """Add a translation, global components, to the initial velocities."""
         given = vector(velocity, 3, "velocity")
-        self._add_velocity(given, np.zeros(3), np.zeros(3))
-
-    def require_frames(self, what: str) -> None:
-        """Refuse what takes hold of frames if the nodes have none.
-
-        Args:
-            what: It, for the message.
-
-        Raises:
-            ValueError: They have none.
-        """
-        if self.node_kind != NodeKind.FRAME:
-            raise ValueError(
-                f"{what} needs nodes with frames, but those of {self.label} have "
-                f"{TRAITS[self.node_kind].what}: clamps and joints hold them, and forces fixed in "
-                "space act on them"
-            )
-
-    def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if a node has none that a clamp could hold."""
-        return
-
-    def turning(self) -> Turning | None:
-        """How far its elements may turn from end to end, or ``None`` if it has none."""
-        return None
-
-    def _add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
-        self.velocities += rigid_motions(self.node_kinds, self.frames, about) @ [
-            *translation,
-            *spin,
-        ]
+        self.add_velocity(given, np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
@@ -122,6 +122,14 @@ class SceneInfo:
     joints: tuple[JointInfo, ...] = ()
     mass: float = 0.0
     supports: SupportInfo = field(default_factory=SupportInfo)
+
+    @classmethod
+    def of(cls, bodies: Sequence[Body]) -> SceneInfo:
+        """Bodies alone, whose nodes are numbered one body after the other."""
+        ends = np.cumsum([len(body.frames) for body in bodies])
+        parts = zip(bodies, ends, strict=True)
+        infos = [BodyInfo.of(body, np.arange(end - len(body.frames), end)) for body, end in parts]
+        return cls(tuple(infos))
 
     def body(self, name: str) -> BodyInfo:
         """The body with this name.

@@ -7,12 +7,12 @@ may be in others, too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TypeAlias
 
 import numpy as np
 
-from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.body import Body, Holds, Point
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.points import ground
 from fem_lie.joints import Connection, RigidLink
@@ -35,6 +35,15 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
     elif isinstance(item, PointLoad) and np.any(item.moment):
         what = f"the moment at {item.point.label}"
         yield item.body, HeldRotation(item.point.node, item, what, item.axis())
+
+
+def held_in(items: Iterable[Holding]) -> Holds:
+    """What takes hold of the rotations of each body's nodes, in the order of the items."""
+    holds: dict[Body, list[HeldRotation]] = {}
+    for item in items:
+        for body, hold in held_by(item):
+            holds.setdefault(body, []).append(hold)
+    return holds
 
 
 def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:

@@ -13,15 +13,14 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie.bodies.body import Body, Holds
-from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
-from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
 from fem_lie.joints import Connection, Drive, Joint, RigidLink
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.scene.choices import Choices, Redundant
-from fem_lie.scene.held_rotations import Holding, held_by
+from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
@@ -154,13 +153,8 @@ class Scene:
 
     def held_rotations(self) -> Holds:
         """What takes hold of the rotations of each body's nodes."""
-        holds: dict[Body, list[HeldRotation]] = {}
-        items: list[Holding] = [*self.joints, *self.connections, *self.links]
-        items += [*self.loads, *self.motions]
-        for item in items:
-            for body, hold in held_by(item):
-                holds.setdefault(body, []).append(hold)
-        return holds
+        between: list[Holding] = [*self.joints, *self.connections, *self.links]
+        return held_in([*between, *self.loads, *self.motions])
 
     def drills(self, body: Body) -> bool:
         """Whether the nodes of a body turn about their third directors in this scene.
@@ -262,13 +256,8 @@ class Scene:
         """
         if not self.bodies:
             raise ValueError("the scene has no body")
-        ends = np.cumsum([len(body.frames) for body in self.bodies])
-        bodies = tuple(
-            BodyInfo.of(body, np.arange(end - len(body.frames), end))
-            for body, end in zip(self.bodies, ends, strict=True)
-        )
         nodes = np.concatenate([body.frames for body in self.bodies])
-        draw(SceneInfo(bodies), nodes, path, triads=frames, canvas=Canvas(title, units))
+        draw(SceneInfo.of(self.bodies), nodes, path, triads=frames, canvas=Canvas(title, units))
 
     def _add_body(self, body: Body) -> None:
         if body in self._known:

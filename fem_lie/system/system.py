@@ -23,12 +23,11 @@ from fem_lie.system.constraints import Connections, refuse
 from fem_lie.system.frame_rows import FrameRows
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
-from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.carried_axes import CarriedAxes, FollowingAxes
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
-from fem_lie.system.nodes.masses import inertia_of
+from fem_lie.system.nodes.masses import inertia_of, weight_of
 from fem_lie.system.nodes.shared_setup import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent
@@ -106,7 +105,8 @@ class System:
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         z, n = np.zeros, self.count
         self.lasting_loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
-        self.load_cases = LoadCases(scene, self.numbering, self._weight(scene))
+        weight = weight_of(self.inertia, self.count, scene.gravity)
+        self.load_cases = LoadCases(scene, self.numbering, weight)
         moves = bool(scene.motions) or self.connections.driven
         self.time_dependent = self.load_cases.time_dependent or moves
         numbering, loads = self.numbering, self.load_cases.terms
@@ -150,14 +150,6 @@ class System:
         elif len(redundant):
             _log.info("%d of %d constraints are redundant", len(redundant), self.m)
 
-    def _weight(self, scene: Scene) -> Array:
-        """Force of gravity on (x, d₁, d₂, d₃), shape (n, 4, 3)."""
-        q = np.zeros((self.count, 4, 3))
-        q[:, 0] = scene.gravity
-        weight = np.zeros_like(q)
-        inertia.multiply(*self.inertia, q, weight)
-        return weight
-
     def set_time(self, time: float, factor: float = 1.0) -> None:
         """Loads at ``time`` (those without history times ``factor``, as gravity is) and motions.
 
@@ -170,19 +162,6 @@ class System:
         self._plain_loads = self.loads.plain
         if self.connections.driven:
             self.connections.set_time(time)
-
-    @property
-    def conservative(self) -> Array:
-        """Gravity and forces fixed in space without history, on (x, d₁, d₂, d₃), (n, 4, 3).
-
-        They alone have a potential; all other loads do work (:mod:`fem_lie.bodies.balances`).
-        """
-        return self.load_cases.constant
-
-    @property
-    def strains_change(self) -> bool:
-        """Whether a strain without stress has a history."""
-        return self.load_cases.strains_change
 
     def prescribed_frames(self, time: float) -> Array:
         """See :meth:`~fem_lie.system.frame_rows.FrameRows.prescribed`."""
@@ -311,7 +290,7 @@ class System:
         """Set kinetic energy, momentum and angular momentum, (7,).
 
         Returns:
-            Potential of :attr:`conservative` loads.
+            Potential of loads that have one.
         """
-        work, mass = self._work, self._plain_inertia
-        return float(report(self.kinds, H, v, mass, self.conservative, work, invariants))
+        work, mass, dead = self._work, self._plain_inertia, self.load_cases.constant
+        return float(report(self.kinds, H, v, mass, dead, work, invariants))

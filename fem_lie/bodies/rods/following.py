@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.bodies.body import Follower
+from fem_lie.bodies.nodes import Follower
 from fem_lie.lie.polar import polar_rotation
 
 _MEAN = 0.1

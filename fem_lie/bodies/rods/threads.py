@@ -10,8 +10,9 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.line_body import LineBody, Placed
-from fem_lie.bodies.body import NO_HOLDS, Follower, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
 from fem_lie.bodies.rods.following import following
 from fem_lie.elements.beams.element import Formulation

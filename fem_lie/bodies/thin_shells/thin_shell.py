@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction, flag, instance, number, text
-from fem_lie.bodies.body import NO_HOLDS, Follower, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.axes import follow_surface
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells

@@ -1,7 +1,7 @@
 """Generalised-α for rigid bodies that nothing holds: one compiled loop, no matrix of the scene.
 
 Every body has its own six equations and its own iteration
-(:mod:`fem_lie.solve.alpha.step.free_body`), which does not depend on what else is in the scene:
+(:mod:`fem_lie.solve.alpha.step.free_steps`), which does not depend on what else is in the scene:
 each of a thousand bodies moves bit for bit as alone.
 
 Scheme, start, stopping rule and results are those of :mod:`fem_lie.solve.alpha.generalised_alpha`.
@@ -21,7 +21,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, amplitudes, histories
 from fem_lie.solve.alpha.options import Options
-from fem_lie.solve.alpha.step import free_body
+from fem_lie.solve.alpha.step import free_steps
 from fem_lie.solve.alpha.step import node as scheme
 from fem_lie.solve.alpha.step.free_records import (
     BODY,
@@ -146,13 +146,13 @@ class Run:
         amplitude = amplitudes(self.histories, [0.0, ahead])
         group, twists = self.bodies.group, self._twists
         all_from_local(group, s.H, twists, np.zeros_like(twists), s.v, s.vdot)
-        free_body.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
+        free_steps.accelerations(bodies, loads, amplitude[0], s.H, s.v, s.vdot)
         d, H1, later = ahead * s.v + 0.5 * ahead**2 * s.vdot, s.H.copy(), np.empty_like(s.vdot)
         move_all(group, s.H, d, H1)
         v1 = s.v + ahead * s.vdot
-        free_body.accelerations(bodies, loads, amplitude[1], H1, v1, later)
+        free_steps.accelerations(bodies, loads, amplitude[1], H1, v1, later)
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
-        free_body.start_books(loads, amplitude[0], s.H, twists, s.rates)
+        free_steps.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
     def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
         """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
@@ -192,7 +192,7 @@ class Run:
         taken = np.zeros(len(indices), dtype=np.int64)
         wanted_rows = (indices % history.every == 0) | (indices == history.steps)
         done = np.zeros((int(wanted_rows.sum()), 7))
-        last, factorisations = free_body.advance(
+        last, factorisations = free_steps.advance(
             self.p,
             self.options,
             self.bodies,
@@ -215,7 +215,7 @@ class Run:
     def _keep(self, history: History, indices: Indices, iterations: Indices) -> None:
         """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
         rows = slice(history.row, history.row + len(indices))
-        free_body.observe(
+        free_steps.observe(
             history.frames[rows],
             history.velocities[rows],
             self.blocks,

@@ -5,26 +5,23 @@ A step of a small scene takes a hundred microseconds, and a call from Python a f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit import compiled, linked
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import (
     FixedArrays,
     integers1,
-    integers2,
     numbers1,
-    numbers2,
-    numbers3,
-    numbers4,
 )
 from fem_lie.joints.equations import terms
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import push_all, shown_all
+from fem_lie.solve.recording.row_tables import given_of, kept_of
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand_motion
 from fem_lie.system.nodes.element_turns import nearest
@@ -39,7 +36,7 @@ class ResultRow:
     """Fills all of a row but its time, reactions, and what elements and supports have in it.
 
     Attributes:
-        scene: What of the scene is in it, see :class:`Given`.
+        scene: What of the scene is in it, see :class:`~fem_lie.solve.recording.row_tables.Given`.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -88,102 +85,6 @@ class ResultRow:
             rows.joint_violations[row] = told.violations
 
 
-class Given(NamedTuple):
-    """What of a scene is in its rows.
-
-    Attributes:
-        kinds: What the nodes that lead are, (n,).
-        leader: Of each node, (N,).
-        offset: Its frame in that of its leader, (N, 4, 3).
-        inertia: Mass matrix.
-        dead: Conservative loads on (x, d₁, d₂, d₃), (n, 4, 3).
-        joints: Their table.
-        probes: That of coordinates.
-        pairs: Those of which forces are reported, (f,).
-        sides: Of these pairs, (f,).
-        owner: Connection of each constraint, (m,).
-        limits: Turns that elements may make, (w,).
-        ends: Nodes of these elements from end to end, (w, 3).
-        whole: Whether whole frames turn, (w,).
-        turning: Angular velocities of rates of directors, (n, 3, 3, 3).
-    """
-
-    kinds: Indices
-    leader: Indices
-    offset: Array
-    inertia: inertia.Inertia
-    dead: Array
-    joints: PackedJoints
-    probes: PackedJoints
-    pairs: Indices
-    sides: Indices
-    owner: Indices
-    limits: Array
-    ends: Indices
-    whole: Indices
-    turning: Array
-
-
-class Kept(NamedTuple):
-    """Rows of a :class:`~fem_lie.solve.recording.window.Window`, the first axis of each.
-
-    Attributes:
-        frames: Of all nodes, (rows, N, 4, 3).
-        velocities: Their twists, (rows, N, 6).
-        joint_forces: Forces and moments, (rows, connections, 6).
-        joint_coordinates: Shape (rows, probes).
-        joint_violations: Shape (rows, connections).
-        invariants: Kinetic energy and momenta, (rows, 7).
-        balance: Work, damping, numerical loss, (rows, 3).
-        impulses: Of loads and of reactions, (rows, 2, 6).
-    """
-
-    frames: Array
-    velocities: Array
-    joint_forces: Array
-    joint_coordinates: Array
-    joint_violations: Array
-    invariants: Array
-    balance: Array
-    impulses: Array
-
-
-@inlined
-def _given(table: Indices) -> Given:
-    """In the order in which :class:`ResultRow` puts them."""
-    return Given(
-        integers1(table, 0),
-        integers1(table, 1),
-        numbers3(table, 2),
-        inertia.Inertia(integers1(table, 3), integers1(table, 4), numbers3(table, 5)),
-        numbers3(table, 6),
-        (numbers1(table, 7), integers1(table, 8)),
-        (numbers1(table, 9), integers1(table, 10)),
-        integers1(table, 11),
-        integers1(table, 12),
-        integers1(table, 13),
-        numbers1(table, 14),
-        integers2(table, 15),
-        integers1(table, 16),
-        numbers4(table, 17),
-    )
-
-
-@inlined
-def _kept(table: Indices) -> Kept:
-    """In the order of :attr:`~fem_lie.solve.recording.window.Window.arrays`."""
-    return Kept(
-        numbers4(table, 0),
-        numbers3(table, 1),
-        numbers3(table, 2),
-        numbers2(table, 3),
-        numbers2(table, 4),
-        numbers2(table, 5),
-        numbers2(table, 6),
-        numbers3(table, 7),
-    )
-
-
 @compiled
 def fill_by_twists(
     H: Array,
@@ -201,7 +102,7 @@ def fill_by_twists(
         v: Twists, shape (n, 6).
         weights: Multipliers, shape (m,).
         booked: Balance and impulses, shape (15,).
-        scene: Table of fixed arrays, :class:`Given`.
+        scene: Table of fixed arrays, :class:`~fem_lie.solve.recording.row_tables.Given`.
         rows: That of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
         row: Number of the row.
 
@@ -209,7 +110,7 @@ def fill_by_twists(
         The potential of loads, the energy of springs, and whether an element turns nearly too far.
     """
     q = np.empty((v.shape[0], 4, 3))
-    push_all(_given(scene).kinds, H, v, q)
+    push_all(given_of(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, booked, scene, rows, row)
 
 
@@ -263,7 +164,7 @@ def fill_by_rates(
     row: int,
 ) -> tuple[float, float, bool]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
-    inertia.local_twists(H, V, _given(scene).turning, v)
+    inertia.local_twists(H, V, given_of(scene).turning, v)
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 
@@ -278,7 +179,7 @@ def _fill(
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    given, kept = _given(scene), _kept(rows)
+    given, kept = given_of(scene), kept_of(rows)
     frames, velocities = kept.frames[row], kept.velocities[row]
     if given.leader.shape[0] == V.shape[0]:
         frames[:] = H[: V.shape[0]]
@@ -303,7 +204,7 @@ def _fill_joints(
     H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
-    given, kept = _given(scene), _kept(rows)
+    given, kept = given_of(scene), kept_of(rows)
     forces = kept.joint_forces[row, : given.pairs.shape[0]]
     largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
     largest[:] = 0.0

@@ -41,7 +41,7 @@ class Acting:
         """See what there is."""
         self._system, held = system, supported(system)
         self._held = HeldForces(system, held) if held.any() else None
-        self.strained = system.strains_change
+        self.strained = system.load_cases.strains_change
         connections = system.connections
         self._loaded, rates = system.load_cases.any_nodal, system.terms.rates
         joined = connections.outward
@@ -57,7 +57,7 @@ class Acting:
         self.plain = self._any and not special
         damping = Inertia.none().plain if rates is None else rates
         self.looks = self._loaded, joined and not self._others
-        constant = system.conservative, damping, connections.packed
+        constant = system.load_cases.constant, damping, connections.packed
         loads = system.lasting_loads.plain
         self.scene: PlainScene = (system.kinds, loads, *constant, *self.looks)
 

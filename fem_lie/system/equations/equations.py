@@ -22,6 +22,7 @@ from fem_lie.system import describe
 from fem_lie.system.balance.books import Books
 from fem_lie.system.equations.at_rest import fill_at_rest
 from fem_lie.system.equations.constraints_at import ConstraintsAt
+from fem_lie.system.equations.contents import contents
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import Report
 from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
@@ -282,20 +283,4 @@ class Equations:
 
     def contents(self) -> list[tuple[str, Any, str]]:
         """All that they depend on but functions of time: name, value, what errors call it."""
-        system, numbering = self._system, self._system.numbering
-        found: list[tuple[str, Any, str]] = []
-        pairs = zip(numbering.members, numbering.assemblies, strict=True)
-        for k, (members, (_, assembly)) in enumerate(pairs, start=1):
-            others = f" and {len(members) - 1} others" if len(members) > 1 else ""
-            shown = f"energy of the elements of {members[0].label}{others}"
-            found.append((f"energy of assembly {k}", assembly.contents, shown))
-        contacts = system.scene.contacts
-        groups = system.kinds, system.held, numbering.supports
-        sums = {
-            "inertia": tuple(system.inertia),
-            "damping of mass": system.terms.rates,
-            "loads": system.load_cases.contents,
-            "groups and supports": groups,
-            "contacts": [each.contents(numbering.nodes.__getitem__) for each in contacts],
-        }
-        return found + [(name, value, name) for name, value in sums.items()]
+        return contents(self._system)

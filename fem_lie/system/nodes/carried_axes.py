@@ -7,7 +7,7 @@ axes are those of the start turned by its rotation, by polar decomposition. What
 old axes, velocities and their rates, is written in the new ones.
 
 Bodies whose nodes' rows say themselves where the axes are have a
-:data:`~fem_lie.bodies.body.Follower` for it.
+:data:`~fem_lie.bodies.nodes.Follower` for it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.bodies.body import Follower
+from fem_lie.bodies.nodes import Follower
 from fem_lie.lie.carried_axes import (
     PlainSurroundings,
     Surroundings,

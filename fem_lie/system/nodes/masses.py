@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.system.nodes.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -56,6 +56,15 @@ def inertia_of(
     r, c, D = np.concatenate(rows), np.concatenate(columns), np.concatenate(damping)
     inertia = _on_leaders(numbering, r, c, np.concatenate(mass))
     return inertia, _on_leaders(numbering, r, c, D) if D.any() else Inertia.none()
+
+
+def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
+    """Force of gravity on (x, d₁, d₂, d₃) of the leaders, shape (count, 4, 3)."""
+    q = np.zeros((count, 4, 3))
+    q[:, 0] = gravity
+    weight = np.zeros_like(q)
+    multiply(*mass, q, weight)
+    return weight
 
 
 def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> Inertia:

@@ -100,7 +100,15 @@ class Terms:
             H: Frames of all rows.
             r: Shape (≥ 6 count,).
             kept: See :meth:`room`, overwritten; default: nothing is kept.
+
+        Raises:
+            ValueError: ``r`` has another shape, beyond which compiled sums would write.
         """
+        if r.ndim != 1 or len(r) < self._size:
+            raise ValueError(
+                f"forces of terms go into an array of shape ({self._size},) or longer, "
+                f"got one of shape {r.shape}"
+            )
         add_cells(H, self.tables[0], 6, r)
         self.following.add_forces(H, r)
         self.add_others(H, r, kept)

@@ -14,7 +14,7 @@ from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
 from fem_lie.lie.tuples import load_row, negative, rotate_back, scaled, store
-from fem_lie.solve.alpha.step.free_body import act, book, load_of, make_step, residual
+from fem_lie.solve.alpha.step.free_body import make_step, residual
 from fem_lie.solve.alpha.step.free_records import (
     BODY,
     INCREMENT,
@@ -29,6 +29,7 @@ from fem_lie.solve.alpha.step.free_records import (
     Start,
     State,
 )
+from fem_lie.solve.alpha.step.free_steps import act, book, load_of
 from fem_lie.solve.alpha.step.node import Scheme
 
 MADE, STALE, FAILED, UNSETTLED = range(4)
@@ -98,7 +99,7 @@ def advance(
     work: Work,
     contacts: Contacts,
 ) -> tuple[int, int, int]:
-    """Steps ``first … last`` of all bodies; as :func:`~.free_body.advance`, with contacts.
+    """Steps ``first … last`` of all bodies; as :func:`~.free_steps.advance`, with contacts.
 
     Returns:
         The last step that was made, the number of factorisations, and why it ended there.

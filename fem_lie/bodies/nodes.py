@@ -1,0 +1,123 @@
+"""The nodes of a body: what they are, what holds them, and how they move at first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.bodies.held import HeldRotation
+from fem_lie.bodies.loadable import Loadable
+from fem_lie.bodies.node_checks import check_nodes
+from fem_lie.grips.grip import Grip
+from fem_lie.lie.kinds import TRAITS, NodeKind, rigid_motions
+
+if TYPE_CHECKING:
+    from fem_lie.bodies.turning import Turning
+
+Follower: TypeAlias = Callable[[Array], None]
+"""Turns the axes of a body's nodes as they have moved, in their rows (n, 4, 3), with
+:func:`fem_lie.lie.kinds.set_axes`; it may set rows that nothing depends on, too."""
+
+
+class Nodes(Loadable):
+    """Nodes that move, and what differs between those of bodies.
+
+    Attributes:
+        frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
+        velocities: Initial local velocities (translation, rotation), shape (n, 6).
+        leaders: The node that each node follows rigidly, itself if it is free, shape (n,).
+        held: Which unknowns (translation, rotation) of the nodes are zero, shape (n, 6).
+        supports: Axes fixed in space along which ``held`` translations are, nan where they are the
+            node's own, shape (n, 3, 3).
+        uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
+            by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
+        compound: Whether a point of it is several nodes.
+    """
+
+    uncoupled: ClassVar[bool] = False
+    compound: ClassVar[bool] = False
+
+    def __init__(self, frames: Array, leaders: Indices | None) -> None:
+        """Keep copies of the frames; nothing is held, and velocities start at zero."""
+        self.frames = np.array(frames, dtype=np.float64)
+        count = len(self.frames)
+        self.velocities = np.zeros((count, 6))
+        self.leaders: Indices = np.arange(count) if leaders is None else leaders
+        self.held: Flags = np.zeros((count, 6), dtype=bool)
+        self.supports = np.full((count, 3, 3), np.nan)
+
+    @property
+    def node_kind(self) -> NodeKind:
+        """What its nodes are."""
+        return NodeKind.FRAME
+
+    @property
+    def node_kinds(self) -> Indices:
+        """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
+        return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
+
+    def follower(self) -> Follower | None:
+        """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
+        return None
+
+    def grip_of(self, node: int) -> Grip | None:
+        """By what joints hold a node: ``None`` if it has a frame."""
+        return None
+
+    @property
+    def slackens(self) -> bool:
+        """Whether it goes slack, with an energy that is convex all the same."""
+        return False
+
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether its nodes turn about their third directors.
+
+        Args:
+            holds: What takes hold of their rotations.
+
+        Raises:
+            ValueError: They would have to, but cannot.
+        """
+        return True
+
+    def drilling_told(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+        """Whether its nodes drill if these things hold them, and how stiff its cells are then."""
+        return self.drills(holds), None
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
+        check_nodes(self.label, self.node_kinds, self.frames, self.velocities)
+
+    def require_frames(self, what: str) -> None:
+        """Refuse what takes hold of frames if the nodes have none.
+
+        Args:
+            what: It, for the message.
+
+        Raises:
+            ValueError: They have none.
+        """
+        if self.node_kind != NodeKind.FRAME:
+            raise ValueError(
+                f"{what} needs nodes with frames, but those of {self.label} have "
+                f"{TRAITS[self.node_kind].what}: clamps and joints hold them, and forces fixed in "
+                "space act on them"
+            )
+
+    def require_direction(self, node: int) -> None:
+        """Raise ``ValueError`` if a node has none that a clamp could hold."""
+        return
+
+    def turning(self) -> Turning | None:
+        """How far its elements may turn from end to end, or ``None`` if it has none."""
+        return None
+
+    def add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
+        """Add a rigid motion to the initial velocities, global components; ``about`` at rest."""
+        self.velocities += rigid_motions(self.node_kinds, self.frames, about) @ [
+            *translation,
+            *spin,
+        ]
