@@ -13,9 +13,10 @@ from fem_lie._arrays import Array, Flags, Indices, instance, number, text
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.given_sections import Sections, outline_of, section_per_cell
 from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
-from fem_lie.bodies.body import NO_HOLDS, Body, Follower, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.gradients.assembly import GradientAssembly
 from fem_lie.bodies.gradients.axes import follow_sections, second_nodes
+from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.forms.body_term import BodyTerm
