@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import platform
 import shutil
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
@@ -30,8 +31,12 @@ def caches() -> dict[str, Path]:
 
 def size(folder: Path) -> tuple[int, int]:
     """Number of files in a folder and in those in it, and their bytes."""
-    files = [path for path in folder.rglob("*") if path.is_file()] if folder.is_dir() else []
-    return len(files), sum(path.stat().st_size for path in files)
+    sizes = []
+    for path in folder.rglob("*") if folder.is_dir() else ():
+        with suppress(FileNotFoundError):  # another process may remove what is old
+            if path.is_file():
+                sizes.append(path.stat().st_size)
+    return len(sizes), sum(sizes)
 
 
 def versions() -> list[tuple[str, str]]:
