@@ -202,6 +202,60 @@ def test_the_limit_of_the_bend_is_that_of_beams_whose_sections_stay():
     assert 1e-4 < gaps[0] < 2e-4 and gaps[1] < 2e-5
 
 
+def test_a_stretched_beam_pulls():
+    """Laid a hundredth longer than it is: Green's strain, and half as much stress again."""
+    beam = fl.AncfBeam.straight((0, 0, 0), (1.01, 0, 0), SECTION, cells=3, length=1.0)
+    assert beam.lengths.sum() == pytest.approx(1.0, rel=1e-14)
+    strains = GradientAssembly([beam]).strains(beam.frames)
+    np.testing.assert_allclose(strains[:, [0, 3, 6]], 0.5 * (1.01**2 - 1), rtol=1e-12)
+    np.testing.assert_allclose(np.delete(strains, [0, 3, 6], axis=1), 0.0, atol=1e-14)
+
+
+def test_vibrations_are_those_of_beams():
+    slim = fl.Section.rectangle(0.05, 0.05, fl.Material(2e11, 0.3, 7800.0))
+    beam = fl.AncfBeam.straight((0, 0, 0), (2, 0, 0), slim, cells=16)
+    beam.clamp(beam.start)
+    fine = fl.Beam.straight((0, 0, 0), (2, 0, 0), slim, cells=64)
+    scenes = [fl.Scene(), fl.Scene()]
+    for scene, item in zip(scenes, (beam, fine), strict=True):
+        scene.add(item)
+    scenes[1].add(fl.Clamp(fine.start))
+    found, expected = (fl.vibrations(scene, 4).frequencies for scene in scenes)
+    np.testing.assert_allclose(found, expected, rtol=1e-3)
+
+
+def test_line_loads_and_gravity_agree():
+    """A weight along the beam, as a load and as gravity, on an arc: the same equilibrium."""
+    scenes = []
+    for gravity in (True, False):
+        beam = fl.AncfBeam.curve(bowed, SECTION, cells=3)
+        beam.clamp(beam.start)
+        weight = np.array([0, 0, -SECTION.inertia[0, 0] * 0.05])
+        scene = fl.Scene(gravity=(0, 0, -0.05)) if gravity else fl.Scene()
+        scene.add(beam)
+        if not gravity:
+            scene.add(fl.LineLoad(beam, force=weight))
+        scenes.append(fl.statics(scene).position(beam.end)[-1])
+    assert np.linalg.norm(scenes[0] - bowed(1.0)) > 1e-3
+    np.testing.assert_allclose(scenes[0], scenes[1], atol=1e-9)
+
+
+def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
+    def swing(made, cells):
+        own = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
+        body = made.straight((0, 0, 0), (1, 0, 0), own, cells=cells)
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        scene.add(body)
+        scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+        result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3)
+        return result.position(body.end), result.k_updates
+
+    places, matrices = swing(fl.AncfBeam, 12)
+    expected, _ = swing(fl.Beam, 24)
+    assert matrices == 1
+    np.testing.assert_allclose(places, expected, atol=5e-4)
+
+
 # --- bad input ------------------------------------------------------------------------------------
 
 

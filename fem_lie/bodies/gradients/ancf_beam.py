@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags, Indices, instance, number, text
+from fem_lie._arrays import Array, Flags, Indices, instance, number, positive, text
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.given_sections import Sections, outline_of, section_per_cell
 from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
@@ -47,6 +47,7 @@ class AncfBeam(Body):
         points_count: Number of points; nodes are twice as many.
         elements: Nodes of each element: places with ``r_x`` of both ends, then the others, (m, 4).
         lengths: Arc length of each element, unloaded, shape (m,).
+        unloaded: Rows of the nodes, unloaded, shape (n, 4, 3).
         ends: Frames of both ends of each element, unloaded, shape (m, 2, 4, 3).
         stiffness: Section stiffness of each element, shape (m, 6, 6).
         poisson: Poisson's ratio of each element, shape (m,).
@@ -64,6 +65,7 @@ class AncfBeam(Body):
         section: Sections,
         *,
         up: Up | Twisted | None = None,
+        length: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
@@ -74,6 +76,8 @@ class AncfBeam(Body):
             mesh: The lines, without corners and branches.
             section: One for all cells, one for each named group, or a function of arc length.
             up: Direction nearest to which e₃ is to be.
+            length: Of all of it, unloaded; default: that of the line. A beam of another length has
+                the shape of the line in another size, and is stretched along it at the start.
             formulation: The element.
             damping: Of its motion in space; it has no viscous forces.
             name: For messages and results.
@@ -107,16 +111,22 @@ class AncfBeam(Body):
             )
         self.points_count = count = len(frames)
         self.elements = np.concatenate([corners, count + corners], axis=1)
-        self.ends = frames[corners]
-        self.lengths = np.linalg.norm(lie.se3_relative(*self.ends.swapaxes(0, 1))[:, :3], axis=1)
+        lengths = np.linalg.norm(lie.se3_relative(*frames[corners].swapaxes(0, 1))[:, :3], axis=1)
+        total = float(lengths.sum())
+        stretch = 1.0 if length is None else total / positive(length, "AncfBeam: length")
+        self.lengths, own = lengths / stretch, frames.copy()
+        own[:, 0] /= stretch
+        self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
         self.chains, self._groups = chains, dict(mesh.groups)
         self._take(section_per_cell(mesh, chains, section))
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
+        laid = np.concatenate([frames, second_nodes(frames)])
+        laid[:count, 1] *= stretch
         super().__init__(
-            np.concatenate([frames, second_nodes(frames)]),
+            laid,
             cells=corners,
             outline=outline_of(self.sections, 1),
-            size=float(self.lengths.sum()),
+            size=total,
             points=named,
             name=name,
         )
@@ -130,13 +140,22 @@ class AncfBeam(Body):
         *,
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
+        length: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> AncfBeam:
         """Straight beam with ``cells`` equal elements; points "start" and "end"."""
         mesh = straight(start, end, cells)
-        return cls(mesh, section, up=up, formulation=formulation, damping=damping, name=name)
+        return cls(
+            mesh,
+            section,
+            up=up,
+            length=length,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
 
     @classmethod
     def curve(
@@ -146,13 +165,22 @@ class AncfBeam(Body):
         *,
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
+        length: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> AncfBeam:
         """Beam along ``function(s)``, s from 0 to 1; points "start" and "end"."""
         mesh = curve(function, cells)
-        return cls(mesh, section, up=up, formulation=formulation, damping=damping, name=name)
+        return cls(
+            mesh,
+            section,
+            up=up,
+            length=length,
+            formulation=formulation,
+            damping=damping,
+            name=name,
+        )
 
     def _take(self, sections: list[Section]) -> None:
         """What the element wants of sections."""

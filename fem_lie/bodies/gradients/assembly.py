@@ -21,6 +21,7 @@ class GradientData(Protocol):
     """What the assembly asks of a beam, see :class:`~fem_lie.AncfBeam`."""
 
     frames: Array
+    unloaded: Array
     elements: Indices
     lengths: Array
     ends: Array
@@ -46,7 +47,7 @@ class GradientAssembly(BodyTerm):
             return np.concatenate([getattr(body, name) for body in bodies])
 
         element, lengths, unloaded = bodies[0].formulation, gathered("lengths"), self._new(STRAINS)
-        kernels.unloaded_strains(gathered("frames"), lengths, cells, unloaded)
+        kernels.unloaded_strains(gathered("unloaded"), lengths, cells, unloaded)
         C = element.stiffness(gathered("stiffness"), gathered("poisson"), gathered("ends"), lengths)
         self._contents = np.concatenate(
             [lengths[:, np.newaxis], unloaded, C.reshape(len(cells), -1)], axis=1
