@@ -9,6 +9,7 @@ from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.rods.net import Net
+from fem_lie.bodies.rods.rod import Rod
 from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
@@ -24,7 +25,9 @@ from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.elements.gradients.ancf import AncfElement
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.elements.rods.discrete import DiscreteCable
+from fem_lie.elements.rods.discrete_rod import DiscreteRod
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
+from fem_lie.elements.rods.kirchhoff import Kirchhoff
 from fem_lie.elements.shells.drilling import Parameters
 from fem_lie.elements.shells.element import (
     Displacement,
@@ -198,6 +201,7 @@ __all__ = [
     "Decisions",
     "Director",
     "DiscreteCable",
+    "DiscreteRod",
     "Displacement",
     "DisplacementControl",
     "Distance",
@@ -231,6 +235,7 @@ __all__ = [
     "Isoparametric",
     "Joint",
     "Jumps",
+    "Kirchhoff",
     "KnifeEdge",
     "Limit",
     "LineLoad",
@@ -274,6 +279,7 @@ __all__ = [
     "Revolute",
     "RigidBody",
     "RigidLink",
+    "Rod",
     "RollingDisc",
     "SaintVenantKirchhoff",
     "Scene",

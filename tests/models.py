@@ -20,6 +20,7 @@ from fem_lie import _compat, lie
 from fem_lie.elements.beams.directors import director_strains, midpoint_strains
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
+from fem_lie.elements.rods.kirchhoff import rod_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.local_forms import LocalFrameForms
@@ -213,6 +214,19 @@ def geodesic_beam_nonlinear(comm=MPI.COMM_SELF) -> Model:
     return _geodesic_beam(line(comm, 1), law=nonlinear_law)
 
 
+def kirchhoff_rod(comm=MPI.COMM_SELF) -> Model:
+    mesh = line(comm, 1)
+    q = NodalFrames(mesh)
+    x = q.frames[:, 0]
+    q.update(np.column_stack([0 * x, 0.3 * np.sin(x + 1)]))
+    ends = q.frames[q.function.function_space.dofmap.list]
+    relative = lie.se3_relative(ends[:, 0], ends[:, 1])
+    d, length = (cellwise(mesh, a) for a in (relative, np.linalg.norm(relative[:, :3], axis=1)))
+    energy = rod_energy(d, length, ufl.as_matrix(D.tolist()))
+    forms = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
+    return Model(q, forms, energy, d)
+
+
 def _shell(comm, cell: str, degree: int) -> Model:
     """Membrane, transverse shear, bending by d₃, and d₁, d₂ bound to the surface."""
     mesh = surface(comm, cell)
@@ -305,6 +319,7 @@ BEAMS = [
     geodesic_beam,
     geodesic_beam_flexible,
     geodesic_beam_nonlinear,
+    kirchhoff_rod,
     hellinger_reissner,
     hu_washizu,
 ]
@@ -316,6 +331,7 @@ CARRIED = [
     director_beam_midpoint,
     geodesic_beam,
     geodesic_beam_nonlinear,
+    kirchhoff_rod,
 ]
 
 

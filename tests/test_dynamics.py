@@ -415,7 +415,9 @@ def free_flight(step: float, formulation: fl.Formulation) -> fl.Result:
     return scheme.run(scene, duration=0.1, step=step)
 
 
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=str)
+@pytest.mark.parametrize(
+    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()], ids=str
+)
 def test_free_flight_conserves_momenta_to_second_order(formulation):
     """Whatever happens inside; the scheme itself conserves them only as h² → 0."""
     coarse, fine = free_flight(2e-4, formulation), free_flight(1e-4, formulation)

@@ -8,7 +8,12 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 
-BEAMS = {"geodesic": fl.Geodesic(), "director 1": fl.Director(1), "director 2": fl.Director(2)}
+BEAMS = {
+    "geodesic": fl.Geodesic(),
+    "director 1": fl.Director(1),
+    "director 2": fl.Director(2),
+    "Kirchhoff": fl.Kirchhoff(),
+}
 EI, LENGTH = 100.0, 10.0
 
 

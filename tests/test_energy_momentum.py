@@ -22,6 +22,7 @@ BEAMS = {
     "geodesic without flexibility": fl.Geodesic(bending_flexibility=False),
     "director 1": fl.Director(1),
     "director 2": fl.Director(2),
+    "Kirchhoff": fl.Kirchhoff(),
 }
 JOINTS = {
     "spherical": fl.Spherical,

@@ -294,7 +294,12 @@ def test_bodies_that_cannot_be(arguments, message):
         gram_from_rigid(*arguments)
 
 
-BEAMS = {"geodesic": fl.Geodesic(), "director 1": fl.Director(1), "director 2": fl.Director(2)}
+BEAMS = {
+    "geodesic": fl.Geodesic(),
+    "director 1": fl.Director(1),
+    "director 2": fl.Director(2),
+    "Kirchhoff": fl.Kirchhoff(),
+}
 
 
 @pytest.mark.parametrize("name", BEAMS)

@@ -15,7 +15,7 @@ EA, GA, GJ, EI2, EI3 = 1e4, 5e3, 50.0, 100.0, 70.0
 SECTION = fl.Section.from_stiffness([EA, GA, GA, GJ, EI2, EI3], mass=0.5, rotary=(2e-4, 1e-4))
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 LENGTH = 2.0
-FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2)]
+FORMULATIONS = [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
 every_formulation = pytest.mark.parametrize("formulation", FORMULATIONS, ids=str)
 
 

@@ -34,7 +34,9 @@ def test_a_rod_on_a_soft_spring_swings(cells, k, u):
 
 
 @pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)])
+@pytest.mark.parametrize(
+    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+)
 def test_a_free_rod_has_six_zeros_and_no_more(formulation, u):
     scene, _ = rod(u, 16, formulation)
     modes = fl.vibrations(scene, 8)

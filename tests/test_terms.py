@@ -70,6 +70,17 @@ def cable(**options) -> fl.Scene:
     return scene_with(fl.Cable(mesh, THREAD, **options))
 
 
+def rod(**options) -> fl.Scene:
+    """Edges with axes."""
+    curve = fl.Rod.curve(
+        lambda s: (2 * s, 0.4 * s * s, 0.3 * np.sin(2 * s)),
+        SECTION,
+        cells=3,
+        formulation=fl.DiscreteRod(**options),
+    )
+    return scene_with(curve)
+
+
 def thin_shell() -> fl.Scene:
     """Points of two nodes."""
     patch = fl.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
@@ -189,6 +200,7 @@ TERMS: dict[str, Case] = {
     "geodesic beam": Case(lambda: beam(fl.Geodesic()), "elements"),
     "director beam": Case(lambda: beam(fl.Director(1)), "elements"),
     "quadratic director beam": Case(lambda: beam(fl.Director(2)), "elements"),
+    "Kirchhoff rod": Case(lambda: beam(fl.Kirchhoff()), "elements"),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
@@ -197,6 +209,9 @@ TERMS: dict[str, Case] = {
         lambda: scene_with(fl.SplineCable.through(PLACES, THREAD, cells=2)), "elements"
     ),
     "bending springs": Case(lambda: cable(formulation=fl.DiscreteCable()), "bending springs"),
+    "discrete rod": Case(rod, "elements"),
+    "corners of a rod": Case(rod, "corners"),
+    "corners of a naturally curved rod": Case(lambda: rod(natural=(0.3, -0.4, 0.2)), "corners"),
     "mixed shell": Case(lambda: shell(fl.HellingerReissner()), "elements"),
     "mixed triangles": Case(lambda: shell(fl.HellingerReissner(), "triangle"), "elements"),
     "plain geodesic beam": Case(lambda: beam(fl.Geodesic(False)), "elements"),

@@ -70,7 +70,9 @@ def test_a_shell_is_on_the_mesh_that_it_was_given(comm, cell):
 
 
 @COMMUNICATORS
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=repr)
+@pytest.mark.parametrize(
+    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()], ids=repr
+)
 def test_a_beam_is_on_the_mesh_that_it_was_given(comm, formulation):
     mesh = line(comm)
     beam = fl.Beam(mesh, SECTION, formulation=formulation)

@@ -406,7 +406,9 @@ def test_at_takes_an_equilibrium():
         fl.vibrations(scene, at=result)
 
 
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)])
+@pytest.mark.parametrize(
+    "formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2), fl.Kirchhoff()]
+)
 @pytest.mark.parametrize("cells", [2, 4])
 def test_loads_that_no_joint_takes_are_balanced_by_the_beam(formulation, cells):
     """What statics leaves is small beside the loads, of which the sum of all forces knows none."""

@@ -148,9 +148,14 @@ class StrainLoad(Load):
     cells: str | None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if an argument is of another kind than wanted."""
+        """Raise ``TypeError`` if an argument is of another kind than wanted.
+
+        Raises:
+            ValueError: The beam's elements do not bend within.
+        """
         super().__post_init__()
         instance(self.beam, Beam, f"{type(self).__name__}: beam", "a Beam")
+        self.beam.formulation.require_bends(f"a strain ({type(self).__name__})")
 
     @property
     def body(self) -> Beam:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import ClassVar
 
 import dolfinx
 import numpy as np
@@ -42,7 +43,12 @@ class Beam(LineBody):
 
     Attributes:
         chains: Smooth pieces of the lines, and arc length along them.
+        standard: The element, unless another is given.
+        springs: Whether it has springs between elements that do not bend by themselves.
     """
+
+    standard: ClassVar[Formulation] = Geodesic()
+    springs: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -67,7 +73,8 @@ class Beam(LineBody):
                 no twist (Bishop's frame), from e₃ nearest to global z where the line begins, or
                 nearest to x if it begins along z. :class:`~.orientation.Twisted` turns the section
                 on from there.
-            formulation: The element; default: :class:`~fem_lie.elements.beams.geodesic.Geodesic`.
+            formulation: The element; default: :attr:`standard`, of beams
+                :class:`~fem_lie.elements.beams.geodesic.Geodesic`.
             damping: Default: none.
             rotary_inertia: Whether the section resists turning about e₂ and e₃; without, only about
                 e₁. Nothing is saved by it but a fast mode that is hardly ever wanted.
@@ -93,11 +100,15 @@ class Beam(LineBody):
         # the geodesic of an arc with tangent frames is the arc itself
         a, b = frames[elements].transpose(1, 0, 2, 3)
         lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
-        formulation = Geodesic() if formulation is None else formulation
+        formulation = self.standard if formulation is None else formulation
         if formulation.node_kind != NodeKind.FRAME:
             raise ValueError(
                 f"a Beam has nodes with frames, those of {formulation} have none: that is an "
                 "element of cables"
+            )
+        if not (formulation.bends or self.springs):
+            raise ValueError(
+                f"a Beam has elements that bend, {formulation} is one of rods: use Rod"
             )
         placed = Placed(frames, elements, lengths, leaders, elements)
         sections = section_per_cell(mesh, chains, section)

@@ -14,20 +14,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import basix.ufl
 import numpy as np
 import ufl
-from dolfinx import fem
 from ufl.core.expr import Expr
 from ufl.variable import Variable
 
-from fem_lie import _compat
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import (
     CellData,
     Formulation,
     cellwise,
     flexible_cells,
+    present_values,
     with_bending_flexibility,
 )
 from fem_lie.forms.energy import StrainEnergy
@@ -163,11 +161,11 @@ class Director(Formulation):
         else:
             (stretch, curvature), through = director_strains(nodal), None
             slope = arc_derivative(nodal.position, mesh)
-            arc = _values(ufl.sqrt(ufl.dot(slope, slope)), nodal, points)
+            arc = present_values(ufl.sqrt(ufl.dot(slope, slope)), mesh, points)
         strain = ufl.as_vector([*stretch, *curvature]) / arc
         stiffness = cellwise(mesh, cells.stiffness)
         energy = StrainEnergy(
-            strain=strain - _values(strain, nodal, points) - cells.eigenstrain,
+            strain=strain - present_values(strain, mesh, points) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": points}),
             weight=arc,
@@ -175,14 +173,3 @@ class Director(Formulation):
             through=through,
         )
         return local_frame_forms(energy, nodal)
-
-
-def _values(expression: Expr, nodal: NodalFrames, degree: int) -> fem.Function:
-    """Present values of an expression at the points of a quadrature."""
-    mesh = nodal.function.function_space.mesh
-    element = basix.ufl.quadrature_element(
-        _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
-    )
-    f = fem.Function(fem.functionspace(mesh, element))
-    f.interpolate(fem.Expression(expression, element.custom_quadrature()[0]))
-    return f

@@ -12,8 +12,9 @@ import basix.ufl
 import dolfinx
 import numpy as np
 from dolfinx import fem
+from ufl.core.expr import Expr
 
-from fem_lie import lie
+from fem_lie import _compat, lie
 from fem_lie._arrays import Array
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
@@ -50,12 +51,22 @@ class Formulation(ABC):
         bows: Whether the axis of a cell of two nodes is the parabola with their tangents, for
             inertia and line loads; otherwise it is the interpolated one.
         viscous: Whether it has viscous forces.
+        bends: Whether it bends and twists by itself, and not against the next one.
     """
 
     node_kind: ClassVar[NodeKind] = NodeKind.FRAME
     degree: int
     bows: ClassVar[bool] = False
     viscous: ClassVar[bool] = True
+    bends: ClassVar[bool] = True
+
+    def require_bends(self, what: str) -> None:
+        """Raise ``ValueError`` if ``what`` asks for bending within elements that have none."""
+        if not self.bends:
+            raise ValueError(
+                f"{what} is not known of {self}, whose elements bend against each other and not "
+                "within: take Kirchhoff() or an element of beams"
+            )
 
     @property
     def largest_turn(self) -> float:
@@ -176,6 +187,16 @@ def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
     element = basix.ufl.element("DG", mesh.basix_cell(), 0, shape=values.shape[1:])
     f = fem.Function(fem.functionspace(mesh, element))
     f.x.array[:] = values.ravel()
+    return f
+
+
+def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fem.Function:
+    """Values of an expression now, at the points of a quadrature of a degree."""
+    element = basix.ufl.quadrature_element(
+        _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
+    )
+    f = fem.Function(fem.functionspace(mesh, element))
+    f.interpolate(fem.Expression(expression, element.custom_quadrature()[0]))
     return f
 
 

@@ -21,10 +21,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum, Pattern
+from fem_lie.elements.rods.springs import Springs
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
-from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -215,55 +213,14 @@ def matrix_kernel(
             _spread(H, e, f, K[:, :, j, k])
 
 
-class BendingSprings(Term):
+class BendingSprings(Springs):
     """Springs between the edges of discrete rods, on the nodes of their assembly."""
 
-    label, of_bodies = "bending springs", True
+    label = "bending springs"
 
     def __init__(self, bends: Bends, count: int) -> None:
-        """Pack the springs.
-
-        Args:
-            bends: On the nodes of the assembly.
-            count: Number of these.
-        """
+        """Pack the springs, on the nodes of an assembly of so many."""
         b = len(bends.nodes)
         numbers = [np.zeros((b, _DATA)), bends.stiffness[:, np.newaxis]]
         values = np.hstack([*numbers, bends.natural[:, np.newaxis], bends.fixed])
-        none = np.zeros(1), np.zeros((b, 1))
-        self._energy, self._forces, self._matrix = (
-            CellSum(bends.nodes, kernel.address, values.copy(), *none)
-            for kernel in (energy_kernel, force_kernel, matrix_kernel)
-        )
-        self._pattern = Pattern.of(bends.nodes, count)
-        self._bends, self._count = bends, count
-
-    @property
-    def pairs(self) -> Pairs:
-        """Nodes of each spring with each other."""
-        rows = np.repeat(np.arange(self._count), np.diff(self._pattern.indptr))
-        return rows, self._pattern.indices
-
-    @property
-    def tables(self) -> tuple[FormTable, FormTable]:
-        """Forces and energy."""
-        return self._forces.table, self._energy.table
-
-    @property
-    def contents(self) -> Bends:
-        """The springs."""
-        return self._bends
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Add the forces of all springs."""
-        self._forces.add_vector(H, out.reshape(-1))
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """Their derivative at frames ``H``."""
-        blocks = np.zeros((len(self._pattern.indices), 6, 6))
-        self._matrix.add_matrix(H, self._pattern, blocks)
-        return blocks
-
-    def energy(self, H: Array) -> float:
-        """Of all springs."""
-        return self._energy.scalar(H)
+        super().__init__((energy_kernel, force_kernel, matrix_kernel), values, bends, count)

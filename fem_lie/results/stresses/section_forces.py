@@ -61,11 +61,13 @@ def section_forces(
         steps: Which states; default: all.
 
     Raises:
-        ValueError: The beam is not in that scene or result, or there is no such step.
+        ValueError: The beam is not in that scene or result, there is no such step, or its elements
+            do not bend within.
     """
     require_states(result)
     require_scene(scene)
     instance(beam, Beam, "beam", "a Beam")
+    beam.formulation.require_bends("a section force")
     if beam not in scene.bodies:
         raise ValueError(f"{beam.label} is not in the scene")
     nodes, count = nodes_in(result.info, beam), len(result.frames)

@@ -1,0 +1,128 @@
+"""Rods: bodies along lines with frames, but without shear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import dolfinx
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.given_sections import Sections
+from fem_lie.bodies.beams.orientation import Twisted, Up
+from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie.bodies.nodes import Follower
+from fem_lie.elements.beams.element import Formulation
+from fem_lie.elements.rods.corners import Corners, CornerSprings
+from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
+from fem_lie.elements.rods.kirchhoff import Kirchhoff
+from fem_lie.forms.assembly import Assembly
+from fem_lie.mesh.lines import LineMesh
+
+
+class Rod(Beam):
+    """A :class:`~fem_lie.Beam` of elements that have no shear; it is made, held and asked alike.
+
+    The first axis of a node is the tangent there. Of a section stretch, torsion and bending count,
+    and what couples these. With :class:`~fem_lie.Kirchhoff`, the default, all nodes have frames.
+    With :class:`~fem_lie.DiscreteRod`, which needs one smooth line that is not closed, both ends
+    have; other nodes are places, that turn about the edge that follows them and about nothing else.
+    """
+
+    standard: ClassVar[Formulation] = Kirchhoff()
+    springs: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        mesh: LineMesh | dolfinx.mesh.Mesh,
+        section: Sections,
+        *,
+        up: Up | Twisted | None = None,
+        formulation: Formulation | None = None,
+        damping: Damping | None = None,
+        rotary_inertia: bool = True,
+        name: str = "",
+    ) -> None:
+        """Place nodal frames; arguments as of :class:`~fem_lie.Beam`.
+
+        Raises:
+            ValueError: As a beam; or the element is a :class:`~fem_lie.DiscreteRod` and the line
+                has corners, branches or no ends, or the section couples stretch and bending, or
+                there is damping with strain.
+        """
+        super().__init__(
+            mesh,
+            section,
+            up=up,
+            formulation=formulation,
+            damping=damping,
+            rotary_inertia=rotary_inertia,
+            name=name,
+        )
+        self._corners: Corners | None = None
+        if isinstance(self.formulation, DiscreteRod):
+            self._corners = self._made_of_edges(self.formulation)
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+        """All of one kind together, with the springs between edges."""
+        assembly = BeamAssembly(bodies)
+        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        found = [
+            body.corners._replace(nodes=assembly.order[body.corners.nodes + start])
+            for body, start in zip(bodies, starts, strict=False)
+            if body.corners is not None
+        ]
+        if found:
+            joined = Corners(*(np.concatenate(column) for column in zip(*found, strict=True)))
+            assembly.beside.append(CornerSprings(joined, assembly.count))
+        return assembly
+
+    @property
+    def corners(self) -> Corners | None:
+        """Springs between its edges, if elements do not bend themselves."""
+        return self._corners
+
+    def follower(self) -> Follower | None:
+        """Of edges: their frames go along with them by the smallest rotation."""
+        if self._corners is None:
+            return None
+        inside, after = self.elements[1:].T
+
+        def turn(rows: Array) -> None:
+            rows[inside, 1:] = edge_axes(rows, inside, after)
+
+        return turn
+
+    def _made_of_edges(self, formulation: DiscreteRod) -> Corners:
+        """Hold what its nodes do not have, and find the springs."""
+        m = len(self.elements)
+        order = self.chains.order
+        one = len(self.chains.first) == 1 and len(self.frames) == m + 1
+        if not one or m < 2 or (self.leaders != np.arange(m + 1)).any():
+            raise ValueError(
+                f"{self.label}: a DiscreteRod goes along one smooth line of two elements or more "
+                f"with two ends, got {len(self.chains.first)} pieces, {m} elements and "
+                f"{len(self.frames)} nodes: make one rod of each piece, and join them"
+            )
+        if (order != np.arange(m)).any():
+            raise ValueError(
+                f"{self.label}: the elements of a DiscreteRod follow each other along the line, "
+                f"got their order {order}"
+            )
+        if self.damping.factors().any():
+            raise ValueError(
+                f"{formulation} has damping with mass only, got stiffness = "
+                f"{self.damping.stiffness!r}"
+            )
+        for stiffness in self.stiffness:
+            formulation.check(stiffness)
+        self.held[self.elements[1:, 0], 4:] = True
+        inside, after = self.elements[1:].T
+        self.frames[inside, 1:] = edge_axes(self.frames, inside, after)
+        return corners(
+            self.elements, self.lengths, self.stiffness, self.frames, formulation.natural
+        )

@@ -1,0 +1,172 @@
+"""Discrete rod: places, and the turn of each edge about itself.
+
+With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
+
+    W = Σ ½ EA ε² ℓ + Σ ½ (z − z₀)·B (z − z₀)
+
+the second sum over successive edges, which bend and twist against each other
+(:mod:`fem_lie.elements.rods.corners`), and over both ends, whose frames the first and the last edge
+meet. Four unknowns of each node inside: its place, and the turn of the edge that follows it. Ends
+have frames, and are clamped, driven and joined by them. Of second order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import ufl
+
+from fem_lie._arrays import Array, Indices, vector
+from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.rods.corners import Corners
+from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.grips.grip import Grip
+
+_OPPOSITE = 1e-12  # 1 + cosine: there is no smallest rotation to the opposite direction
+_CENTRED = 1e-9  # relative, as sections that are meant to be held at their centre
+
+
+@dataclass(frozen=True)
+class DiscreteRod(Formulation):
+    """Edges between places, with springs between them that bend and twist.
+
+    Attributes:
+        natural: ``(τ, κ₂, κ₃)`` of the rod unloaded, 1/length; default: as it is laid.
+
+    Raises:
+        ValueError: They are not three finite numbers.
+    """
+
+    degree: ClassVar[int] = 1  # type: ignore[misc]
+    viscous: ClassVar[bool] = False
+    bends: ClassVar[bool] = False
+    natural: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` if the natural curvature is not three finite numbers."""
+        if self.natural is not None:
+            vector(self.natural, 3, "DiscreteRod: natural curvature")
+
+    def place(self, nodes: Sequence[int], ξ: float) -> Grip:
+        """There is none: an edge has its frame from both of its ends.
+
+        Raises:
+            ValueError: Always.
+        """
+        raise ValueError(f"{self} is held at its nodes, and not between them")
+
+    def check(self, stiffness: Array) -> None:
+        """Refuse what couples stretch with bending or torsion."""
+        own = np.sqrt(stiffness[0, 0] * np.diag(stiffness)[3:])
+        if (np.abs(stiffness[0, 3:]) > _CENTRED * own).any():
+            raise ValueError(
+                "a discrete rod is stretched along its centre: its section must not couple stretch "
+                f"with bending or torsion, got the stiffness\n{stiffness}"
+            )
+
+    def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
+        """Stretch of the edges."""
+        mesh = nodal.function.function_space.mesh
+        length, EA = cellwise(mesh, cells.lengths), cellwise(mesh, cells.stiffness[:, 0, 0])
+        chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
+        size = ufl.sqrt(ufl.dot(chord, chord))
+        ends = nodal.frames[nodal.function.function_space.dofmap.list, 0]
+        laid = cellwise(mesh, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+        energy = StrainEnergy(
+            strain=ufl.as_vector([(size - laid) / length - cells.eigenstrain[0]]),
+            law=lambda ε: 0.5 * EA * ε[0] ** 2,
+            dx=ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0}),
+            weight=length / ufl.CellVolume(mesh),
+        )
+        return local_frame_forms(energy, nodal)
+
+    def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
+        """Halves of the mass at both ends; what turns with an edge at its first node.
+
+        The frame of the last node takes a half of what turns with the last edge.
+        """
+        nodes = nodal.function.function_space.dofmap.list
+        weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
+        G = np.zeros((len(nodes), 2, 4, 2, 4))
+        for k in range(2):
+            G[:, k, 0, k, 0] = 0.5 * weighted[:, 0, 0]
+        share = np.where(np.isin(nodes[:, 1], nodes[:, 0]), 0.0, 0.5)[:, np.newaxis, np.newaxis]
+        G[:, 0, 1:, 0, 1:] = (1.0 - share) * weighted[:, 1:, 1:]
+        G[:, 1, 1:, 1, 1:] = share * weighted[:, 1:, 1:]
+        return G
+
+
+def corners(
+    elements: Indices,
+    lengths: Array,
+    stiffness: Array,
+    laid: Array,
+    natural: Sequence[float] | None,
+) -> Corners:
+    """Of edges that follow each other from one end to the other.
+
+    The frame of the first node is that of its edge, too, so that twist of the first half of that
+    edge is in the next spring.
+
+    Args:
+        elements: Their ends, shape (m, 2).
+        lengths: Unstretched, shape (m,).
+        stiffness: Of their sections, shape (m, 6, 6).
+        laid: Rows of the nodes as they are laid, shape (n, 4, 3).
+        natural: ``(τ, κ₂, κ₃)``, or ``None`` for what they are laid with.
+    """
+    a, b = elements.T
+    m = len(elements)
+    nodes = np.stack(
+        [np.concatenate([a[:1], a]), np.concatenate([a[:1], b]), np.concatenate([b, b[-1:]])],
+        axis=1,
+    )
+    half = 0.5 * lengths
+    before, after = np.concatenate([[0.0], half]), np.concatenate([half, [0.0]])
+    first, last = np.arange(m + 1) == 0, np.arange(m + 1) == m
+    bend = before + after
+    twist = bend.copy()
+    twist[1] += half[0]
+    compliance = np.linalg.inv(stiffness[:, 3:, 3:])
+    parts = before / bend, after / bend
+    mean = np.zeros((m + 1, 3, 3))
+    mean[1:] += parts[0][1:, np.newaxis, np.newaxis] * compliance
+    mean[:-1] += parts[1][:-1, np.newaxis, np.newaxis] * compliance
+    root = 1.0 / np.sqrt(np.stack([twist, bend, bend], axis=1))
+    B = np.linalg.inv(mean) * root[:, :, np.newaxis] * root[:, np.newaxis]
+    if natural is None:
+        z = _laid(laid, nodes)
+    else:
+        size = np.hypot(natural[1], natural[2])
+        angle = size * bend
+        factor = np.where(angle > 0, 2 * np.tan(0.5 * angle) / np.where(angle > 0, size, 1.0), bend)
+        z = np.stack([natural[0] * twist, natural[1] * factor, natural[2] * factor], axis=1)
+    z[0, 0] = 0.0  # of its own frame it has no twist
+    return Corners(nodes, np.stack([first, last], axis=1), B, z)
+
+
+def _laid(rows: Array, nodes: Indices) -> Array:
+    """``z`` of the springs as they are laid, shape (b, 3)."""
+    e, f = edge_axes(rows, *nodes[:, :2].T), edge_axes(rows, *nodes[:, 1:].T)
+    Q = np.einsum("bia,bja->bij", e, f)
+    X = 1 + Q[:, 0, 0]
+    twist = np.arctan2(Q[:, 2, 1] - Q[:, 1, 2], Q[:, 1, 1] + Q[:, 2, 2])
+    bends = (Q[:, 0, 2] - Q[:, 2, 0]) / X, (Q[:, 1, 0] - Q[:, 0, 1]) / X
+    return np.stack([twist, *bends], axis=1)
+
+
+def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
+    """Axes of edges from nodes to nodes, or of nodes themselves, shape (k, 3, 3): as rows."""
+    D, beside = rows[a, 1], rows[a, 2]
+    way = rows[b, 0] - rows[a, 0]
+    way = np.where((a == b)[:, np.newaxis], D, way)
+    t = way / np.linalg.norm(way, axis=1, keepdims=True)
+    near = 1 + np.einsum("ki,ki->k", D, t)
+    along = np.einsum("ki,ki->k", beside, t) / np.maximum(near, _OPPOSITE)
+    second = beside - along[:, np.newaxis] * (D + t)
+    return np.stack([t, second, np.cross(t, second)], axis=1)

@@ -1,0 +1,90 @@
+"""Rods without shear: Kirchhoff's and discrete ones."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from demos import bend45
+from demos.elastica import BENDING, FORCE, LENGTH, elastica
+
+KINDS = {"Kirchhoff": fl.Kirchhoff(), "discrete": fl.DiscreteRod()}
+each = pytest.mark.parametrize("name", KINDS)
+SLENDER = [1e1, 1e2, 1e4]
+"""Of a square section: EA L²/EI is twelve times its square."""
+
+
+def section(slenderness: float, **inertia) -> fl.Section:
+    EA = 12 * slenderness**2 * BENDING / LENGTH**2
+    return fl.Section.from_stiffness([EA] * 3 + [BENDING] * 3, **inertia)
+
+
+def cantilever(name: str, cells: int, own: fl.Section) -> tuple[fl.Scene, fl.Rod]:
+    scene = fl.Scene()
+    ends = (0, 0, 0), (LENGTH, 0, 0)
+    rod = scene.add(fl.Rod.straight(*ends, own, cells=cells, formulation=KINDS[name]))
+    scene.add(fl.Clamp(rod.start))
+    return scene, rod
+
+
+def iterations(result: fl.StaticResult) -> float:
+    """Of a step, those in vain among them."""
+    return float(result.iterations.sum() + result.failed_iterations) / len(result.iterations)
+
+
+def rolled_up(name: str, cells: int, slenderness: float) -> tuple[float, float]:
+    """Distance of the tip from the root over the length, and iterations per step."""
+    scene, rod = cantilever(name, cells, section(slenderness))
+    scene.add(fl.PointLoad(rod.end, moment=(0, 0, 2 * np.pi * BENDING / LENGTH)))
+    result = fl.statics(scene, load_steps=10)
+    return float(np.linalg.norm(result.position(rod.end)[-1])) / LENGTH, iterations(result)
+
+
+@pytest.mark.parametrize("slenderness", SLENDER)
+def test_full_circle(slenderness):
+    (coarse, _), (fine, steps) = (rolled_up("Kirchhoff", n, slenderness) for n in (8, 16))
+    assert fine < 2e-4 and coarse / fine > 14 and steps <= 5
+
+
+def test_full_circle_of_edges():
+    """Of second order; an end that turns far from its edge within a step takes more iterations."""
+    (coarse, steps), (fine, _) = (rolled_up("discrete", n, 1e2) for n in (8, 16))
+    assert fine < 0.05 and coarse / fine > 3.2 and steps <= 6
+
+
+@pytest.mark.parametrize(("name", "bound"), [("Kirchhoff", 1e-5), ("discrete", 2e-3)])
+@pytest.mark.parametrize("slenderness", SLENDER)
+def test_elastica(name, bound, slenderness):
+    """Thick ones stretch: by about the square of the slenderness less."""
+    scene, rod = cantilever(name, 16, section(slenderness))
+    scene.add(fl.PointLoad(rod.end, (0, 0, FORCE)))
+    result = fl.statics(scene, load_steps=10)
+    moved = result.position(rod.end)[-1] - (LENGTH, 0, 0)
+    stretched = 3.0 / (12 * slenderness**2) * FORCE * LENGTH**2 / BENDING
+    assert np.linalg.norm(moved - elastica(FORCE)) / LENGTH <= bound + stretched
+    assert iterations(result) <= 5
+
+
+@pytest.mark.parametrize(("name", "bound"), [("rod", 2e-4), ("discrete", 2e-3)])
+def test_45_degree_bend(name, bound):
+    """To the point of beams with shear, of which there is 5e-5 here."""
+    errors = [bend45.solve(n, 3, bend45.FORMULATIONS[name])[0]["tip_error"] for n in (8, 16)]
+    assert errors[1] < bound and errors[0] / errors[1] > 2.5
+
+
+@each
+def test_a_kink_of_half_a_turn_is_refused(name):
+    with pytest.raises(ValueError, match="the line goes back on itself"):
+        points = (0, 0, 0), (1, 0, 0), (0, 0, 0)
+        fl.Rod.polyline(points, section(10.0), cells=2, formulation=KINDS[name])
+
+
+def test_corners_of_discrete_rods_are_refused():
+    with pytest.raises(ValueError, match="one smooth line"):
+        points = (0, 0, 0), (1, 0, 0), (1, 1, 0)
+        fl.Rod.polyline(points, section(10.0), cells=2, formulation=fl.DiscreteRod())
+
+
+def test_stretch_that_bends_is_refused():
+    offset = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0)).offset(0.01, 0)
+    with pytest.raises(ValueError, match="must not couple stretch"):
+        fl.Rod.straight((0, 0, 0), (1, 0, 0), offset, cells=2, formulation=fl.DiscreteRod())
