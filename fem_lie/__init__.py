@@ -129,6 +129,7 @@ from fem_lie.solve.alpha.options import Components, Index
 from fem_lie.solve.composed.composed import Composed
 from fem_lie.solve.composed.compositions import Composition, FiveStages, TripleJump
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.explicit.explicit import Explicit
 from fem_lie.solve.motion.policies import (
     Automatic,
     ConstraintsOnly,
@@ -212,6 +213,7 @@ __all__ = [
     "EnergyMomentum",
     "EquilibriumPath",
     "EveryIteration",
+    "Explicit",
     "FaceLoad",
     "FacePressure",
     "FieldImperfection",

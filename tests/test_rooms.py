@@ -80,6 +80,7 @@ MAY_IMPORT = {
     "solve.conserving.step": {"solve.motion"},
     "solve.conserving": {"solve.conserving.step"},
     "solve.variational": {"solve.conserving.step"},
+    "solve.explicit": {"solve.motion"},
     "solve.composed": {"solve.conserving"},
 }
 """Rooms and what they may import besides; what those may is theirs, too."""

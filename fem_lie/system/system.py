@@ -27,7 +27,7 @@ from fem_lie.system.nodes.carried_axes import CarriedAxes, FollowingAxes
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
-from fem_lie.system.nodes.masses import inertia_of, weight_of
+from fem_lie.system.nodes.masses import inertia_of, lumped, weight_of
 from fem_lie.system.nodes.shared_setup import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent
@@ -71,6 +71,7 @@ class System:
         dynamics: bool,
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
+        without_coupling: bool = False,
     ) -> None:
         """Number the unknowns and build what stays constant.
 
@@ -79,6 +80,7 @@ class System:
             dynamics: Whether inertia is needed.
             parametrisation: What the increments of :meth:`fill_matrix` are.
             group: On which all frames move; default: each on that of its body.
+            without_coupling: Whether inertia is lumped.
 
         Raises:
             ValueError: More than one rank; no body; no inertia though needed; redundant joints.
@@ -103,6 +105,8 @@ class System:
         self.size = 6 * self.count + self.m
         required = dynamics or bool(scene.gravity.any())
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
+        if without_coupling:
+            self.inertia = lumped(self.inertia, self.kinds)
         z, n = np.zeros, self.count
         self.lasting_loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
         weight = weight_of(self.inertia, self.count, scene.gravity)

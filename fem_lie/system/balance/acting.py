@@ -33,6 +33,7 @@ class Acting:
     Attributes:
         strained: Whether strains without stress change.
         plain: Whether all is seen by :func:`~fem_lie.system.outer_forces.look`.
+        plain_but_held: Whether all but what holds nodes is.
         looks: Whether that looks at loads, and whether at joints.
         scene: What it looks at.
     """
@@ -52,9 +53,10 @@ class Acting:
         apart = self._pushed or self._viscous.viscous
         self._grounded = [term for term in system.terms if term.on_ground]
         apart = apart or bool(self._grounded)
-        special = self._others or self._held is not None or apart or self.strained
+        moved = self._others or apart or self.strained
+        special = moved or self._held is not None
         self._any = special or self._loaded or joined or rates is not None or connections.driven
-        self.plain = self._any and not special
+        self.plain, self.plain_but_held = self._any and not special, not moved
         damping = Inertia.none().plain if rates is None else rates
         self.looks = self._loaded, joined and not self._others
         constant = system.load_cases.constant, damping, connections.packed

@@ -27,6 +27,7 @@ class Books:
             shape (15,).
         empty: Whether there is never anything to book.
         compiled: Whether :meth:`add` is :func:`~fem_lie.system.outer_forces.look_and_sum_up` alone.
+        compiled_but_held: Whether all of it but impulses of what holds nodes is.
         looks: Whether that looks at loads, and whether at joints.
         table: What it is given.
     """
@@ -47,6 +48,7 @@ class Books:
         self._start = self._seen.plain
         self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
         self.empty, self.compiled = not self._acting, self._acting.plain
+        self.compiled_but_held = self._acting.plain_but_held
         self.looks, self.table = self._acting.looks, self._fixed.table
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)

@@ -55,6 +55,7 @@ class Equations:
         dynamics: bool,
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
+        without_coupling: bool = False,
     ) -> None:
         """Set them up.
 
@@ -63,13 +64,18 @@ class Equations:
             dynamics: Whether inertia is needed.
             parametrisation: What increments are.
             group: On which all frames move; default: each on that of its body.
+            without_coupling: Whether inertia is lumped, so that nodes feel their own alone.
 
         Raises:
             ValueError: See :class:`~fem_lie.system.system.System`.
         """
         self.scene = scene
         self._system = System(
-            scene, dynamics=dynamics, parametrisation=parametrisation, group=group
+            scene,
+            dynamics=dynamics,
+            parametrisation=parametrisation,
+            group=group,
+            without_coupling=without_coupling,
         )
         # of springs in compiled sums these know themselves
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)

@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.system.nodes.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -78,3 +79,26 @@ def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> 
     G = np.zeros((len(key), 4, 4))
     np.add.at(G, place, blocks)
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
+
+
+def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
+    """The same mass without coupling, one block for each node: for steps that solve no equations.
+
+    Of frames and places the blocks of a row are summed up, so that mass, first moments and what
+    turns with a rigid body stay; rows of slopes keep the diagonal, times what the places' gained.
+    Momentum and angular momentum of these are as exact as with the consistent matrix.
+
+    Args:
+        inertia: Of the moving nodes.
+        kinds: What they are, shape (n,).
+    """
+    count = len(kinds)
+    rows, columns = inertia.pairs
+    whole, own = np.zeros((2, count, 4, 4))
+    np.add.at(whole, rows, inertia.blocks)
+    np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
+    sloped = kinds >= SLOPE
+    gained = whole[sloped, 0, 0] / own[sloped, 0, 0]
+    diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)
+    whole[sloped] = diagonal[:, :, np.newaxis] * np.eye(4)
+    return Inertia(np.arange(count + 1), np.arange(count), whole)

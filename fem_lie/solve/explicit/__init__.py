@@ -1,0 +1,1 @@
+"""Steps that solve no equations: explicit ones, and of each element by itself."""

@@ -1,0 +1,210 @@
+"""Explicit steps, compiled: one loop that comes back for forces that are no single sum."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined, linked
+from fem_lie.bodies.balances import BY_REACTIONS
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
+from fem_lie.lie.kinds import wrench
+from fem_lie.lie.tuples import load_row
+from fem_lie.lie.wrenches import add_wrench
+from fem_lie.solve.explicit.nodes import Masses, PlainMasses, drift, kick, twists
+from fem_lie.system.nodes.sums import residual
+from fem_lie.system.outer_forces import look_and_sum_up
+
+DONE, RESIDUAL = range(2)
+"""Why the loop has come back: the last step is made; a residual is wanted."""
+
+STEP, PHASE = range(2)
+"""What is counted: steps made, and where in one the loop is."""
+BETWEEN, MOVED, WEIGHED = range(3)
+"""Between steps; where forces are wanted; where they are known."""
+
+PlainSteps: TypeAlias = tuple[float, bool, bool, bool, bool, bool]
+"""A :class:`Steps` at the door from Python."""
+
+
+class Steps(NamedTuple):
+    """How steps are made.
+
+    Attributes:
+        h: Their size.
+        summed: Whether forces are one compiled sum.
+        booked: Whether what acts from outside is booked here.
+        held: Whether something is held from outside.
+        loads: Whether books look at loads.
+        joints: Whether they look at springs.
+    """
+
+    h: float
+    summed: bool
+    booked: bool
+    held: bool
+    loads: bool
+    joints: bool
+
+
+class Packed(NamedTuple):
+    """Arrays of a run, in the order of :func:`_packed`.
+
+    Attributes:
+        masses: See :class:`~fem_lie.solve.explicit.nodes.Masses`.
+        H: Frames of all rows.
+        p: Momenta, (n, 6).
+        v: Twists, (n, 6).
+        rest: Zeros, (n, 6).
+        none: Multipliers, and their scale, of which there are none.
+        r: Residual, (6 n,).
+        held: Which of it is zero.
+        supports: Nodes that are held from outside, and which of their unknowns, as numbers.
+        reaction: Force and moment of these about the origin, (6,).
+        forces: Of the residual, see :func:`~fem_lie.system.nodes.sums.residual`.
+        books: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
+        booked: What they have summed up.
+        counters: See :data:`STEP`.
+    """
+
+    masses: Masses
+    H: Array
+    p: Array
+    v: Array
+    rest: Array
+    none: Array
+    r: Array
+    held: Indices
+    supports: tuple[Indices, Indices]
+    reaction: Array
+    forces: Indices
+    books: Indices
+    booked: Array
+    counters: Indices
+
+    @property
+    def arrays(self) -> list[Any]:
+        """One after the other."""
+        masses, H, p, v, rest, none, r, held, supports, *others = self
+        return [*masses, H, p, v, rest, none, r, held, *supports, *others]
+
+
+@inlined
+def _masses(table: Indices) -> PlainMasses:
+    return (
+        integers1(table, 0),
+        integers1(table, 1),
+        numbers2(table, 2),
+        numbers2(table, 3),
+        numbers3(table, 4),
+        numbers3(table, 5),
+    )
+
+
+@inlined
+def _packed(table: Indices) -> Packed:
+    return Packed(
+        Masses(*_masses(table)),
+        numbers3(table, 6),
+        numbers2(table, 7),
+        numbers2(table, 8),
+        numbers2(table, 9),
+        numbers1(table, 10),
+        numbers1(table, 11),
+        integers1(table, 12),
+        (integers1(table, 13), integers2(table, 14)),
+        numbers1(table, 15),
+        integers2(table, 16),
+        integers2(table, 17),
+        numbers1(table, 18),
+        integers1(table, 19),
+    )
+
+
+@compiled
+def reactions(
+    kinds: Indices, H: Array, r: Array, nodes: Indices, held: Indices, out: Array
+) -> None:
+    """Resultant about the origin of what holds nodes, (6,), from their residual at rest."""
+    own = np.empty(6)
+    out[:] = 0.0
+    for s in range(nodes.shape[0]):
+        i = nodes[s]
+        for k in range(6):
+            own[k] = r[6 * i + k] if held[s, k] else 0.0
+        f, m = wrench(kinds[i], H[i], own)
+        add_wrench(out, 0, load_row(H[i], 0), f, m)
+
+
+@linked
+def weigh(table: Indices, held: bool) -> None:
+    """Forces at the frames as they are, in one sum, and what holds nodes there."""
+    this = _packed(table)
+    rest, none = this.rest, this.none
+    residual(this.H, rest, rest, none, none, this.r, this.forces)
+    if held:
+        nodes, unknowns = this.supports
+        reactions(this.masses.kinds, this.H, this.r, nodes, unknowns, this.reaction)
+    for row in this.held:
+        this.r[row] = 0.0
+
+
+@inlined
+def _book_reaction(booked: Array, reaction: Array, h: float) -> None:
+    """Half a step of it."""
+    for k in range(6):
+        booked[BY_REACTIONS + k] += 0.5 * h * reaction[k]
+
+
+@linked
+def look(table: Indices, steps: PlainSteps, h: float) -> None:
+    """Book what loads and springs did for a time ``h`` that ends."""
+    this, how = _packed(table), Steps(*steps)
+    twists(_masses(table), this.H, this.p, this.v)
+    end = this.H, this.v, this.none, this.none
+    look_and_sum_up(h, end, how.loads, how.joints, this.books)
+
+
+@linked
+def _close(table: Indices, steps: PlainSteps) -> None:
+    """Second half of the forces of a step."""
+    this, how = _packed(table), Steps(*steps)
+    masses = _masses(table)
+    kick(masses, this.H, this.r, 0.5 * how.h, this.p)
+    if how.booked and (how.loads or how.joints):
+        look(table, steps, how.h)
+
+
+@linked
+def run(table: Indices, steps: PlainSteps, last: int) -> int:
+    """Go on to the end of step ``last``; returns why it came back.
+
+    Args:
+        table: Of fixed arrays, see :class:`Packed`.
+        steps: How steps are made.
+        last: Step to reach.
+    """
+    this, how = _packed(table), Steps(*steps)
+    counters, masses = this.counters, _masses(table)
+    while True:
+        if counters[PHASE] == BETWEEN:
+            if counters[STEP] >= last:
+                return DONE
+            counters[STEP] += 1
+            kick(masses, this.H, this.r, 0.5 * how.h, this.p)
+            drift(masses, this.p, how.h, this.H)
+            counters[PHASE] = MOVED
+        if counters[PHASE] == MOVED:
+            counters[PHASE] = WEIGHED
+            if not how.summed:
+                return RESIDUAL
+            held = how.booked and how.held
+            if held:
+                _book_reaction(this.booked, this.reaction, how.h)
+            weigh(table, held)
+            if held:
+                _book_reaction(this.booked, this.reaction, how.h)
+        _close(table, steps)
+        counters[PHASE] = BETWEEN

@@ -1,0 +1,185 @@
+"""A run of explicit steps: the compiled loop, results, books and checkpoints."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.results import Result
+from fem_lie.solve.explicit import loop, nodes
+from fem_lie.solve.explicit.stable import StableStep, stable_step
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations, Instant
+
+_log = logging.getLogger(__name__)
+
+_AT_A_TIME = 20_000_000
+"""Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
+
+_NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
+
+
+class ExplicitRun(Integration[Recorder]):
+    """One integration.
+
+    Between steps there are frames and momenta, both at the same time, and the forces there.
+    """
+
+    def __init__(
+        self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
+    ) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            equations: Of the scene, with lumped inertia.
+            step: Step size.
+            masses: Of its nodes.
+            limit: The largest stable step at the start.
+        """
+        super().__init__(Never(), equations, step)
+        unknowns, known = equations.unknowns, equations.tables
+        n = unknowns.moving
+        self.masses, self.limit, self._n = masses, limit, n
+        self._changing = unknowns.time_dependent
+        self.H, self.p, self.v = equations.start.frames.copy(), np.zeros((n, 6)), np.zeros((n, 6))
+        self._rest, self._none = np.zeros((n, 6)), np.zeros(0)
+        self.r, self.reaction = np.zeros(6 * n), np.zeros(6)
+        self.books = equations.books()
+        self._forces = equations.residual(self._instant, self._none, self.r)
+        supports = np.flatnonzero(known.supported.any(axis=1))
+        books, table = self.books, self._forces.table
+        summed = known.in_one_sum and table is not None
+        self._booked = not books.empty and books.compiled_but_held and summed
+        self.counters = np.zeros(2, dtype=np.int64)
+        packed = loop.Packed(
+            masses,
+            self.H,
+            self.p,
+            self.v,
+            self._rest,
+            self._none,
+            self.r,
+            np.flatnonzero(unknowns.held),
+            (supports, known.supported[supports].astype(np.int64)),
+            self.reaction,
+            _NOWHERE if table is None else table,
+            books.table,
+            books.total,
+            self.counters,
+        )
+        self._packed = FixedArrays(packed.arrays)
+        self._how: loop.PlainSteps = (
+            *loop.Steps(step, summed, self._booked, len(supports) > 0, *books.looks),
+        )
+        self._most = 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * n))
+
+    @property
+    def _looks(self) -> bool:
+        """Whether books have to be asked after each step."""
+        return not self.books.empty and not self._booked
+
+    @property
+    def _instant(self) -> Instant:
+        """At rest: forces depend on places alone."""
+        return Instant(self.H, self._rest, self._rest, self._none)
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return Recorder(self.equations, steps, self.h, saving, progress, store)
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.H
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return int(self.counters[loop.STEP])
+
+    def start(self) -> None:
+        """See the base class."""
+        nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
+        nodes.twists((*self.masses,), self.H, self.p, self.v)
+        self.books.open(0.0, *self._moving)
+        if self._booked:
+            # without what holds nodes, which is booked by itself
+            loop.look(self._packed.table, self._how, 0.0)
+        if self._how[1]:
+            loop.weigh(self._packed.table, self._booked)
+        else:
+            self.equations.residual(self._instant, self._none, self.r, self._forces)
+
+    @property
+    def _moving(self) -> Instant:
+        return Instant(self.H, self.v, self._rest, self._none)
+
+    # --- steps ---
+
+    def _advance(self, history: Recorder) -> bool:
+        index = self.index
+        last = min(history.next_stop(index), index + self._most)
+        if self._changing:
+            self.equations.set_time((index + 1) * self.h)
+        while loop.run(self._packed.table, self._how, last) == loop.RESIDUAL:
+            self.equations.residual(self._instant, self._none, self.r, self._forces)
+        if not np.isfinite(self.p).all():
+            return False
+        if self._looks:
+            nodes.twists((*self.masses,), self.H, self.p, self.v)
+            self.books.add(self.h, self.index * self.h, *self._moving)
+        return True
+
+    def _failure(self, steps: int) -> str:
+        return (
+            f"step {self.index} of {steps} (h = {self.h:g}) failed: numbers are not finite. At the "
+            f"start steps up to {self.limit.step:.4g} were stable; a scene that becomes stiffer "
+            "wants smaller ones"
+        )
+
+    # --- results ---
+
+    def _record(self, history: Recorder) -> bool:
+        history.show_progress(self.index)
+        wanted = history.wants(self.index)
+        if wanted:
+            nodes.twists((*self.masses,), self.H, self.p, self.v)
+            history.count = self.index
+            history.fill(self.index * self.h, *self._moving, self.books.total)
+        return wanted
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(0, history.seconds)
+
+    # --- checkpoints ---
+
+    _STATE = ("H", "p", "v", "r", "reaction", "counters")
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept = {name: getattr(self, name).copy() for name in self._STATE}
+        return kept | self.equations.saved() | self.books.memory()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name in self._STATE:
+            getattr(self, name)[:] = kept[name]
+        self.equations.restore(kept)
+        self.books.restore(kept)
+
+
+def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
+    """The largest stable step at the start; it is logged."""
+    limit = stable_step(equations, masses, equations.start.frames)
+    _log.info("the largest stable step is %.4g", limit.step)
+    return limit

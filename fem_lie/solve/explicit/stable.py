@@ -1,0 +1,171 @@
+"""Inertia of nodes by themselves, and the largest step at which explicit steps are stable.
+
+With the stiffness ``K`` as a sum over cells of ``k`` nodes, and ``x·K_e x ≤ k Σ_i x_i·K_e,ii x_i``
+of each cell whose stiffness has no negative part, no squared frequency is larger than the largest
+of::
+
+    M_i⁻¹ Σ_e k K_e,ii
+
+over all nodes. A node's are those of the cells around it; of equal bars in a row, and of nets of
+them, this is the largest frequency itself. Steps are stable up to ``2/ω``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags
+from fem_lie.forms.term import Term
+from fem_lie.lie.kinds import POINT, SLOPE, SURFACE
+from fem_lie.solve.explicit.nodes import DIRECTOR, FRAME, STILL, STRAIGHT, Masses
+from fem_lie.system.equations import Equations
+
+_NODES = 2
+"""In rows of tables of cells: how many nodes these have."""
+_FEW, _MANY = 2, 4
+"""Nodes of springs and contacts, and of cells of which nothing is said."""
+_NEGLIGIBLE = 1e-10
+
+
+class StableStep(NamedTuple):
+    """The largest one.
+
+    Attributes:
+        step: Its size.
+        node: Of the equations, around which cells are the stiffest for their mass.
+    """
+
+    step: float
+    node: int
+
+
+def masses_of(equations: Equations) -> Masses:
+    """Inertia of the nodes; ``ValueError`` says which steps it cannot make."""
+    kinds, held = equations.unknowns.kinds, equations.unknowns.held
+    G = equations.tables.inertia.blocks
+    n = len(kinds)
+    m, s, E = G[:, 0, 0], G[:, 0, 1:], G[:, 1:, 1:]
+    straight, still = kinds >= SLOPE, held.all(axis=1)
+    weights = np.where(straight[:, np.newaxis], G.diagonal(axis1=1, axis2=2)[:, :2], 1.0)
+    weights[:, 0], weights[kinds == POINT, 1] = m, 1.0
+    centre = np.where(straight[:, np.newaxis], 0.0, s / np.where(m > 0, m, 1.0)[:, np.newaxis])
+    about = E - np.einsum("n,na,nb->nab", m, centre, centre)
+    J = np.trace(about, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - about
+    J[straight] = 0.0
+    director = ~straight & held[:, 5] & ~held[:, 3] & ~held[:, 4]
+    J[director, 2], J[director, :, 2] = 0.0, 0.0
+    ways = np.where(straight, STRAIGHT, np.where(director, DIRECTOR, FRAME))
+    ways[still] = STILL
+    _check_masses(equations, ways, weights, J)
+    inverse, free = np.zeros_like(J), _turns(ways, held)
+    inverse[free & ~director] = np.linalg.inv(J[free & ~director])
+    inverse[director, 0, 0] = inverse[director, 1, 1] = 1.0 / J[director, 0, 0]
+    ones = np.zeros((n, 2)) + np.where(ways[:, np.newaxis] == STILL, 1.0, weights)
+    return Masses(kinds, ways.astype(np.int64), ones, np.ascontiguousarray(centre), J, inverse)
+
+
+def _turns(ways: Array, held: Flags) -> Flags:
+    """Which nodes are frames that turn."""
+    return np.asarray(((ways == FRAME) & ~held[:, 3:].all(axis=1)) | (ways == DIRECTOR))
+
+
+def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -> None:
+    """Refuse nodes without inertia, and frames that are held in part."""
+    held, free = equations.unknowns.held, _turns(ways, equations.unknowns.held)
+    light = (weights[:, 0] <= 0) & (ways != STILL)
+    light |= (weights[:, 1] <= 0) & (ways == STRAIGHT)
+    moments = np.linalg.eigvalsh(J)
+    least = np.where(ways == DIRECTOR, moments[:, 1], moments[:, 0])
+    light |= free & ~(least > _NEGLIGIBLE * moments[:, 2])
+    if light.any():
+        raise ValueError(
+            "Explicit: no step is stable where a node has no mass or no rotary inertia of its own: "
+            f"{_told(equations, light)}; give sections a density and rotary inertia, or use "
+            "GeneralisedAlpha"
+        )
+    partly = (ways == FRAME) & free & held.any(axis=1) & ~held[:, :3].all(axis=1)
+    partly |= (ways == FRAME) & free & held[:, 3:].any(axis=1)
+    if partly.any():
+        raise ValueError(
+            "Explicit: a frame may be held whole, in its rotation or at its place, but "
+            f"{_told(equations, partly)} is held in part: use GeneralisedAlpha"
+        )
+
+
+def _told(equations: Equations, chosen: Flags) -> str:
+    """The first of some nodes."""
+    node = int(equations.unknowns.leaders[int(np.flatnonzero(chosen)[0])])
+    return node_name(equations, node)
+
+
+def node_name(equations: Equations, node: int) -> str:
+    """One of all nodes, as messages call it."""
+    for body, nodes in equations.unknowns.bodies.items():
+        place = np.flatnonzero(nodes == node)
+        if len(place):
+            return f"node {int(place[0])} of {body.label}"
+    return f"node {node}"
+
+
+def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
+    """The largest step at frames ``H``; infinite if there is no stiffness.
+
+    Args:
+        equations: Of the scene, with lumped inertia.
+        masses: Of its nodes.
+        H: Frames of all rows.
+    """
+    n, held = len(masses.kinds), equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis]
+    K = np.zeros((n, 6, 6))
+    for term in equations.tables.terms:
+        rows, columns = term.pairs
+        kept = term.room()
+        term.add_forces(H, np.zeros((n, 6)), kept)
+        blocks, own = term.tangent(H, kept), rows == columns
+        np.add.at(K, rows[own], _cell_size(term) * blocks[own])
+    K[:] = 0.5 * (K + K.swapaxes(1, 2))
+    K[held], K.swapaxes(1, 2)[held] = 0.0, 0.0
+    M = _in_axes(masses)
+    M[held], M.swapaxes(1, 2)[held] = 0.0, 0.0
+    M[:, np.arange(6), np.arange(6)] += held
+    values = np.linalg.eigvals(np.linalg.solve(M, K)).real.max(axis=1)
+    node = int(values.argmax())
+    largest = float(values[node])
+    step = 2.0 / np.sqrt(largest) if largest > 0.0 else np.inf
+    return StableStep(float(step), int(equations.unknowns.leaders[node]))
+
+
+def _in_axes(masses: Masses) -> Array:
+    """Mass matrices on twists in the axes of the nodes, shape (n, 6, 6)."""
+    straight = masses.ways == STRAIGHT
+    M = np.zeros((len(masses.kinds), 6, 6))
+    rows = np.repeat(np.where(straight[:, np.newaxis], masses.masses, masses.masses[:, :1]), 3, 1)
+    M[:, np.arange(6), np.arange(6)] = rows
+    x, y, z = masses.centre.T
+    o = np.zeros_like(x)
+    hat = np.array([[o, -z, y], [z, o, -x], [-y, x, o]]).transpose(2, 0, 1)
+    m = masses.masses[:, 0, np.newaxis, np.newaxis]
+    about = masses.turning - m * hat @ hat
+    M[~straight, 3:, :3], M[~straight, :3, 3:] = (m * hat)[~straight], -(m * hat)[~straight]
+    M[~straight, 3:, 3:] = about[~straight]
+    return M
+
+
+def _cell_size(term: Term) -> int:
+    """How many nodes its cells have."""
+    table = None
+    if term.tables is not None:
+        table = term.tables[0]
+    elif term.following is not None:
+        table = term.following.table
+    if table is not None:
+        return int(table.rows[:, _NODES].max(initial=1))
+    return _MANY if term.of_bodies else _FEW
+
+
+def refuse_surfaces(equations: Equations) -> None:
+    """Raise ``ValueError`` for points that are several nodes."""
+    if (equations.unknowns.kinds >= SURFACE).any():
+        raise ValueError("Explicit has no thin shells, whose points share mass: use Shell")

@@ -1,0 +1,189 @@
+"""Explicit steps: momenta, order, the largest stable step, loads, interruption, bad input."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from tests.test_composed import flying, resumed_as_whole
+from tests.test_energy_momentum import bars, plate
+from tests.test_solids import brick
+from tests.test_variational import spinning
+
+SCHEME = fl.Explicit()
+THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-4] * 3, mass=0.01)
+
+
+def net(cells: int = 5, pinned: bool = True) -> tuple[fl.Scene, fl.Net]:
+    """A square net that is hit in the middle; stretched by a tenth if its edges are pinned."""
+    x = np.linspace(0, 1, cells + 1)
+    places = np.array([(a, b, 0) for a in x for b in x])
+    grid = np.arange(len(places)).reshape(cells + 1, cells + 1)
+    threads = [list(row) for row in grid] + [list(column) for column in grid.T]
+    body = fl.Net(places, threads, THREAD, stretch=1.1 if pinned else 1.0)
+    far = ((places[:, :2] - 0.4) ** 2).sum(axis=1)
+    body.velocities[:, 2] = 3.0 * np.exp(-far / 0.1)
+    if not pinned:
+        body.velocities *= 0.1
+    scene = fl.Scene()
+    scene.add(body)
+    if pinned:
+        edges = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
+        body.pin(*(body.node(int(k)) for k in edges))
+        body.velocities[edges] = 0.0
+    return scene, body
+
+
+def hermite() -> fl.Scene:
+    """A cable of places and slopes that flies."""
+    scene = fl.Scene()
+    rope = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=4))
+    rope.velocities[:, 1] = np.sin(3 * rope.frames[:, 0, 0])
+    rope.velocities[:, 2] = rope.frames[:, 0, 0]
+    return scene
+
+
+FREE = {
+    "net": lambda: net(pinned=False)[0],
+    "places and slopes": hermite,
+    "beam": flying,
+    "rigid body": spinning,
+    "shell": lambda: plate("MITC4")[0],
+}
+
+
+@pytest.mark.parametrize("name", FREE)
+def test_momenta_and_energy(name):
+    """Momenta are exact, and the energy stays about where it was."""
+    scene = FREE[name]()
+    limit = SCHEME.stable_step(scene)
+    step = 1e-3 if np.isinf(limit) else 0.5 * limit
+    result = SCHEME.run(scene, duration=2000 * step, step=step, save_every=10)
+    assert result.momentum_error <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+    energy = result.total_energy
+    assert np.ptp(energy) <= 0.05 * energy[0]
+    halves = energy[:100], energy[100:]
+    assert np.ptp(halves[1]) <= 1.5 * np.ptp(halves[0]) + 1e-12 * energy[0]
+    if name != "rigid body":
+        assert np.ptp(result.kinetic) >= 1e-3 * result.kinetic[0]
+
+
+def test_a_free_body_turns_as_in_the_variational_scheme():
+    """Both are that of Moser and Veselov."""
+    plan = {"duration": 1.0, "step": 1e-2, "save_every": 20}
+    here, there = SCHEME.run(spinning(), **plan), fl.Variational().run(spinning(), **plan)
+    np.testing.assert_allclose(here.frames, there.frames, atol=1e-12)
+    assert here.energy_error <= 1e-13
+
+
+@pytest.mark.parametrize("name", ["net", "places and slopes", "beam"])
+def test_second_order(name):
+    """In frames and velocities, by halved steps."""
+    step = 0.2 * SCHEME.stable_step(FREE[name]())
+    ends = [
+        SCHEME.run(FREE[name](), duration=32 * step, step=step / parts, save_every=10**6)
+        for parts in (1, 2, 4)
+    ]
+    for what in ("frames", "velocities"):
+        far, near = (
+            np.abs(getattr(a, what)[-1] - getattr(b, what)[-1]).max() for a, b in pairwise(ends)
+        )
+        assert np.log2(far / near) == pytest.approx(2.0, abs=0.1)
+
+
+def test_the_stable_step_of_a_row_of_bars():
+    """It is that of the highest frequency, ``2/ω = ℓ √(μ/EA)``, if bending is none."""
+    soft = fl.Section.from_stiffness([100.0] * 3 + [1e-9] * 3, mass=0.01)
+    places = np.zeros((9, 3))
+    places[:, 0] = np.arange(9) / 8
+    scene = fl.Scene()
+    body = scene.add(fl.Net(places, [range(9)], soft))
+    body.pin(body.node(0), body.node(8))
+    limit = SCHEME.stable_step(scene)
+    assert limit == pytest.approx(0.125 * np.sqrt(0.01 / 100.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("courant", [0.9])
+def test_courant_number(courant):
+    """Steps just below the largest one are stable for long, those well above would not be."""
+    scene, _ = net(4)
+    limit = SCHEME.stable_step(scene)
+    step = courant * limit
+    result = SCHEME.run(scene, duration=20_000 * step, step=step, save_every=100)
+    energy = result.total_energy
+    assert np.abs(energy / energy[0] - 1.0).max() <= 0.1
+    assert np.abs(np.mean(energy[-50:]) / np.mean(energy[:50]) - 1.0) <= 0.02
+
+
+def test_steps_that_are_not_stable():
+    scene, _ = net()
+    limit = SCHEME.stable_step(scene)
+    with pytest.raises(ValueError, match=r"stable step, at most .* around node \d+ of net 1, got"):
+        SCHEME.run(scene, duration=1.1 * limit, step=1.1 * limit)
+
+
+def test_loads_and_supports():
+    """What gravity and supports do is booked step by step, in the compiled loop."""
+    scene, _ = net()
+    scene.gravity[:] = (0, 0, -9.81)
+    step = 0.5 * SCHEME.stable_step(scene)
+    result = SCHEME.run(scene, duration=500 * step, step=step, save_every=7)
+    assert np.abs(result.impulses[-1]).max() > 1e-4
+    assert result.momentum_error <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+
+
+def test_loads_in_time():
+    """They are known at the ends of steps."""
+    scene, body = net()
+    push = fl.PointLoad(body.node(14), force=(0, 0, 0.1), history=lambda t: np.sin(40 * t))
+    scene.add(push)
+    step = 0.1 * SCHEME.stable_step(scene)
+    runs = [
+        SCHEME.run(scene, duration=100 * step, step=step / parts, save_every=10**6)
+        for parts in (1, 2, 4)
+    ]
+    far, near = (np.abs(a.frames[-1] - b.frames[-1]).max() for a, b in pairwise(runs))
+    assert np.log2(far / near) == pytest.approx(2.0, abs=0.1)
+    assert runs[0].momentum_error <= 1e-12
+    assert runs[1].balance_error <= 0.3 * runs[0].balance_error
+    still = SCHEME.run(net()[0], duration=100 * step, step=step, save_every=10**6)
+    assert np.abs(runs[0].frames[-1] - still.frames[-1]).max() > 1e-4
+
+
+@pytest.mark.parametrize("scene", [lambda: net()[0], flying], ids=["net", "beam"])
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
+    step = 0.5 * SCHEME.stable_step(scene())
+    plan = {"duration": 30 * step, "step": step, "save_every": 3}
+    resumed_as_whole(SCHEME, scene, plan, tmp_path / "run.h5", monkeypatch)
+
+
+# --- bad input ---
+
+
+def test_joints():
+    with pytest.raises(ValueError, match=r"Explicit has no joints: hold places by pin and clamp"):
+        SCHEME.stable_step(bars()[0])
+
+
+def test_damping():
+    scene = fl.Scene()
+    damped = fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=2, damping=fl.Damping(mass=1.0))
+    scene.add(damped)
+    with pytest.raises(ValueError, match=r"Explicit has no damping"):
+        SCHEME.run(scene, duration=1e-3, step=1e-4)
+
+
+def test_no_stable_step():
+    """Mass of quadratic tetrahedra at their corners, which lumping makes less than none."""
+    scene = fl.Scene()
+    scene.add(brick((1, 1, 1), cell="tetrahedron", degree=2))
+    with pytest.raises(ValueError, match=r"no step is stable .* no mass .* node \d+ of "):
+        SCHEME.stable_step(scene)
+
+
+def test_steps_that_change():
+    with pytest.raises(ValueError, match=r"constant steps.* got AdaptiveStep"):
+        SCHEME.run(net()[0], duration=0.1, step=fl.AdaptiveStep(1e-4))
