@@ -523,6 +523,25 @@ def test_matrices_are_kept_in_axes_that_follow():
     np.testing.assert_allclose(momentum[-1], momentum[0], atol=1e-3 * np.abs(momentum[0]).max())
 
 
+def test_damping_with_mass_slows_a_sheet_down():
+    """At its own rate in each of two that are assembled together; books know what it took."""
+    scene, sheets = fl.Scene(), []
+    section = fl.ShellSection.layer(1e-3, fl.Material(3e9, 0.3, 1200.0))
+    for k, rate in enumerate((2.0, 0.0)):
+        patch = fl.smooth_patch(lambda a, b, k=k: [a, b, float(k)], (2, 1))
+        sheets.append(fl.ThinShell(patch, section, damping=fl.Damping(mass=rate), name=f"{k}"))
+        sheets[k].move((1.0, 0.0, 0.0))
+        scene.add(sheets[k])
+    found = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-2)
+    gone = [found.position(f"{k}.00")[-1, 0] for k in range(2)]
+    np.testing.assert_allclose(gone, [0.5 * (1 - np.exp(-1.0)), 0.5], rtol=1e-4)
+    lost = 0.5 * 1.2 * (1 - np.exp(-2.0))
+    assert found.kinetic[0] - found.kinetic[-1] == pytest.approx(lost, rel=1e-4)
+    assert abs(found.balance_error) < 1e-4
+    with pytest.raises(ValueError, match="damping with mass only"):
+        fl.ThinShell(patch, section, damping=fl.Damping(stiffness=1e-3))
+
+
 def test_a_run_goes_on_from_its_file(tmp_path):
     """And pictures show faces of places alone."""
     result = tumbling(fl.ThinShell, 5)

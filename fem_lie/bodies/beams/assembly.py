@@ -11,7 +11,7 @@ from mpi4py import MPI
 import numpy as np
 
 from fem_lie import _compat
-from fem_lie._arrays import Array, Indices, number, numbers
+from fem_lie._arrays import Array, Indices, instance, number, numbers
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.body_term import NodalInertia
@@ -56,6 +56,20 @@ class Damping:
         """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6)."""
         root = np.sqrt(self.factors())
         return np.asarray(stiffness * np.outer(root, root))
+
+
+def mass_only(damping: Damping | None, what: str) -> Damping:
+    """What is given, or none.
+
+    Raises:
+        ValueError: It damps strain.
+        TypeError: It is no damping.
+    """
+    instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
+    given = Damping() if damping is None else damping
+    if given.factors().any():
+        raise ValueError(f"a {what} has damping with mass only, got Damping(stiffness=…)")
+    return given
 
 
 class BeamData(Protocol):

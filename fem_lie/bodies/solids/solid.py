@@ -23,7 +23,7 @@ from fem_lie._arrays import (
     vector,
     whole,
 )
-from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
@@ -99,7 +99,6 @@ class Solid(SupportedSolid):
             mesh = VolumeMesh(mesh)
         instance(mesh, VolumeMesh, "Solid: mesh", "a VolumeMesh; see block(), read_gmsh_volume()")
         instance(formulation, SolidFormulation | None, "Solid: formulation", "an element or None")
-        instance(damping, Damping | None, "Solid: damping", "a Damping or None")
         self.degree = mesh.degree if degree is None else whole(degree, "Solid: degree")
         if self.degree > 2:
             raise ValueError(f"Solid: degree must be 1 or 2, got {degree!r}")
@@ -109,9 +108,7 @@ class Solid(SupportedSolid):
             formulation = default_formulation(mesh.cell, self.degree, materials)
         self.formulation = formulation
         self.formulation.check(mesh.cell, self.degree)
-        self.damping = Damping() if damping is None else damping
-        if self.damping.factors().any():
-            raise ValueError("a Solid has damping with mass only, got Damping(stiffness=…)")
+        self.damping = mass_only(damping, "Solid")
         self._space = fem.functionspace(mesh.mesh, ("P", self.degree))
         self.connectivity: Indices = self._space.dofmap.list.astype(np.int64)
         self.rule = VolumeRule.of(mesh.mesh, self.degree)

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.elements.thin_shells import cells as kernels
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unloaded
 from fem_lie.elements.thin_shells.cell_tables import stress_at
@@ -29,6 +30,7 @@ class ThinShellData(Protocol):
     stiffness: Array
     axes: Array
     formulation: BicubicHermite
+    damping: Damping
     has_mass: bool
 
     def vectors(self) -> Array:
@@ -86,8 +88,16 @@ class ThinShellAssembly(BodyTerm):
         self._place = cells, place, int(self._tables.ctypes.data)
         self._contents = np.concatenate([head, sampled, D.reshape(len(cells), -1)], axis=1)
         if all(body.has_mass for body in bodies):
-            elements = np.concatenate([body.element_inertia() for body in bodies])
-            self.inertia = NodalInertia(self.summed(elements))
+            self.inertia = self._nodal_inertia(bodies)
+
+    def _nodal_inertia(self, bodies: Sequence[ThinShellData]) -> NodalInertia:
+        parts = [body.element_inertia() for body in bodies]
+        rates = [body.damping.mass for body in bodies]
+        mass = self.summed(np.concatenate(parts))
+        if not any(rates):
+            return NodalInertia(mass)
+        damped = [rate * part for rate, part in zip(rates, parts, strict=True)]
+        return NodalInertia(mass, self.summed(np.concatenate(damped)))
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:

@@ -121,3 +121,13 @@ def _check_slopes(a: Array, b: Array, size: float, label: str) -> None:
             f"{a[1:]} and\n{b[1:]}. Give functions with the same slopes on both sides (a along a, "
             "of the same speed), or say joined=False; a kink cannot be joined"
         )
+
+
+def frames_of(rows: Array, area: float) -> Array:
+    """Rows of the nodes from places and derivatives (n, 4, 3), but for the axes, (2 n, 4, 3)."""
+    count = len(rows)
+    frames = np.zeros((2 * count, 4, 3))
+    frames[:count, :2] = rows[:, :2]
+    frames[count:, 0], frames[count:, 2] = rows[:, 0], rows[:, 2]
+    frames[count:, 1] = area * rows[:, 3]
+    return frames

@@ -9,11 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction, flag, instance, number, text
+from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.axes import follow_surface
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
+from fem_lie.bodies.thin_shells.joining import frames_of
 from fem_lie.bodies.thin_shells.joining import joined as put_together
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.supports import HeldSurface
@@ -53,6 +55,7 @@ class ThinShell(HeldSurface):
         density: Mass per area of each cell, shape (m,).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
         formulation: The element.
+        damping: Of its motion in space.
     """
 
     compound = True
@@ -64,6 +67,7 @@ class ThinShell(HeldSurface):
         *,
         along: npt.ArrayLike | Direction | None = None,
         formulation: BicubicHermite | None = None,
+        damping: Damping | None = None,
         joined: bool | None = None,
         name: str = "",
     ) -> None:
@@ -77,13 +81,15 @@ class ThinShell(HeldSurface):
             along: e₁ of the sections' axes before projection onto the surface: one vector, or a
                 function of the middle of a cell; default: along a.
             formulation: The element.
+            damping: With mass only.
             joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
                 those of several patches.
             name: For messages and results.
 
         Raises:
             ValueError: There is no patch, parametrisations of edges that are to be one do not
-                agree, a patch has no section, or ``along`` is normal to the surface.
+                agree, a patch has no section, ``along`` is normal to the surface, or there is
+                damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
         known = "a SmoothPatch, or a dict of them by names"
@@ -101,6 +107,7 @@ class ThinShell(HeldSurface):
         one = len(given) > 1 if joined is None else joined
         surface = put_together(given, one=one, label=name or "ThinShell")
         self.formulation = BicubicHermite() if formulation is None else formulation
+        self.damping = mass_only(damping, "ThinShell")
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
         self.points_count = count = len(surface.rows)
@@ -109,7 +116,7 @@ class ThinShell(HeldSurface):
         products = surface.sizes.prod(axis=1, keepdims=True) / area
         self.sizes = np.concatenate([surface.sizes, products], axis=1)
         super().__init__(
-            _frames(surface.rows, area),
+            frames_of(surface.rows, area),
             cells=np.empty((0, 2), dtype=np.int64),
             outline=None,
             size=float(np.linalg.norm(np.ptp(surface.rows[:, 0], axis=0))),
@@ -287,13 +294,3 @@ class ThinShell(HeldSurface):
                 f"{axes[cell]}"
             )
         return axes
-
-
-def _frames(rows: Array, area: float) -> Array:
-    """Rows of the nodes from places and derivatives (n, 4, 3), but for the axes."""
-    count = len(rows)
-    frames = np.zeros((2 * count, 4, 3))
-    frames[:count, :2] = rows[:, :2]
-    frames[count:, 0], frames[count:, 2] = rows[:, 0], rows[:, 2]
-    frames[count:, 1] = area * rows[:, 3]
-    return frames
