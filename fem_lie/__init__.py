@@ -82,6 +82,7 @@ from fem_lie.joints import (
 from fem_lie.joints.histories import Jumps, Table
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.gmsh_lines import read_curve
 from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
@@ -341,6 +342,7 @@ __all__ = [
     "ground",
     "imperfect",
     "local_frame_forms",
+    "read_curve",
     "read_gmsh",
     "read_gmsh_surface",
     "read_gmsh_volume",

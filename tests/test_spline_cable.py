@@ -5,6 +5,8 @@ import pytest
 from scipy.interpolate import BSpline
 
 import fem_lie as fl
+from fem_lie.mesh.gmsh_session import model as gmsh_model
+from fem_lie.mesh.gmsh_session import session as gmsh_session
 
 SECTION = fl.Section.from_stiffness([1e4, 1e4, 1e4, 2.0, 2.0, 2.0], mass=0.5)
 KNOTS = np.array([0, 0, 0, 0, 1, 1, 3, 3, 4, 4, 4, 4.0])
@@ -150,3 +152,50 @@ def test_refused(case):
     call, words = case
     with pytest.raises((ValueError, TypeError), match=words):
         call()
+
+
+# --- from CAD files -------------------------------------------------------------------------------
+
+
+def half_circles(folder, ending, count=1):
+    """Rational cubics in a file: exact half circles about the z axis."""
+    file = folder / f"half.{ending}"
+    with gmsh_session() as gmsh, gmsh_model(gmsh):
+        for height in range(count):
+            corners = [(1, 0), (1, 2), (-1, 2), (-1, 0)]
+            tags = [gmsh.model.occ.addPoint(x, y, height) for x, y in corners]
+            gmsh.model.occ.addBSpline(
+                tags, degree=3, weights=[1, 1 / 3, 1 / 3, 1], knots=[0, 1], multiplicities=[4, 4]
+            )
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(file))
+    return file
+
+
+@pytest.mark.parametrize(("ending", "digits"), [("brep", 1e-14), ("step", 1e-11)])
+def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, ending, digits):
+    file, gaps, lengths = half_circles(tmp_path, ending), [], []
+    for cells in (8, 16, 32):
+        u, places, slopes = fl.read_curve(file, cells)
+        np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.0, atol=digits)
+        np.testing.assert_allclose(np.einsum("ij,ij->i", places, slopes), 0.0, atol=10 * digits)
+        h = np.diff(u)[:, np.newaxis]
+        middle = 0.5 * (places[:-1] + places[1:]) + h * (slopes[:-1] - slopes[1:]) / 8
+        gaps.append(np.abs(np.linalg.norm(middle, axis=1) - 1).max())
+        cable = fl.SplineCable(u, places, slopes, SECTION)
+        lengths.append(abs(cable.consistent_shares()[1].sum() - np.pi))
+    assert (np.log2(np.array(gaps[:-1]) / gaps[1:]) > 3.6).all()
+    assert lengths[-1] < 2e-6
+
+
+def test_which_curve_of_a_file_must_be_said(tmp_path):
+    file = half_circles(tmp_path, "brep", 2)
+    with pytest.raises(ValueError, match=r"has the curves \[1, 2\], .* got curve = None"):
+        fl.read_curve(file, 4)
+    with pytest.raises(ValueError, match=r"got curve = 7"):
+        fl.read_curve(file, 4, curve=7)
+    assert fl.read_curve(file, 4, curve=2).places[0] == pytest.approx([1, 0, 1])
+    with pytest.raises(ValueError, match="at least 1, got 0"):
+        fl.read_curve(file, 0, curve=1)
+    with pytest.raises(FileNotFoundError, match="no mesh file"):
+        fl.read_curve(tmp_path / "none.step", 4)

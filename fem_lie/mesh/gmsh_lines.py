@@ -6,11 +6,11 @@ import logging
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, whole_number
 from fem_lie.mesh.gmsh_session import chosen_entities, logged, named_points, opened, physical
 from fem_lie.mesh.tangents import circle_tangents, flipped
 
@@ -53,6 +53,59 @@ def read_lines(
         if gmsh.model.mesh.getNodes()[0].size == 0:
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
         return model_lines(str(file), kink_angle)
+
+
+class Spline(NamedTuple):
+    """Places and slopes along a curve, as :class:`~fem_lie.SplineCable` takes them.
+
+    Attributes:
+        knots: The parameter ``u`` there, increasing, shape (n,).
+        places: Shape (n, 3).
+        slopes: ``dr/du``, shape (n, 3).
+    """
+
+    knots: Array
+    places: Array
+    slopes: Array
+
+
+def read_curve(
+    path: str | os.PathLike[str],
+    cells: int,
+    *,
+    curve: int | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Spline:
+    """A curve of a CAD file, rational ones (NURBS) too: STEP, IGES, BREP or ``.geo``.
+
+    gmsh evaluates it, so that places and slopes are those of the curve itself. Between them the
+    cubic follows it to fourth order; with the knots of a cubic spline among ``u`` it is the curve.
+
+    Args:
+        path: The file.
+        cells: Equal parts of the curve's parameter.
+        curve: gmsh's number of the curve; default: the only one.
+        parameters: Numbers of a ``.geo`` file.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: gmsh cannot read it, there is no such curve or several and no number, or there
+            are no cells.
+    """
+    count = whole_number(cells) + 1
+    with opened(path, parameters) as (gmsh, file):
+        known = [tag for _, tag in gmsh.model.getEntities(1)]
+        wanted = known[0] if curve is None and len(known) == 1 else curve
+        if wanted not in known:
+            raise ValueError(
+                f"{str(file)!r} has the curves {known}, and read_curve takes one of them, got "
+                f"curve = {curve}"
+            )
+        (begin,), (end,) = gmsh.model.getParametrizationBounds(1, wanted)
+        u = np.linspace(begin, end, count)
+        places = np.reshape(gmsh.model.getValue(1, wanted, u), (-1, 3))
+        slopes = np.reshape(gmsh.model.getDerivative(1, wanted, u), (-1, 3))
+    return Spline(u, places, slopes)
 
 
 def model_lines(what: str, kink_angle: float) -> RawLines:
