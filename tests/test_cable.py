@@ -647,10 +647,6 @@ REFUSED = {
         ),
         "an imperfection",
     ),
-    "conserving": (
-        lambda: fl.EnergyMomentum().run(cable_in_a_scene()[0], duration=1.0, step=0.1),
-        "GeneralisedAlpha",
-    ),
 }
 
 

@@ -255,11 +255,6 @@ def test_vibrations_of_a_bar():
     np.testing.assert_allclose(found, np.array([0.25, 0.75]) * 10, rtol=1e-4)
 
 
-def test_conserving_schemes_refuse_solids():
-    with pytest.raises(ValueError, match="Solid"):
-        fl.EnergyMomentum().run(scene_of(brick((1, 1, 1))), duration=0.1, step=0.1)
-
-
 # --- stresses, pictures, files ---
 
 

@@ -429,13 +429,6 @@ def test_directions_that_cannot_be_held_together():
         body.guide("00", (1, 0, 0))
 
 
-def test_conserving_schemes_refuse():
-    scene = fl.Scene()
-    scene.add(strip(2, 0.1))
-    with pytest.raises(ValueError, match="ThinShell"):
-        fl.EnergyMomentum().run(scene, duration=0.1, step=0.1)
-
-
 def test_moments_and_clamps_of_single_points_are_refused():
     body, scene = strip(2, 0.1), fl.Scene()
     scene.add(body)

@@ -35,6 +35,32 @@ class FormTable(NamedTuple):
     nodes: Indices
 
 
+class EachCell(NamedTuple):
+    """The cells of some forms, for those who call their kernels one by one.
+
+    Attributes:
+        calls: Addresses of kernel, coefficients, constants and coordinates of each, shape (m, 4).
+        first: Place of its first node, shape (m + 1,).
+        nodes: Of all cells.
+    """
+
+    calls: Indices
+    first: Indices
+    nodes: Indices
+
+
+def each_cell(table: FormTable) -> EachCell:
+    """One by one, in the order of the forms."""
+    calls: list[Indices] = [np.empty((0, 4), dtype=np.int64)]
+    sizes = [np.zeros(1, dtype=np.int64)]
+    for row in table.rows:
+        own = np.tile(row[[_KERNEL, _W, _C, _X]], (row[_CELLS], 1))
+        own[:, [1, 3]] += 8 * np.arange(row[_CELLS])[:, np.newaxis] * row[[_WIDTH, _EXTENT]]
+        calls.append(own)
+        sizes.append(np.full(row[_CELLS], row[_NODES]))
+    return EachCell(np.concatenate(calls), np.cumsum(np.concatenate(sizes)), table.nodes)
+
+
 @inlined
 def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, place: Pointer) -> int:
     """Add what the kernel of a form makes of its cell ``e``; returns where the cell's nodes begin.

@@ -18,6 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import instance
 from fem_lie.joints.equations.table import joint_table
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.compositions import Composition, FiveStages
@@ -97,6 +98,11 @@ def _refuse(equations: Equations) -> None:
         "damping in proportion to mass": len(tables.damping.indptr) > 0,
         "dampers in connections": bool(np.any(dampers != 0.0)),
     }
+    if (unknowns.kinds >= SLOPE).any():
+        raise ValueError(
+            "Composed has no nodes that are no frames (Cable, Net, ThinShell, Solid): use "
+            "EnergyMomentum or GeneralisedAlpha"
+        )
     for what, given in reasons.items():
         if given:
             raise ValueError(

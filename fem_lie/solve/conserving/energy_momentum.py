@@ -33,13 +33,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from fem_lie._arrays import number
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving import variable
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
+from fem_lie.solve.conserving.straight.run import StraightRun
+from fem_lie.solve.conserving.straight.scene import check, is_straight
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
@@ -81,7 +82,9 @@ class EnergyMomentum(Integrator):
         _refuse(equations)
         return equations
 
-    def _integration(self, equations: Equations, step: float) -> Run:
+    def _integration(self, equations: Equations, step: float) -> Run | StraightRun:
+        if is_straight(equations):
+            return StraightRun(self.policy, equations, step, (self.tolerance, self.max_iterations))
         return Run(self.told(), equations, step)
 
     def _follow(
@@ -93,6 +96,11 @@ class EnergyMomentum(Integrator):
         progress: bool | None,
     ) -> Result:
         equations, options = self._equations(scene), self.told()
+        if is_straight(equations):
+            raise ValueError(
+                "conserving schemes move nodes that are no frames (Cable, Net, ThinShell, Solid) by"
+                " constant steps: wanted the size of the step as a number and nothing that jumps"
+            )
         return variable.run(options, equations, duration, choice, saving, progress)
 
     def told(self) -> Options:
@@ -102,19 +110,20 @@ class EnergyMomentum(Integrator):
 
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what these schemes cannot do."""
-    unknowns = equations.unknowns
-    apart = [term.label for term in equations.tables.terms if not term.conserved]
+    unknowns, straight = equations.unknowns, is_straight(equations)
+    apart = [term.label for term in equations.tables.terms if not (term.conserved or straight)]
     drilling = ", ".join(unknowns.drilling)
     reasons = dict.fromkeys(unknowns.other_constraints, True) | {
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
         f"shells with six parameters ({drilling})": bool(drilling),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     for what, given in reasons.items():
         if given:
             raise ValueError(f"conserving schemes have no {what}: use GeneralisedAlpha")
+    if straight:
+        check(equations)
 
 
 @dataclass(frozen=True)
@@ -139,6 +148,16 @@ class EnergyDecaying(EnergyMomentum):
         number(self.radius, "radius")
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
+
+    def equations(self, scene: Scene) -> Equations:
+        """See the base class."""
+        equations = super().equations(scene)
+        if is_straight(equations):
+            raise ValueError(
+                "EnergyDecaying has no nodes that are no frames (Cable, Net, ThinShell, Solid): "
+                "use EnergyMomentum or GeneralisedAlpha"
+            )
+        return equations
 
     def told(self) -> Options:
         """See the base class."""

@@ -102,7 +102,7 @@ def beyond(value: float, bound: float) -> float:
 
 
 @inlined
-def _factor(missing: float, noise: float, square: float, least: float) -> float:
+def factor_of(missing: float, noise: float, square: float, least: float) -> float:
     """``missing/|s|²``, bounded where ``|s|²`` is below ``least`` and what is missing is noise."""
     if missing == 0.0 or square == 0.0:
         return 0.0
@@ -165,7 +165,7 @@ def add_elastic(
         missing += debt if abs(debt) > noise else 0.0
         # below the second a factor of noise would be as large as a stiffness by present forces
         least = max(0.01 * typical, ROUND_OFF * fit.ρ2)
-        factor = _factor(missing, KNOWN * noise, square, least)
+        factor = factor_of(missing, KNOWN * noise, square, least)
         work[e] = done + factor * square
         squares += square
         for a in range(count):

@@ -73,7 +73,7 @@ class RigidPart(NamedTuple):
 
 
 @inlined
-def _add_to(A: Array, s: float, v: Vector) -> None:
+def add_resistance(A: Array, s: float, v: Vector) -> None:
     """``A += s (|v|² I − v vᵀ)``."""
     square = dot(v, v)
     for i in range(3):
@@ -106,14 +106,14 @@ def _resisting(director: bool, ρ2: float, t: Vector, w: Vector) -> Vector:
 
 
 @inlined
-def _shrunk(ω: Vector, v: Vector) -> Vector:
+def shrunk(ω: Vector, v: Vector) -> Vector:
     """``C v`` with ``C`` the mean of ``cay(ω)^½`` and its transpose."""
     k = sqrt(1.0 + 0.25 * dot(ω, ω))
     return combined(1.0 / k, v, 0.25 * dot(ω, v) / (k * (1.0 + k)), ω)
 
 
 @inlined
-def _unshrunk(ω: Vector, v: Vector) -> Vector:
+def unshrunk(ω: Vector, v: Vector) -> Vector:
     """``C⁻¹ v``."""
     k = sqrt(1.0 + 0.25 * dot(ω, ω))
     return combined(k, v, -0.25 * dot(ω, v) / (1.0 + k), ω)
@@ -132,14 +132,14 @@ def metric_and_fit(nodes: Indices, director: bool, path: Path, A: Array) -> Rigi
     b, ρ2 = (0.0, 0.0, 0.0), 0.0
     for i in nodes:
         r = minus(load_row(mean[i], 0), centre)
-        _add_to(A, 1.0, r)
+        add_resistance(A, 1.0, r)
         ρ2 += share * dot(r, r)
         b = plus(b, cross(r, minus(load_row(delta[i], 0), shift)))
     for i in nodes:
         t, ψ = load_row(mean[i], 3), load(step[i], 3)
         b = plus(b, _resisting(director, ρ2, t, ψ))
         if director:
-            _add_to(A, ρ2, t)
+            add_resistance(A, ρ2, t)
         else:
             for k in range(3):
                 A[k, k] += ρ2
@@ -182,13 +182,13 @@ def mean_forces(
     for a in range(nodes.shape[0]):
         i = nodes[a]
         t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
-        f = _shrunk(ω, _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ))
+        f = shrunk(ω, _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ))
         if director:
             g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), φ)
-            m = cross(t, _shrunk(ω, g))
+            m = cross(t, shrunk(ω, g))
         else:
             g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), φ)
-            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), _unshrunk(ω, g))
+            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), unshrunk(ω, g))
         store(out[a], 0, f)
         store(out[a], 3, m)
         force = plus(force, f)

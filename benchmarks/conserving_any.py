@@ -1,0 +1,112 @@
+"""Energy-momentum on cables, nets, thin shells and solids over many steps.
+
+    RUN benchmarks/conserving_any.py [--steps 100000] [--only "swinging cable"]
+
+Prints a table of what the balances lack, iterations, matrices and time per step.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+import numpy as np
+
+import fem_lie as fl
+from fem_lie.mesh.curves import straight
+
+DOWN = (0.0, 0.0, -9.81)
+ROPE = fl.Section.from_stiffness([2e3] * 3 + [0.2] * 3, mass=1.0)
+
+
+def swinging_cable() -> fl.Scene:
+    """A cable of eight elements on a pin, let go from the side."""
+    scene = fl.Scene(gravity=DOWN)
+    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), ROPE, cells=8))
+    cable.pin(cable.start)
+    return scene
+
+
+def whirling_rod() -> fl.Scene:
+    """A discrete rod that flies and turns."""
+    scene = fl.Scene()
+    shape = straight((0, 0, 0), (1, 0, 0), 20)
+    rod = scene.add(fl.Cable(shape, ROPE, formulation=fl.DiscreteCable()))
+    rod.turn((0.5, 6.0, 9.0), about=(0.4, 0, 0))
+    return scene
+
+
+def falling_net() -> fl.Scene:
+    """A net of 36 nodes that hangs by two corners and falls."""
+    x, y = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 1, 6), indexing="ij")
+    grid = np.arange(36).reshape(6, 6)
+    points = np.stack([x.ravel(), y.ravel(), np.zeros(36)], axis=1)
+    scene = fl.Scene(gravity=DOWN)
+    net = scene.add(fl.Net(points, [*grid.tolist(), *grid.T.tolist()], ROPE))
+    for corner in (0, 5):
+        net.pin(net.node(corner))
+    return scene
+
+
+def flapping_plate() -> fl.Scene:
+    """A thin plate that flies, turns and bends."""
+    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (4, 2))
+    layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
+    scene = fl.Scene()
+    plate = scene.add(fl.ThinShell(patch, layer))
+    plate.turn((2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
+    return scene
+
+
+def tumbling_brick() -> fl.Scene:
+    """A soft brick that tumbles about its middle axis."""
+    rubber = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
+    scene = fl.Scene()
+    brick = scene.add(fl.Solid.brick((1.0, 0.4, 0.2), rubber, cells=(4, 2, 1)))
+    brick.turn((0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
+    return scene
+
+
+SCENES: dict[str, tuple[Callable[[], fl.Scene], float]] = {
+    "swinging cable": (swinging_cable, 1e-3),
+    "whirling discrete rod": (whirling_rod, 1e-3),
+    "falling net": (falling_net, 1e-3),
+    "flapping thin plate": (flapping_plate, 1e-3),
+    "tumbling brick": (tumbling_brick, 1e-3),
+}
+"""With the size of steps."""
+
+
+def measured(name: str, steps: int) -> str:
+    """One line of the table."""
+    scene, step = SCENES[name][0](), SCENES[name][1]
+    made, ended = steps, ""
+    try:
+        result = fl.EnergyMomentum().run(
+            scene, duration=steps * step, step=step, save_every=max(steps // 200, 1)
+        )
+    except fl.ConvergenceError as error:
+        result, ended = error.result, f" ended: {str(error).partition('.')[0]}"
+        made = round(result.times[-1] / step)
+    each = max(made, 1)
+    return (
+        f"| {name} | {made} | {result.balance_error:.1e} | {result.momentum_error:.1e} | "
+        f"{result.angular_momentum_error:.1e} | {result.iterations[-1] / each:.1f} | "
+        f"{result.factorisations} | {1e3 * result.seconds / each:.2f} |{ended}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--steps", type=int, default=100_000)
+    parser.add_argument("--only", choices=SCENES, action="append")
+    given = parser.parse_args()
+    print("| scene | steps | energy | momentum | angular | iterations | matrices | ms per step |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name in given.only or SCENES:
+        print(measured(name, given.steps), flush=True)
+
+
+if __name__ == "__main__":
+    main()

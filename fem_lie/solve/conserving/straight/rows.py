@@ -1,0 +1,178 @@
+"""Rows of nodes whose increments add, and those of a cell as its kernels take them; compiled.
+
+A node has up to two such rows, :func:`~fem_lie.lie.kinds.kind.straight` of them; here they are
+halves of six numbers, along global axes.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numba
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie._jit.stack import stack
+from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
+from fem_lie.lie.kinds.kind import SLOPE, axes, first, set_axes, straight
+from fem_lie.lie.tuples import (
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    rotate,
+    scaled,
+    store,
+    store_row,
+)
+
+FORCES, ENERGY = 0, 1
+"""Kernels of a cell."""
+NOTHING, DIRECTIONS, PLACES = 0, 1, 2
+"""What of space the energy of a cell sees; of places it sees directions, too."""
+
+
+class CellTable(NamedTuple):
+    """All cells of a scene.
+
+    Attributes:
+        calls: Addresses of kernel, coefficients, constants and coordinates, for forces and for the
+            energy, shape (M, 2, 4).
+        first: First place of each cell in ``nodes``, shape (M + 1,).
+        nodes: Nodes of the cells.
+        kinds: What these are, see :mod:`fem_lie.lie.kinds`.
+        weights: Of both halves of each place where increments are measured, zero for what a node
+            has not, shape (places, 2).
+        sees: What of space the energy sees, shape (M,).
+    """
+
+    calls: Indices
+    first: Indices
+    nodes: Indices
+    kinds: Indices
+    weights: Array
+    sees: Indices
+
+
+@inlined
+def has_place(kind: int) -> bool:
+    """Whether the first half of such a node is a place, which translations move."""
+    return first(kind) == 0
+
+
+@compiled
+def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) -> None:
+    """Halves (k, 2, 3) of a cell's nodes, seen from its first node.
+
+    Args:
+        kinds: Of the nodes of the cell.
+        nodes: Their numbers.
+        H: Rows of all nodes, (≥ n, 4, 3).
+        rest: Digits of these that do not fit into them, (≥ n, 4, 3).
+        out: Overwritten.
+    """
+    out[:] = 0.0
+    origin = nodes[0]
+    for a in range(nodes.shape[0]):
+        i, kind = nodes[a], kinds[a]
+        at = first(kind)
+        for k in range(straight(kind)):
+            for j in range(3):
+                value, digits = H[i, at + k, j], rest[i, at + k, j]
+                if k == 0 and at == 0:
+                    # differences of the large parts are exact, those of the small have all digits
+                    value, digits = value - H[origin, 0, j], digits - rest[origin, 0, j]
+                out[a, k, j] = value + digits
+
+
+@inlined
+def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
+    """Rows (4, 3) of a node with these halves, and axes as simple as may be; ``H``: at present."""
+    at = first(kind)
+    out[:] = 0.0
+    for k in range(straight(kind)):
+        store_row(out, at + k, load_row(halves, k))
+    if kind == SLOPE:
+        along, beside = load_row(halves, 1), load_row(H, 2)
+        along = scaled(1.0 / sqrt(dot(along, along)), along)
+        beside = minus(beside, scaled(dot(along, beside), along))
+        beside = scaled(1.0 / sqrt(dot(beside, beside)), beside)
+        store_row(out, 2, beside)
+        store_row(out, 3, cross(along, beside))
+    else:
+        set_axes(kind, out, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@inlined
+def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> None:
+    calls = cells.calls[e, which]
+    w = pointer(calls[1])
+    packed, at = numba.carray(w, (12 * rows.shape[0],)), 0
+    for a in range(rows.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                packed[at] = rows[a, k, j]
+                at += 1
+    call_kernel(calls[0], place, w, pointer(calls[2]), pointer(calls[3]))
+
+
+@compiled
+def energy_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array) -> float:
+    """Of a cell whose nodes have these halves (k, 2, 3); ``rows`` (k, 4, 3) is work."""
+    begin = cells.first[e]
+    for a in range(rows.shape[0]):
+        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
+    place = stack(1)
+    out = numba.carray(place, (1,))
+    out[0] = 0.0
+    _call(cells, e, ENERGY, rows, place)
+    return float(out[0])
+
+
+@compiled
+def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, out: Array) -> None:
+    """Forces (k, 2, 3) on a cell whose nodes have these halves (k, 2, 3); ``rows`` is work."""
+    begin, count = cells.first[e], rows.shape[0]
+    for a in range(count):
+        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
+    place = stack(6 * count)
+    found = numba.carray(place, (6 * count,))
+    found[:] = 0.0
+    _call(cells, e, FORCES, rows, place)
+    out[:] = 0.0
+    for a in range(count):
+        kind = cells.kinds[begin + a]
+        d1, d2, d3 = axes(kind, rows[a])
+        for k in range(straight(kind)):
+            store_row(out[a], k, rotate(d1, d2, d3, load(found, 6 * a + 3 * k)))
+
+
+@compiled
+def spread(kinds: Indices, given: Array, out: Array) -> None:
+    """Halves (n, 6) as rows (n, 4, 3); the others are zero."""
+    out[:] = 0.0
+    for i in range(given.shape[0]):
+        at = first(kinds[i])
+        for k in range(straight(kinds[i])):
+            store_row(out[i], at + k, load(given[i], 3 * k))
+
+
+@compiled
+def gathered(kinds: Indices, rows: Array, out: Array) -> None:
+    """Inverse of :func:`spread`; halves that a node has not are zero."""
+    out[:] = 0.0
+    for i in range(out.shape[0]):
+        at = first(kinds[i])
+        for k in range(straight(kinds[i])):
+            store(out[i], 3 * k, load_row(rows[i], at + k))
+
+
+@compiled
+def largest_cell(first_places: Indices) -> int:
+    """Nodes of the largest cell, at least one."""
+    most = 1
+    for e in range(first_places.shape[0] - 1):
+        most = max(most, first_places[e + 1] - first_places[e])
+    return most

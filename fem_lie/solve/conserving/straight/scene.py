@@ -1,0 +1,79 @@
+"""What of a scene conserving steps of nodes that are no frames see, and what they refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie.forms.cell_forms import FormTable, each_cell, joined
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.solve.conserving.straight.cells import measure_cells
+from fem_lie.solve.conserving.straight.rows import CellTable
+from fem_lie.solve.conserving.straight.step import Model
+from fem_lie.system.equations import Equations
+
+
+def is_straight(equations: Equations) -> bool:
+    """Whether there are nodes that are no frames."""
+    return bool((equations.unknowns.kinds >= SLOPE).any())
+
+
+def check(equations: Equations) -> None:
+    """Refuse what steps of nodes that are no frames do not have yet.
+
+    Raises:
+        ValueError: Says what there is.
+    """
+    unknowns, terms = equations.unknowns, equations.tables.terms
+    apart = [term.label for term in terms if term.tables is None or term.settles]
+    viscous = [f"viscous {term.label}" for term in terms if term.viscous]
+    reasons = {
+        "frames (Beam, Shell, RigidBody)": bool((unknowns.kinds < SLOPE).any()),
+        "joints, springs or drives": unknowns.m > 0 or unknowns.connections > 0,
+        "nodes that follow others": unknowns.moving < unknowns.total,
+        "strains that change": unknowns.strains_change,
+        ", ".join(dict.fromkeys(apart + viscous)): bool(apart or viscous),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(
+                "conserving schemes have nodes that are no frames (Cable, Net, ThinShell, Solid) "
+                f"without {what}: use GeneralisedAlpha"
+            )
+
+
+def model_of(equations: Equations) -> Model:
+    """What steps see of a scene."""
+    known, unknowns = equations.tables, equations.unknowns
+    cells = _cells(equations)
+    return Model(
+        cells=cells,
+        kinds=known.kinds,
+        inertia=known.inertia,
+        held=unknowns.held,
+        supported=known.supported,
+        dead=known.loads.dead.copy(),
+        conservative=known.conservative,
+        following=known.loads.following.copy(),
+    )
+
+
+def _cells(equations: Equations) -> CellTable:
+    """Of all terms, measured at the start."""
+    tables = [term.tables for term in equations.tables.terms]
+    parts = [both for both in tables if both is not None]
+    forces, energy = (
+        each_cell(FormTable(*joined([both[k] for both in parts], [0] * len(parts))))
+        for k in range(2)
+    )
+    places, count = len(forces.nodes), len(forces.calls)
+    cells = CellTable(
+        np.stack([forces.calls, energy.calls], axis=1),
+        forces.first,
+        forces.nodes,
+        equations.tables.kinds[forces.nodes],
+        np.zeros((places, 2)),
+        np.zeros(count, dtype=np.int64),
+    )
+    start = equations.start.frames
+    measure_cells(cells, start, np.zeros_like(start))
+    return cells

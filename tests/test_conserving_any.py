@@ -1,0 +1,180 @@
+"""The energy-momentum scheme on nodes that are no frames: rods, nets, thin shells, solids."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.lie.kinds import placed
+from fem_lie.mesh.curves import straight
+from tests.test_composed import resumed_as_whole
+
+SCHEME = fl.EnergyMomentum()
+SECTION = fl.Section.from_stiffness([200.0] * 3 + [0.02] * 3, mass=1.0)
+CURVE = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
+
+
+def flung(body: fl.Body, spin=(0.3, 2.0, 3.0)) -> fl.Body:
+    """Flying, turning, and deforming as it does."""
+    body.turn(spin, about=(0.4, 0.1, 0.0))
+    x = body.frames[:, 0]
+    # waves that steps resolve, along all axes of the nodes
+    waves = 0.5 * np.sin(2.0 * x[:, [1, 0, 0]] + [0.1, 0.4, 1.0])
+    body.velocities[:, :3] += waves * placed(body.node_kinds)[:, np.newaxis]
+    body.velocities[placed(body.node_kinds), 0] += 1.0
+    return body
+
+
+def line(formulation: object, cells: int = 5) -> fl.Body:
+    return fl.Cable(straight((0, 0, 0), (1, 0, 0), cells), SECTION, formulation=formulation)
+
+
+def net() -> fl.Body:
+    x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
+    points = np.stack([x.ravel(), y.ravel(), 0.05 * np.sin(3 * x * y).ravel()], axis=1)
+    grid = np.arange(16).reshape(4, 4)
+    return fl.Net(points, [*grid.tolist(), *grid.T.tolist()], SECTION)
+
+
+def sheet() -> fl.Body:
+    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
+    layer = fl.ShellSection.layer(0.02, fl.Material(5e2, 0.3, 1.0))
+    return fl.ThinShell(patch, layer)
+
+
+def brick(material: fl.SolidMaterial, cell: str = "hexahedron", degree: int = 1) -> fl.Body:
+    return fl.Solid.brick((1.0, 0.4, 0.2), material, cells=(3, 1, 1), cell=cell, degree=degree)
+
+
+SAINT_VENANT = fl.SaintVenantKirchhoff(2e3, 0.3, 1.0)
+
+BODIES: dict[str, Callable[[], fl.Body]] = {
+    "cable": lambda: line(fl.HermiteCable()),
+    "spline cable": lambda: fl.SplineCable.through(CURVE, SECTION),
+    "discrete cable": lambda: line(fl.DiscreteCable()),
+    "net": net,
+    "thin shell": sheet,
+    "hexahedra": lambda: brick(SAINT_VENANT),
+    "hexahedra of degree 2": lambda: brick(SAINT_VENANT, degree=2),
+    "tetrahedra": lambda: brick(SAINT_VENANT, "tetrahedron"),
+    "neo-Hooke": lambda: brick(fl.NeoHooke(2e3, 0.3, 1.0)),
+}
+"""A new body or element is tested by adding it here."""
+
+
+def flying(name: str) -> tuple[fl.Scene, fl.Body]:
+    scene = fl.Scene()
+    return scene, scene.add(flung(BODIES[name]()))
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_energy_and_momenta(name):
+    """Over hundreds of steps, of which each turns the body far."""
+    scene, _ = flying(name)
+    result = SCHEME.run(scene, duration=1.0, step=4e-3, save_every=10)
+    assert result.energy_error <= 1e-11
+    assert result.momentum_error <= 1e-13
+    assert result.angular_momentum_error <= 1e-13
+    # it does deform, and go far
+    assert np.ptp(result.elastic) > 1e-4 * result.kinetic[0]
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_second_order_against_generalised_alpha(name):
+    plan = {"duration": 0.04, "save_every": 10**6}
+    exact = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12).run(
+        flying(name)[0], step=2.5e-5, **plan
+    )
+    errors = []
+    for step in (4e-4, 2e-4):
+        result = SCHEME.run(flying(name)[0], step=step, **plan)
+        errors.append(np.abs(result.frames[-1, :, 0] - exact.frames[-1, :, 0]).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
+
+
+def swinging() -> fl.Scene:
+    """A cable on a pin in gravity, drawn by a force that comes and goes."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    cable = scene.add(line(fl.HermiteCable()))
+    cable.pin(cable.start)
+    scene.add(fl.LineLoad(cable, (0, 0.5, 0), history=lambda t: np.sin(9.0 * t)))
+    return scene
+
+
+def clamped() -> fl.Scene:
+    """A discrete cable whose end keeps its direction."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    cable = scene.add(line(fl.DiscreteCable()))
+    cable.clamp(cable.start)
+    return scene
+
+
+def standing() -> fl.Scene:
+    """A brick on its foot."""
+    scene = fl.Scene(gravity=(0, 3.0, -9.81))
+    body = scene.add(brick(SAINT_VENANT))
+    body.clamp("a=0")
+    return scene
+
+
+SUPPORTED = {"swinging": swinging, "clamped": clamped, "standing": standing}
+
+
+@pytest.mark.parametrize("name", SUPPORTED)
+def test_loads_and_supports(name):
+    """Work of what changes in time and impulses of supports are booked to round-off."""
+    result = SCHEME.run(SUPPORTED[name](), duration=0.6, step=2e-3, save_every=10)
+    assert result.balance_error <= 1e-11
+    assert np.ptp(result.kinetic) > 1e-3
+    assert result.momentum_error <= 1e-12
+    if name != "clamped":  # whose moment no node takes
+        assert result.angular_momentum_error <= 1e-12
+
+
+def test_reactions_are_those_of_generalised_alpha():
+    plan = {"duration": 0.2, "save_every": 20}
+    found, other = (s.run(swinging(), step=5e-4, **plan) for s in (SCHEME, fl.GeneralisedAlpha()))
+    size = np.abs(other.reactions).max()
+    np.testing.assert_allclose(found.reactions[1:], other.reactions[1:], atol=0.02 * size)
+
+
+def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
+    plan = {"duration": 0.12, "step": 4e-3}
+    resumed_as_whole(SCHEME, lambda: flying("cable")[0], plan, tmp_path / "run.h5", monkeypatch)
+
+
+REFUSED = {
+    "decaying": (lambda s: fl.EnergyDecaying().run(s, duration=0.1, step=0.01), "EnergyDecaying"),
+    "composed": (lambda s: fl.Composed().run(s, duration=0.1, step=0.01), "Composed"),
+    "steps that change": (
+        lambda s: SCHEME.run(s, duration=0.1, step=fl.AdaptiveStep(1e-4)),
+        "constant steps",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_schemes(case):
+    call, words = REFUSED[case]
+    with pytest.raises(ValueError, match=words):
+        call(flying("cable")[0])
+
+
+def with_a_body(scene: fl.Scene, cable: fl.Body) -> None:
+    scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(3, 0, 0)))
+
+
+def with_a_joint(scene: fl.Scene, cable: fl.Body) -> None:
+    scene.add(fl.Spherical(fl.ground(), cable.start))
+
+
+SCENES = {"frames": with_a_body, "joints": with_a_joint}
+
+
+@pytest.mark.parametrize("words", SCENES)
+def test_refused_scenes(words):
+    scene, cable = flying("cable")
+    SCENES[words](scene, cable)
+    with pytest.raises(ValueError, match=words):
+        SCHEME.run(scene, duration=0.1, step=0.01)
