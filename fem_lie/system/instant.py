@@ -53,6 +53,9 @@ class Plan(NamedTuple):
         at_rest: Step size ``h`` of a matrix that finds accelerations, and impulses in joints:
             ``M + h² K/4``, at rest with the true stress, with a scale that suits it. Nothing else
             of this plan counts then.
+        spread: Overwritten where a scale is found: by how much constraints that are one vector
+            change each with forces of the size of their scales, shape of ``vectors`` of the
+            unknowns; default: not asked for.
     """
 
     d: Array
@@ -68,6 +71,7 @@ class Plan(NamedTuple):
     border_only: bool = False
     steady: bool = False
     at_rest: float | None = None
+    spread: Array | None = None
 
 
 class Forces:

@@ -19,9 +19,8 @@ from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, load_tangent, to_inertial
+from fem_lie.system.scales import Vectors
 from fem_lie.system.terms.all_terms import Terms
-
-_ALIKE = 30.0  # largest over smallest of constraints that are one vector and scaled as one
 
 Wanted: TypeAlias = Callable[[Term], bool]
 """Whether a term is taken in."""
@@ -37,6 +36,7 @@ class Tangent:
     Attributes:
         kkt: The bordered matrix.
         supports: Which nodes have unknowns along axes fixed in space.
+        vectors: Which constraints are one vector.
         A: Derivatives in corrections of the nodes' increments, blocks of ``kkt``, (nnz, 6, 6).
         K: Derivatives in the twists ``h`` of the nodes' frames, likewise.
     """
@@ -65,7 +65,7 @@ class Tangent:
             length: Of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
-        self._border = connections.border
+        self._border, self.vectors = connections.border, Vectors(connections.joined)
         self._held, self._count = held, len(held)
         self._rows = np.zeros((len(self._border.nodes), 6))
         pairs, angular = self._pairs(), connections.angular
@@ -108,25 +108,19 @@ class Tangent:
         shape = (len(border.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
-    def constraint_scale(self, H: Array) -> Array:
+    def constraint_scale(self, H: Array, spread: Array | None = None) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints with the ``S`` in ``A``, shape (m,).
 
-        Those that are one vector have the mean, which does not depend on their axes, unless they
-        differ much: one scale would leave the matrix as badly conditioned as they differ.
         Bordered by ``σ B`` with these factors ``σ`` the matrix is about as well conditioned as
         ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
+        ``spread``: see :meth:`~fem_lie.system.scales.Vectors.scales`, likewise the rest.
         """
-        diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2)).ravel()
-        B = self.jacobian(H)
-        weighted = B.multiply(B).multiply(1.0 / np.where(diagonal > 0, diagonal, 1.0))
-        total: Array = np.asarray(weighted.sum(axis=1)).ravel()
-        group = np.cumsum(~self._connections.joined) - 1
-        if len(group):
-            first = np.flatnonzero(np.diff(group, prepend=-1))
-            low, high = np.minimum.reduceat(total, first), np.maximum.reduceat(total, first)
-            mean = np.bincount(group, total) / np.bincount(group)
-            total = np.where((high <= _ALIKE * low)[group], mean[group], total)
-        return np.divide(1.0, total, out=np.ones_like(total), where=total > 0.0)
+        diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2))
+        rows, border = np.empty_like(self._rows), self._border
+        self._connections.jacobian(H, rows)
+        self.supports.turn_border(H, rows)
+        rows[self._held[border.nodes]] = 0.0
+        return self.vectors.scales(border, rows, diagonal, spread)
 
     # --- parts ---
 
@@ -242,7 +236,7 @@ class Tangent:
     def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
         """What :meth:`fill_increments` filled, with the constraints anew."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
-        scale = self.constraint_scale(ahead) if plan.scale is None else plan.scale
+        scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self._connections.jacobian(ahead, self._rows)
         columns = self._rows.copy()
         combine_rows(self._rows, kinds, plan.d, self._border.nodes)
@@ -281,6 +275,6 @@ class Tangent:
             self.supports.turn_border(ahead, self._rows)
         if plan.inertial:
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
-        scale = self.constraint_scale(ahead) if plan.scale is None else plan.scale
+        scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self.kkt.fill(self.A, columns, self._rows, scale)
         return scale

@@ -50,8 +50,8 @@ class Newton(RunState):
                 h = np.empty_like(s.d)
                 twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
                 equations.carry(s.H1, h.ravel())
-            scale, measure, joined = self._sizes
-            increment = correct(*self._plain, self.dx, scale, measure, joined, self.weights)
+            scale, spread, joined = self._sizes
+            increment = correct(*self._plain, self.dx, scale, spread, joined, self.weights)
             ratio, remaining = estimate(increment, previous, ratio)
             numbers[INCREMENT], numbers[NOW] = increment, ratio
             stagnant = carried and ratio > 0.5 and increment < _STAGNATION

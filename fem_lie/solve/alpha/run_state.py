@@ -71,7 +71,8 @@ class RunState(Integration[Recorder]):
         self._end_instant = self._accepted._replace(H=s.H1)
         self.measure: Array = np.where(unknowns.angular, ROTATION, 1.0 / length)
         joined: Indices = unknowns.joined.astype(np.int64)
-        self._sizes = self.scale, self.measure, joined
+        self.spread: Array = np.zeros(unknowns.vectors.shape)
+        self._sizes = self.scale, self.spread, joined
         methods = methods_in_time(equations)
         self.solver = DirectSolver(equations.matrix, options.petsc_options_prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
@@ -91,6 +92,7 @@ class RunState(Integration[Recorder]):
         equations.set_time(0.0)
         self._find(self._accepted)
         self.scale[:] = self._fill(s.H, s.H, None, turned=False)
+        self.spread *= self.measure[:, np.newaxis]
         self.books.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
@@ -218,7 +220,8 @@ class RunState(Integration[Recorder]):
     ) -> Array:
         """The matrix, and the scale of its constraints: the given one, or what suits them."""
         p = self.p
-        plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames)
+        found = self.spread if scale is None else None
+        plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames, spread=found)
         plan = plan._replace(inertial=turned, stressed=stressed, choices=self.choices)
         return self.equations.fill(self._end_instant, self.forces, plan)
 
@@ -245,7 +248,12 @@ class RunState(Integration[Recorder]):
             "motion": self.s.motion,
             "weights": self.weights,
         }
-        kept |= {"scale": self.scale, "numbers": self.numbers, "counters": self.counters}
+        kept |= {
+            "scale": self.scale,
+            "spread": self.spread,
+            "numbers": self.numbers,
+            "counters": self.counters,
+        }
         kept["counts"] = np.array(counts)
         return super().memory() | self.books.memory() | kept
 
@@ -254,6 +262,7 @@ class RunState(Integration[Recorder]):
         s, equations = self.s, self.equations
         s.H[:], s.H1[:], s.motion[:] = kept["H"], kept["H1"], kept["motion"]
         self.weights[:], self.scale[:] = kept["weights"], kept["scale"]
+        self.spread[:] = kept["spread"]
         self.numbers[:], self.counters[:] = kept["numbers"], kept["counters"]
         self.books.restore(kept)
         if equations.unknowns.time_dependent:

@@ -44,21 +44,20 @@ def staleness(
         scheme: Parameters, as for :func:`~.nodes.correct`, likewise the others.
         state: In an iteration; not changed.
         weights: Multipliers.
-        sizes: Scale of the constraints, measure of the multipliers, and which of them are one
+        sizes: Scale of the constraints, spread of the multipliers, and which of them are one
             vector with the one before.
         direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
     """
-    scale, measure, joined = sizes
+    scale, spread, joined = sizes
     nodes, x = 6 * equations.unknowns.moving, direction
-    length = equations.unknowns.length
-    size = _size(length, x, nodes, measure, joined)
+    size = _size(equations, x, spread)
     x[nodes:] = 0.0
-    probe = PROBE / max(_size(length, x, nodes, measure, joined), TINY)
+    probe = PROBE / max(_size(equations, x, spread), TINY)
 
     def moved(factor: float) -> Array:
         there = state.copy()
         held, r = weights.copy(), np.empty_like(x)
-        correct(scheme, there.plain, -factor * x, scale, measure, joined, held)
+        correct(scheme, there.plain, -factor * x, scale, spread, joined, held)
         now = Instant(there.H1, there.twist1, there.rate1, held)
         equations.residual(now, scale, r)
         return r
@@ -69,7 +68,7 @@ def staleness(
     solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()
-    return _size(length, solver.solution, nodes, measure, joined) / max(size, TINY)
+    return _size(equations, solver.solution, spread) / max(size, TINY)
 
 
 def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
@@ -77,10 +76,13 @@ def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
     all_from_group(kinds, H, x[: 6 * len(kinds)].reshape(-1, 6))
 
 
-def _size(length: float, x: Array, nodes: int, measure: Array, joined: Indices) -> float:
+def _size(equations: Equations, x: Array, spread: Array) -> float:
     """The size of a correction as :func:`~.nodes.correct` has it."""
+    unknowns = equations.unknowns
+    nodes = 6 * unknowns.moving
     parts = x[:nodes].reshape(-1, 6)
     moved, turned = (np.linalg.norm(part, axis=1).max() for part in (parts[:, :3], parts[:, 3:]))
-    group = np.cumsum(joined == 0) - 1
-    held = np.sqrt(np.bincount(group, (x[nodes:] * measure) ** 2)).max(initial=0.0)
-    return float(max(moved / length, ROTATION * turned, held))
+    group = np.cumsum(~unknowns.joined) - 1
+    held = (spread * x[nodes:][unknowns.vectors]).sum(axis=1)
+    largest = np.sqrt(np.bincount(group, held**2)).max(initial=0.0)
+    return float(max(moved / unknowns.length, ROTATION * turned, largest))

@@ -33,6 +33,7 @@ class Unknowns(NamedTuple):
         uncoupled: Which nodes move by ``x + R u`` in statics, (n,).
         angular: Which constraints are angles, (m,).
         joined: Which of them are one vector with the one before, (m,).
+        vectors: The constraints of the vector of each, (m, w); beyond its end any.
         of_velocities: How many constraints, the last, bind velocities.
         connections: Number of joints and what else results tell the forces of.
         leaders: The moving nodes among all, (n,).
@@ -60,6 +61,7 @@ class Unknowns(NamedTuple):
     uncoupled: Flags
     angular: Flags
     joined: Flags
+    vectors: Indices
     of_velocities: int
     connections: int
     leaders: Indices
@@ -93,6 +95,7 @@ class Unknowns(NamedTuple):
             uncoupled=system.uncoupled,
             angular=connections.angular,
             joined=connections.joined,
+            vectors=system.tangent.vectors.others,
             of_velocities=connections.of_velocities,
             connections=len(connections.items),
             leaders=numbering.attachment.leaders,

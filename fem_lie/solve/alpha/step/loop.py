@@ -96,8 +96,8 @@ def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: Plai
     """Apply the correction; the phase that follows, or that before the first if it fails."""
     this, how = packed(table), Steps(*steps)
     counters, numbers = this.counters, this.numbers
-    scale, measure = this.scale, this.measure
-    increment = correct(scheme, state, this.dx, scale, measure, this.joined, this.weights)
+    scale, spread = this.scale, this.spread
+    increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.weights)
     ratio, remaining = estimate(increment, numbers[PREVIOUS], numbers[NOW])
     numbers[INCREMENT], numbers[NOW] = increment, ratio
     if remaining <= allowed(numbers[MOTION], how.tolerance, how.finest) or increment <= ROUND_OFF:

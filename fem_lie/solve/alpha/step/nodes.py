@@ -174,7 +174,7 @@ def correct(
     state: PlainState,
     dx: Array,
     scale: Array,
-    measure: Array,
+    spread: Array,
     joined: Indices,
     weights: Array,
 ) -> float:
@@ -189,11 +189,14 @@ def correct(
         if size > largest or size != size:  # nan stays
             largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
-    at, squares = 6 * d.shape[0], 0.0
-    for c in range(weights.shape[0]):
+    at, m, squares, first = 6 * d.shape[0], weights.shape[0], 0.0, 0
+    for c in range(m):
         weights[c] -= scale[c] * dx[at + c]
-        # scaled multipliers are displacements that the matrix turns into the joint's force
-        part = dx[at + c] * measure[c]
+        first = first if joined[c] else c
+        # what the joint's forces move, by the matrix of the start
+        part = 0.0
+        for j in range(min(spread.shape[1], m - first)):
+            part += spread[c, j] * dx[at + first + j]
         squares = part * part + (squares if joined[c] else 0.0)
         size = np.sqrt(squares)
         if size > largest or size != size:

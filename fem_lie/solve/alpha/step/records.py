@@ -35,7 +35,8 @@ class Packed(NamedTuple):
         weights: Multipliers, shape (m,).
         first: Those at the start of the step.
         scale: Of the constraints.
-        measure: Of multipliers in the size of a correction.
+        spread: Of scaled multipliers in the size of a correction, see
+            :class:`~fem_lie.system.equations.Plan`, (m, w).
         joined: Which constraints are one vector with the one before.
         held: Which of the equations are those of held unknowns.
         r: Residual, shape (6 n + m,).
@@ -59,7 +60,7 @@ class Packed(NamedTuple):
     weights: Array
     first: Array
     scale: Array
-    measure: Array
+    spread: Array
     joined: Indices
     held: Indices
     r: Array
@@ -96,7 +97,7 @@ def packed(table: Indices) -> Packed:
         numbers1(table, 4),
         numbers1(table, 5),
         numbers1(table, 6),
-        numbers1(table, 7),
+        numbers2(table, 7),
         integers1(table, 8),
         integers1(table, 9),
         numbers1(table, 10),
