@@ -26,6 +26,12 @@ def test_cooks_membrane_of_degree_two():
     assert main("cooks_membrane", element="quadratic", mesh=8)["error"] < 0.065
 
 
+def test_cooks_membrane_with_small_strains():
+    """Against what other programs publish, 32.20 … 32.28."""
+    assert main("cooks_membrane", element="quadratic", mesh=8, small=True)["error"] < 0.011
+    assert main("cooks_membrane", element="mean", mesh=16, small=True)["error"] < 0.03
+
+
 def test_cooks_membrane_refuses():
     with pytest.raises(ValueError, match="element must be one of mean, plain, quadratic"):
         main("cooks_membrane", element="linear")
