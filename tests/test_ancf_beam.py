@@ -256,6 +256,23 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
     np.testing.assert_allclose(places, expected, atol=5e-4)
 
 
+@pytest.mark.parametrize("slenderness", [0.5, 2.0, 6.0])
+def test_restrained_warping_is_that_of_vlasov(slenderness):
+    """A cantilever of an I section, twisted at its tip: φ = T L/GJ (1 − tanh kL/kL)."""
+    GJ, L, T = 2.0, 3.0, 1e-6
+    EIw = GJ * (L / slenderness) ** 2
+    own = fl.Section.from_stiffness([1e3, 4e2, 4e2, GJ, 5.0, 1.0])
+    errors = []
+    for cells in (8, 24):
+        beam = fl.AncfBeam.straight((0, 0, 0), (L, 0, 0), own, cells=cells, warping=EIw)
+        _, result = tip(beam, moment=(T, 0, 0))
+        rows = result.frames[-1][2 * beam.points_count - 1]
+        twist = 0.5 * (rows[1, 2] - rows[2, 1])
+        exact = T * L / GJ * (1 - np.tanh(slenderness) / slenderness)
+        errors.append(abs(twist / exact - 1))
+    assert errors[0] < 0.06 and errors[1] < 0.02 and errors[1] < errors[0]
+
+
 # --- bad input ------------------------------------------------------------------------------------
 
 

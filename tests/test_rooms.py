@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "elements.shells": {"forms", "mesh"},
     "elements.rods": {"elements.beams"},
     "elements.solids": {"forms", "mesh"},
-    "elements.gradients": {"elements.beams"},
+    "elements.gradients": {"elements.rods"},
     "elements.thin_shells": {"forms"},
     "bodies": {"forms", "grips"},
     "bodies.beams": {"bodies", "elements.beams", "sections"},

@@ -235,6 +235,7 @@ TERMS: dict[str, Case] = {
     ),
     "thin shell": Case(thin_shell, "elements"),
     "beam of slopes": Case(ancf, "elements"),
+    "restrained warping": Case(lambda: ancf(warping=0.7), "restrained warping"),
     "damping of mass of a beam of slopes": Case(lambda: ancf(damping=MASS), "damping of mass"),
     "load within a beam of slopes": Case(lambda: held(ancf()), HELD),
     "solid": Case(solid, "elements"),

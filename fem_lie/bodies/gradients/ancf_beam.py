@@ -19,10 +19,11 @@ from fem_lie.bodies.gradients.axes import follow_sections, second_nodes
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.points import require_point
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
+from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.grips.cross_section import on_section
 from fem_lie.grips.grip import Grip
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds import CROSSING, NodeKind
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
@@ -53,6 +54,7 @@ class AncfBeam(Body):
         poisson: Poisson's ratio of each element, shape (m,).
         density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
         formulation: The element.
+        warping: Stiffness against warping, or ``None``.
         damping: Of the motion in space.
         sections: Of each element.
     """
@@ -66,6 +68,7 @@ class AncfBeam(Body):
         *,
         up: Up | Twisted | None = None,
         length: float | None = None,
+        warping: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
@@ -78,6 +81,8 @@ class AncfBeam(Body):
             up: Direction nearest to which e₃ is to be.
             length: Of all of it, unloaded; default: that of the line. A beam of another length has
                 the shape of the line in another size, and is stretched along it at the start.
+            warping: Stiffness ``EI_ω`` of the section against warping, force times length⁴, for
+                thin walls (Vlasov); a clamp then holds warping, too. Default: it is free to warp.
             formulation: The element.
             damping: Of its motion in space; it has no viscous forces.
             name: For messages and results.
@@ -117,6 +122,7 @@ class AncfBeam(Body):
         self.lengths, own = lengths / stretch, frames.copy()
         own[:, 0] /= stretch
         self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
+        self.warping = None if warping is None else positive(warping, "AncfBeam: warping")
         self.chains, self._groups = chains, dict(mesh.groups)
         self._take(section_per_cell(mesh, chains, section))
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
@@ -141,6 +147,7 @@ class AncfBeam(Body):
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
         length: float | None = None,
+        warping: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
@@ -152,6 +159,7 @@ class AncfBeam(Body):
             section,
             up=up,
             length=length,
+            warping=warping,
             formulation=formulation,
             damping=damping,
             name=name,
@@ -166,6 +174,7 @@ class AncfBeam(Body):
         cells: int,
         up: npt.ArrayLike | Twisted | None = None,
         length: float | None = None,
+        warping: float | None = None,
         formulation: AncfElement | None = None,
         damping: Damping | None = None,
         name: str = "",
@@ -177,6 +186,7 @@ class AncfBeam(Body):
             section,
             up=up,
             length=length,
+            warping=warping,
             formulation=formulation,
             damping=damping,
             name=name,
@@ -209,8 +219,26 @@ class AncfBeam(Body):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together."""
-        return GradientAssembly(bodies)
+        """All of one :attr:`kind` together, with their springs of warping."""
+        assembly = GradientAssembly(bodies)
+        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        found = [
+            part._replace(nodes=part.nodes + start)
+            for body, start in zip(bodies, starts, strict=False)
+            for part in body.restraints
+        ]
+        if found:
+            assembly.beside.append(Warping(WarpingSprings.joined(found), assembly.count))
+        return assembly
+
+    @property
+    def restraints(self) -> list[WarpingSprings]:
+        """Of warping, if it has a stiffness."""
+        if self.warping is None:
+            return []
+        held = np.flatnonzero(self.held[:, _TURNED].all(axis=1) & (self.node_kinds == CROSSING))
+        own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
+        return [WarpingSprings.between(*own, held)]
 
     @property
     def start(self) -> Point:
