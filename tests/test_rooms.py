@@ -41,7 +41,7 @@ MAY_IMPORT = {
     "bodies.shells": {"bodies", "elements.shells", "sections"},
     "bodies.rods": {"bodies.beams", "elements.rods"},
     "bodies.solids": {"bodies.beams", "elements.solids", "mesh.volumes"},
-    "bodies.thin_shells": {"bodies", "elements.thin_shells", "sections"},
+    "bodies.thin_shells": {"bodies.beams", "elements.thin_shells"},
     "bodies.gradients": {"bodies.beams", "bodies.thin_shells", "elements.gradients"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
