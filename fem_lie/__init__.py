@@ -130,6 +130,7 @@ from fem_lie.solve.alpha.options import Components, Index
 from fem_lie.solve.composed.composed import Composed
 from fem_lie.solve.composed.compositions import Composition, FiveStages, TripleJump
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.explicit.asynchronous import Asynchronous
 from fem_lie.solve.explicit.explicit import Explicit
 from fem_lie.solve.motion.policies import (
     Automatic,
@@ -175,6 +176,7 @@ __all__ = [
     "AncfElement",
     "ArcLength",
     "AreaLoad",
+    "Asynchronous",
     "Automatic",
     "Beam",
     "BicubicHermite",

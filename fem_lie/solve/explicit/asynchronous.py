@@ -1,0 +1,243 @@
+r"""Asynchronous variational integration: every cell has a step of its own.
+
+The discrete action has a term for each cell and each of its steps; what makes it stationary is that
+nodes fly freely, under dead loads alone, from one of their cells to the next, and that a cell which
+is due kicks its nodes by its force for its own step (Lew, Marsden, Ortiz & West, ARMA 167 (2003)
+85). Momentum and angular momentum are exact, and the energy does not drift. With equal steps this
+is the explicit scheme, of second order; otherwise it is at least of first.
+
+The step of a cell is a part of ``2/ω`` of those of its nodes that wants the smallest
+(:mod:`.stable`). Cells beside a stiffer one so make steps as small as that one: with larger ones
+they would kick its vibration in resonance, which is what limits schemes of several steps.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, number
+from fem_lie.joints.equations.table import joint_table
+from fem_lie.lie.kinds import POINT
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.solve.explicit import events
+from fem_lie.solve.explicit.single_cells import CELLS, FIRST, NODES
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.integrator import Integrator, why_steps_change
+from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations, Instant
+
+_log = logging.getLogger(__name__)
+
+_SMALL = 1e-6  # of the model: over which forces are differentiated
+
+
+@dataclass(frozen=True)
+class Asynchronous(Integrator):
+    """Steps of each cell by itself; the ``step`` of :meth:`run` is the largest that any may make.
+
+    For nets and other bodies whose nodes are places, some cells of which are much stiffer or
+    shorter than the others. Results are told at multiples of ``step``; their ``iterations`` are the
+    steps of cells. Without joints, springs, damping and contact; what holds places, gravity and
+    forces fixed in space are allowed. Work and impulses are booked by the trapezoidal rule over
+    ``step``.
+
+    Attributes:
+        courant: Steps of cells over the largest stable ones.
+    """
+
+    courant: float = 0.8
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        number(self.courant, "courant")
+        if not 0.0 < self.courant <= 1.0:
+            raise ValueError(f"wanted 0 < courant ≤ 1, for steps to be stable, got {self.courant}")
+
+    def _equations(self, scene: Scene) -> Equations:
+        equations = Equations(scene, dynamics=True, without_coupling=True)
+        _refuse(equations)
+        return equations
+
+    def _integration(self, equations: Equations, step: float) -> AsynchronousRun:
+        return AsynchronousRun(equations, step, self.courant)
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        given = why_steps_change(scene, duration, choice)
+        raise ValueError(
+            "Asynchronous chooses the steps of cells by itself: wanted the largest one as a number "
+            f"and nothing that jumps, got {given}"
+        )
+
+
+class AsynchronousRun(Integration[Recorder]):
+    """One integration."""
+
+    def __init__(self, equations: Equations, step: float, courant: float) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            equations: Of the scene, with lumped inertia.
+            step: Largest step of a cell; results are told at its multiples.
+            courant: Steps of cells over the largest stable ones.
+        """
+        super().__init__(Never(), equations, step)
+        n, known = equations.unknowns.moving, equations.tables
+        tables = [term.tables[0] for term in known.terms if term.tables is not None]
+        self._rows: Indices = np.concatenate([np.empty((0, 9), np.int64), *(t[0] for t in tables)])
+        at = np.cumsum([0, *(len(t[1]) for t in tables)])
+        first = np.repeat(at[:-1], [len(t[0]) for t in tables])
+        self._rows[:, FIRST] += first
+        self._nodes: Indices = np.concatenate([np.empty(0, np.int64), *(t[1] for t in tables)])
+        mass = known.inertia.blocks[:, 0, 0]
+        held = np.ascontiguousarray(equations.unknowns.held[:, :3])
+        light = np.where(held.all(axis=1), 0.0, 1.0 / mass)
+        H = equations.start.frames.copy()
+        dead = np.einsum("nai,ni->na", H[:n, 1:], known.conservative[:, 0])
+        fall = np.einsum("nai,na->ni", H[:n, 1:], np.where(held, 0.0, dead)) * light[:, np.newaxis]
+        moving = np.einsum("nai,na->ni", H[:n, 1:], equations.start.velocities[:n, :3])
+        self.flight = events.Flight(H, moving, np.zeros(n), np.ascontiguousarray(fall), light, held)
+        self.shown = self.flight._replace(H=H.copy(), v=moving.copy(), times=np.zeros(n))
+        steps = self._own_steps(light, courant)
+        form = np.repeat(np.arange(len(self._rows)), self._rows[:, CELLS])
+        heap = np.arange(len(steps))
+        zero = np.zeros(len(steps), np.int64)
+        self.queue = events.Queue(self._rows, self._nodes, form, steps, zero, heap)
+        told = len(steps), float(steps.min(initial=step)), float(steps.max(initial=0.0))
+        _log.info("%d cells, steps from %.4g to %.4g", *told)
+        self.books, self._made, self._count = equations.books(), 0, 0
+        self._still, self._none = np.zeros((n, 6)), np.zeros(0)
+
+    def _own_steps(self, light: Array, courant: float) -> Array:
+        """Of all cells: ``2/ω`` of their nodes, see :mod:`fem_lie.solve.explicit.stable`."""
+        size = _SMALL * self.equations.unknowns.length
+        H = self.equations.start.frames.copy()
+        K = events.stiffness_at_nodes(H, self._rows, self._nodes, size)
+        many = np.repeat(self._rows[:, NODES], self._rows[:, CELLS])
+        of_cell = np.repeat(np.arange(len(many)), many)
+        K = 0.5 * (K + K.swapaxes(1, 2)) * (many[of_cell] * light[self._nodes])[:, None, None]
+        around, squares = np.zeros((len(light), 3, 3)), np.zeros(len(many))
+        np.add.at(around, self._nodes, K)
+        np.maximum.at(squares, of_cell, np.linalg.eigvalsh(around)[self._nodes, -1])
+        stiff = squares > 0.0
+        found = np.full(len(many), self.h)
+        found[stiff] = np.minimum(self.h, courant * 2.0 / np.sqrt(squares[stiff]))
+        return found
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return Recorder(self.equations, steps, self.h, saving, progress, store)
+
+    def start(self) -> None:
+        """See the base class."""
+        self._tell(0.0)
+        self.books.open(0.0, *self._now)
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.shown.H
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._made
+
+    @property
+    def _now(self) -> Instant:
+        H, n = self.shown.H, len(self._still)
+        v = np.zeros((n, 6))
+        v[:, :3] = np.einsum("nai,ni->na", H[:n, 1:], self.shown.v)
+        return Instant(H, v, self._still, self._none)
+
+    def _tell(self, time: float) -> None:
+        if len(self.queue.steps):
+            events.told((*self.flight,), (*self.queue,), time, (*self.shown,))
+
+    def _advance(self, history: Recorder) -> bool:
+        last = history.next_stop(self._made) if self.books.empty else self._made + 1
+        time = last * self.h
+        self._count += events.run((*self.flight,), (*self.queue,), time)
+        self._made, history.count = last, self._count
+        if not np.isfinite(self.flight.v).all():
+            return False
+        if not self.books.empty:
+            self._tell(time)
+            self.books.add(self.h, time, *self._now)
+        return True
+
+    def _failure(self, steps: int) -> str:
+        return (
+            f"step {self._made} of {steps} (h = {self.h:g}) failed: numbers are not finite; a "
+            "scene that becomes stiffer wants a smaller courant"
+        )
+
+    def _record(self, history: Recorder) -> bool:
+        history.show_progress(self._made)
+        wanted = history.wants(self._made)
+        if wanted:
+            time = self._made * self.h
+            self._tell(time)
+            history.fill(time, *self._now, self.books.total)
+        return wanted
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(0, history.seconds)
+
+    def _arrays(self) -> dict[str, Any]:
+        flight, queue = self.flight, self.queue
+        places = {"H": flight.H, "v": flight.v, "times": flight.times}
+        return places | {"made": queue.made, "heap": queue.heap, "steps": queue.steps}
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept = {name: value.copy() for name, value in self._arrays().items()}
+        kept["counts"] = np.array([self._made, self._count])
+        return kept | self.equations.saved() | self.books.memory()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name, value in self._arrays().items():
+            value[:] = kept[name]
+        self._made, self._count = (int(count) for count in kept["counts"])
+        self.equations.restore(kept)
+        self.books.restore(kept)
+
+
+def _refuse(equations: Equations) -> None:
+    """Raise ``ValueError`` for what the scheme cannot do."""
+    unknowns, tables = equations.unknowns, equations.tables
+    mass_damping = len(tables.damping.indptr) > 0
+    viscous = mass_damping or any(term.viscous for term in tables.terms)
+    massless = bool((tables.inertia.blocks[:, 0, 0] <= 0.0).any())
+    reasons = {
+        "nodes that are no places": bool((unknowns.kinds != POINT).any()),
+        "joints": unknowns.m > 0,
+        "springs between bodies": len(joint_table(tables.joints).springs) > 0,
+        "damping": viscous,
+        "places without mass": massless,
+        "loads that change in time or follow": unknowns.time_dependent
+        or not unknowns.has_potential,
+        "contact, pressure and the like": any(t.tables is None for t in tables.terms),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"Asynchronous has no {what}: use Explicit or GeneralisedAlpha")

@@ -1,0 +1,202 @@
+"""Steps of each cell by itself, compiled: a queue of cells, and nodes that fly between them.
+
+A node flies under its dead loads from one of its cells to the next; a cell that is due brings its
+nodes to its time, and its forces kick them for a step of its own.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+import numba
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie._jit.stack import stack
+from fem_lie.lie.tuples import combined, load, load_row, rotate, store_row
+from fem_lie.solve.explicit.single_cells import CELLS, FIRST, NODES, cell_forces, room_for
+
+
+class Flight(NamedTuple):
+    """Nodes that fly.
+
+    Attributes:
+        H: Frames of all rows; places are those of the nodes' own times.
+        v: Velocities in space, (n, 3).
+        times: Of the nodes, (n,).
+        fall: Accelerations by dead loads, (n, 3).
+        light: One over their masses, zero of those that are held whole, (n,).
+        held: Which components along their axes are zero, (n, 3).
+    """
+
+    H: Array
+    v: Array
+    times: Array
+    fall: Array
+    light: Array
+    held: Flags
+
+
+PlainFlight: TypeAlias = tuple[Array, Array, Array, Array, Array, Flags]
+
+
+class Queue(NamedTuple):
+    """Cells of all forms, one after the other, in the order in which they are due.
+
+    Attributes:
+        rows: Of the forms, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        nodes: Of their cells.
+        form: Of each cell, (m,).
+        steps: Of each cell, (m,).
+        made: Steps that each has made, (m,).
+        heap: Cells, of which none is due before that at half its place, (m,).
+    """
+
+    rows: Indices
+    nodes: Indices
+    form: Indices
+    steps: Array
+    made: Indices
+    heap: Indices
+
+
+PlainQueue: TypeAlias = tuple[Indices, Indices, Indices, Array, Indices, Indices]
+
+
+@inlined
+def _due(e: int, steps: Array, made: Indices) -> float:
+    return steps[e] * made[e]
+
+
+@compiled
+def _sift(steps: Array, made: Indices, heap: Indices) -> None:
+    """Put the first of the heap where it belongs."""
+    at, count, e = 0, heap.shape[0], heap[0]
+    time = _due(e, steps, made)
+    while True:
+        child = 2 * at + 1
+        if child >= count:
+            break
+        first = _due(heap[child], steps, made)
+        if child + 1 < count:
+            second = _due(heap[child + 1], steps, made)
+            if second < first or (second == first and heap[child + 1] < heap[child]):
+                child, first = child + 1, second
+        if time < first or (time == first and e < heap[child]):
+            break
+        heap[at] = heap[child]
+        at = child
+    heap[at] = e
+
+
+@inlined
+def _fly(flight: PlainFlight, i: int, time: float) -> None:
+    """Bring a node to a time."""
+    H, v, times, fall, light, _ = flight
+    dt = time - times[i]
+    if dt != 0.0 and light[i] > 0.0:
+        speed, g = load_row(v, i), load_row(fall, i)
+        x = combined(1.0, load_row(H[i], 0), dt, combined(1.0, speed, 0.5 * dt, g))
+        store_row(H[i], 0, x)
+        store_row(v, i, combined(1.0, speed, dt, g))
+    times[i] = time
+
+
+@inlined
+def _kick(flight: PlainFlight, i: int, size: float, force: Array) -> None:
+    """Change a node's velocity by a force along its axes for a time."""
+    H, v, _, _, light, held = flight
+    if light[i] > 0.0:
+        for k in range(3):
+            if held[i, k]:
+                force[k] = 0.0
+        f = rotate(load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3), load(force, 0))
+        store_row(v, i, combined(1.0, load_row(v, i), -size * light[i], f))
+
+
+@compiled
+def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
+    """Make all steps of cells that are due before a time; returns how many."""
+    H = flight[0]
+    rows, nodes, form, steps, made, heap = queue
+    width, most = room_for(rows)
+    data, place = stack(width), stack(most)
+    forces = numba.carray(place, (most,))
+    before = np.zeros(rows.shape[0] + 1, dtype=np.int64)
+    for f in range(rows.shape[0]):
+        before[f + 1] = before[f] + rows[f, CELLS]
+    count = 0
+    while True:
+        e = heap[0]
+        time = _due(e, steps, made)
+        # those that are due with it come after it: what is told lies between
+        if time >= end - 1e-9 * steps[e]:
+            return count
+        row = rows[form[e]]
+        cell = e - before[form[e]]
+        first = row[FIRST] + row[NODES] * cell
+        for i in range(first, first + row[NODES]):
+            _fly(flight, nodes[i], time)
+        cell_forces(H, row, nodes, cell, data, place)
+        # the first is half a step: forces stand for the time around them
+        size = steps[e] if made[e] > 0 else 0.5 * steps[e]
+        for i in range(row[NODES]):
+            _kick(flight, nodes[first + i], size, forces[6 * i : 6 * i + 6])
+        made[e] += 1
+        _sift(steps, made, heap)
+        count += 1
+
+
+@compiled
+def told(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlight) -> None:
+    """All nodes at one time, with the velocities that forces up to then have made.
+
+    Args:
+        flight: The nodes.
+        queue: The cells, none of which is due before that time.
+        time: Which.
+        out: A copy of the nodes, overwritten.
+    """
+    rows, nodes, _, steps, made, _ = queue
+    out[0][:], out[1][:], out[2][:] = flight[0], flight[1], flight[2]
+    for i in range(out[2].shape[0]):
+        _fly(out, i, time)
+    width, most = room_for(rows)
+    data, place = stack(width), stack(most)
+    forces = numba.carray(place, (most,))
+    e = 0
+    for f in range(rows.shape[0]):
+        for cell in range(rows[f, CELLS]):
+            first = cell_forces(out[0], rows[f], nodes, cell, data, place)
+            kicked = (made[e] - 0.5) * steps[e] if made[e] > 0 else 0.0
+            for i in range(rows[f, NODES]):
+                _kick(out, nodes[first + i], time - kicked, forces[6 * i : 6 * i + 6])
+            e += 1
+
+
+@compiled
+def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> Array:
+    """Derivative of each cell's force on each of its nodes in the place of this node, (…, 3, 3).
+
+    By central differences over a length; in the order of ``nodes``.
+    """
+    out = np.zeros((nodes.shape[0], 3, 3))
+    width, most = room_for(rows)
+    data, place = stack(width), stack(most)
+    forces = numba.carray(place, (most,))
+    for f in range(rows.shape[0]):
+        for cell in range(rows[f, CELLS]):
+            first = rows[f, FIRST] + rows[f, NODES] * cell
+            for i in range(rows[f, NODES]):
+                node = nodes[first + i]
+                x = load_row(H[node], 0)
+                for k in range(3):
+                    axis = load_row(H[node], 1 + k)
+                    for sign in (-1.0, 1.0):
+                        store_row(H[node], 0, combined(1.0, x, sign * size, axis))
+                        cell_forces(H, rows[f], nodes, cell, data, place)
+                        for j in range(3):
+                            out[first + i, j, k] += sign * forces[6 * i + j] / (2.0 * size)
+                store_row(H[node], 0, x)
+    return out

@@ -1,0 +1,58 @@
+"""Forces of one cell of a sum: for schemes that treat every cell by itself."""
+
+from __future__ import annotations
+
+import numba
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
+
+KERNEL, CELLS, NODES, FIRST, WEIGHTS, WIDTH, CONSTANTS, PLACES, EXTENT = range(9)
+"""In a row of a :class:`~fem_lie.forms.cell_forms.FormTable`."""
+
+
+@compiled
+def room_for(rows: Indices) -> tuple[int, int]:
+    """Most coefficients of a cell, and most of its forces."""
+    width = most = 1
+    for f in range(rows.shape[0]):
+        width, most = max(width, rows[f, WIDTH]), max(most, 6 * rows[f, NODES])
+    return width, most
+
+
+@inlined
+def cell_forces(
+    H: Array, row: Indices, nodes: Indices, e: int, data: Pointer, place: Pointer
+) -> int:
+    """Forces on the nodes of cell ``e`` of a form; the cell's own data are not written to.
+
+    Args:
+        H: Frames of the nodes, shape (≥ count, 4, 3).
+        row: Of the table.
+        nodes: Of the table.
+        e: Which cell.
+        data: Room for all coefficients of a cell.
+        place: Six numbers of each of its nodes, overwritten.
+
+    Returns:
+        Where its nodes begin in ``nodes``.
+    """
+    count, width = row[NODES], row[WIDTH]
+    first = row[FIRST] + count * e
+    packed, values = numba.carray(data, (width,)), numba.carray(place, (6 * count,))
+    given = numba.carray(pointer(row[WEIGHTS] + 8 * width * e), (width,))
+    k = 0
+    for i in range(first, first + count):
+        node = nodes[i]
+        for a in range(4):
+            for j in range(3):
+                packed[k] = H[node, a, j]
+                k += 1
+    for j in range(k, width):
+        packed[j] = given[j]
+    for j in range(6 * count):
+        values[j] = 0.0
+    x = pointer(row[PLACES] + 8 * row[EXTENT] * e)
+    call_kernel(row[KERNEL], place, data, pointer(row[CONSTANTS]), x)
+    return first
