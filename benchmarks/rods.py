@@ -1,6 +1,6 @@
-"""What cables and nets cost: residual per element, and an implicit step of a rod of 51 nodes.
+"""What cables, nets and rods cost: residual per element, and an implicit step of a rod of 51 nodes.
 
-Both elements, one after the other in turns; the least of several runs of each, seconds of the
+All elements, one after the other in turns; the least of several runs of each, seconds of the
 processor. A step is one of generalised-alpha of a cantilever that swings under its weight, matrix
 made when it pays (``Automatic``), all states kept.
 
@@ -17,19 +17,26 @@ import numpy as np
 import fem_lie as fl
 from fem_lie.mesh.curves import curve
 
-ELEMENTS = {"places and slopes": fl.HermiteCable(), "discrete": fl.DiscreteCable()}
+ELEMENTS: dict[str, fl.Formulation] = {
+    "places and slopes": fl.HermiteCable(),
+    "discrete": fl.DiscreteCable(),
+    "Kirchhoff rod": fl.Kirchhoff(),
+    "discrete rod": fl.DiscreteRod(),
+}
 
 
-def cable(elements: int, element: fl.Formulation) -> fl.Cable:
-    section = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=0.1)
+def cable(elements: int, element: fl.Formulation) -> fl.Cable | fl.Rod:
+    section = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=0.1, polar=2e-5)
     mesh = curve(lambda s: (s, 0.3 * s * s, 0.1 * s**3), elements)
+    if isinstance(element, fl.Kirchhoff | fl.DiscreteRod):
+        return fl.Rod(mesh, section, formulation=element)
     return fl.Cable(mesh, section, formulation=element)
 
 
 def residual(elements: int, element: fl.Formulation) -> float:
     """Seconds per element."""
     body = cable(elements, element)
-    assembly = fl.Cable.assemble([body])
+    assembly = type(body).assemble([body])
     H, out = np.empty_like(body.frames), np.zeros(6 * len(body.frames))
     H[assembly.order] = body.frames
     terms = [assembly, *assembly.beside]
@@ -49,7 +56,10 @@ def step(element: fl.Formulation) -> tuple[float, float]:
     """Seconds per step without what a run takes to begin, and iterations."""
     body, scene = cable(50, element), fl.Scene(gravity=(0, -9.81, 0))
     scene.add(body)
-    body.clamp(body.start)
+    if isinstance(body, fl.Rod):
+        scene.add(fl.Clamp(body.start))
+    else:
+        body.clamp(body.start)
     scheme, seconds = fl.GeneralisedAlpha(radius=0.9), []
     for steps in (10, 10, 1010):
         start = process_time()

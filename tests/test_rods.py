@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from demos import bend45
+from demos import bend45, rings
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
+from fem_lie import lie
 
 KINDS = {"Kirchhoff": fl.Kirchhoff(), "discrete": fl.DiscreteRod()}
 each = pytest.mark.parametrize("name", KINDS)
@@ -69,6 +70,66 @@ def test_45_degree_bend(name, bound):
     """To the point of beams with shear, of which there is 5e-5 here."""
     errors = [bend45.solve(n, 3, bend45.FORMULATIONS[name])[0]["tip_error"] for n in (8, 16)]
     assert errors[1] < bound and errors[0] / errors[1] > 2.5
+
+
+def test_helix_and_rings_buckle_at_their_closed_forms():
+    record = rings.main(elements=32)
+    assert record["helix_error"] < 1e-5 and record["helix_iterations"] <= 5
+    assert abs(record["michell_error"]) < 1e-3 and abs(record["overcurved_error"]) < 5e-3
+
+
+def test_helix_of_edges():
+    (coarse, _), (fine, _) = (rings.helix(fl.DiscreteRod(), n) for n in (16, 32))
+    assert fine < 6e-3 and coarse / fine > 3.4
+
+
+def swung(formulation: fl.Formulation, cells: int) -> np.ndarray:
+    """Tip of an arc that falls from its clamp, out of its plane: it bends and twists."""
+    own = fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
+    scene = fl.Scene(gravity=(0, -3.0, -9.81))
+    arc = fl.Rod.curve(
+        lambda s: (np.sin(s), 0, 1 - np.cos(s)), own, cells=cells, formulation=formulation
+    )
+    rod = scene.add(arc)
+    scene.add(fl.Clamp(rod.start))
+    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=0.15, step=1e-3)
+    return result.position(rod.end)[-1]
+
+
+def test_edges_swing_as_the_cubic_does():
+    """Axes of edges go along with them from step to step, and velocities with these."""
+    exact = swung(fl.Kirchhoff(), 20)
+    coarse, fine = (np.linalg.norm(swung(fl.DiscreteRod(), n) - exact) for n in (10, 20))
+    assert fine < 6e-4 and coarse / fine > 3
+
+
+def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
+    """1000 rad about an oblique axis."""
+    own = fl.Section.from_stiffness([90.0, 40, 30, 8, 6, 7])
+    arc = fl.Rod.curve(
+        lambda s: (3 * s, 0.4 * s * s, np.sin(s)), own, cells=4, formulation=fl.DiscreteRod()
+    )
+    springs = fl.Rod.assemble([arc]).beside[0]
+    twists = 0.2 * np.random.default_rng(0).normal(size=(5, 6))
+    H = lie.se3_retract(arc.frames, twists)
+    turned = H @ lie.so3_exp(1000 * np.array([0.6, 0.0, 0.8])).T
+    found = []
+    for rows in (H, turned):
+        forces = np.zeros((5, 6))
+        springs.add_forces(rows, forces)
+        springs.reset_stress(rows)
+        found.append((forces, springs.tangent(rows, forces)))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-11 * np.abs(one).max())
+
+
+def test_conserving_schemes_refuse_edges():
+    own = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0))
+    scene = fl.Scene()
+    ends = (0, 0, 0), (1, 0, 0)
+    scene.add(fl.Rod.straight(*ends, own, cells=2, formulation=fl.DiscreteRod()))
+    with pytest.raises(ValueError, match="corners"):
+        fl.EnergyMomentum().run(scene, duration=1e-3, step=1e-3)
 
 
 @each
