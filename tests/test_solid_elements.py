@@ -48,10 +48,10 @@ def solid(element, material=MATERIALS["neo-Hooke"], cells=(2, 2, 2)):
     return fl.Solid(mesh, material, degree=degree, formulation=formulation)
 
 
-def system_of(body, **options):
+def system_of(body, dynamics=True, **options):
     scene = fl.Scene()
     scene.add(body)
-    return System(scene, dynamics=True, **options)
+    return System(scene, dynamics=dynamics, **options)
 
 
 def bent(system, size=0.05):
@@ -193,6 +193,22 @@ def test_volume_of_a_crooked_cell():
     rows = np.zeros((8, 4, 3))
     rows[:7, 0], rows[7, 0] = x, (2, 1, 3)
     assert volume(rows) == pytest.approx(2 * 1 * 2.0, rel=1e-14)
+
+
+def test_the_mean_dilatation_is_the_volume_of_the_cell():
+    """An energy of ``J`` alone is that of volumes, in a state that is not homogeneous."""
+    law = fl.Hyperelastic(lambda C: 0.25 * ufl.ln(ufl.det(C)) ** 2)
+    body = solid(("hexahedron", 1, fl.MeanDilatation()), law)
+    system = system_of(body, dynamics=False)
+    H = bent(system, 0.2)
+    (term,) = system.terms
+    before, after = (
+        np.array([volume(rows) for rows in of[body.connectivity]])
+        for of in (body.frames, H[system.numbering.nodes[body]])
+    )
+    assert np.ptp(after / before) > 0.01
+    wanted = (before * np.log(after / before) ** 2).sum()
+    assert term.energy(H) == pytest.approx(wanted, rel=1e-12)
 
 
 def bulge(X):
