@@ -256,6 +256,18 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
     np.testing.assert_allclose(places, expected, atol=5e-4)
 
 
+def test_tumbling_conserves_energy_and_momenta():
+    own = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
+    beam = fl.AncfBeam.curve(bowed, own, cells=4)
+    beam.turn((3.0, 4.0, 2.0), (0.4, 0.2, 0.0))
+    scene = fl.Scene()
+    scene.add(beam)
+    result = fl.EnergyMomentum().run(scene, duration=0.2, step=1e-3)
+    assert np.ptp(result.total_energy) < 1e-11 * result.total_energy[0]
+    for momentum in (result.momentum, result.angular_momentum):
+        assert np.abs(momentum - momentum[0]).max() < 1e-12 * np.abs(momentum[0]).max()
+
+
 @pytest.mark.parametrize("slenderness", [0.5, 2.0, 6.0])
 def test_restrained_warping_is_that_of_vlasov(slenderness):
     """A cantilever of an I section, twisted at its tip: φ = T L/GJ (1 − tanh kL/kL)."""

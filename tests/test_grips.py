@@ -105,6 +105,8 @@ def state(name: str, seed: int):
     rng = np.random.default_rng(seed)
     grip, move = GRIPS[name]
     near = rng.normal(size=(len(grip.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
+    if name in ON_SURFACES:
+        near *= 0.1  # differences of places are slopes, which must not be along each other
     X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
     if name == "tangent":
         X[:, 1] *= 0.5 + rng.random()
