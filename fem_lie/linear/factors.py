@@ -24,7 +24,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, inlined
 from fem_lie.linear.equilibrated import (
     ACCURATE,
     Equilibrated,
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
 
 _log = logging.getLogger(__name__)
+
+ONE, TWO = np.uint64(1), np.uint64(2)
 
 
 Triangle: TypeAlias = tuple[Array, Indices, Indices]
@@ -151,27 +153,39 @@ def _strict(values: Array, indices: Indices, pointers: Indices, diagonal: Array)
     return kept[:at], rows[:at], first
 
 
+@inlined
+def _along(values: Array, indices: Indices, y: Array, first: np.uint64, end: np.uint64) -> float:
+    """Product of a row of a triangle with ``y``: two sums, for each waits for its last term."""
+    even, odd, k = 0.0, 0.0, first
+    while k + ONE < end:
+        even += values[k] * y[np.uint64(indices[k])]
+        odd += values[k + ONE] * y[np.uint64(indices[k + ONE])]
+        k += TWO
+    if k < end:
+        even += values[k] * y[np.uint64(indices[k])]
+    return even + odd
+
+
 @compiled
 def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
-    """``x = A⁻¹ b``; ``y`` is work, all of shape (n,)."""
+    """``x = A⁻¹ b``; ``y`` is work, all of shape (n,).
+
+    Indices are unsigned, for what may be negative is asked for its sign at each use.
+    """
     left, right, row, column, diagonal, lower, upper = factors
     values, indices, pointers = upper
-    n = b.shape[0]
+    n = np.uint64(b.shape[0])
     for j in range(n):
-        y[column[j]] = left[j] * b[j]
+        y[np.uint64(column[j])] = left[j] * b[j]
     for j in range(n):
-        total = y[j]
-        for k in range(pointers[j], pointers[j + 1]):
-            total -= values[k] * y[indices[k]]
-        y[j] = total * diagonal[j]
+        first, end = np.uint64(pointers[j]), np.uint64(pointers[j + ONE])
+        y[j] = (y[j] - _along(values, indices, y, first, end)) * diagonal[j]
     values, indices, pointers = lower
-    for j in range(n - 1, -1, -1):
-        total = y[j]
-        for k in range(pointers[j], pointers[j + 1]):
-            total -= values[k] * y[indices[k]]
-        y[j] = total
     for j in range(n):
-        x[j] = right[j] * y[row[j]]
+        i = n - ONE - j
+        y[i] -= _along(values, indices, y, np.uint64(pointers[i]), np.uint64(pointers[i + ONE]))
+    for j in range(n):
+        x[j] = right[j] * y[np.uint64(row[j])]
 
 
 # --- by the function of a library -----------------------------------------------------------------

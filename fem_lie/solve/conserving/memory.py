@@ -68,7 +68,7 @@ def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates:
         F_viscous=z((cells.places, 6)),
         r=z((5, 6 * n + m)),
         weights=z(m),
-        filtered=z((2, total, 6)),
+        filtered=z((3, total, 6)),
         border=z((2, len(legs.nodes), 6)),
         sums=z((3, 3, 3, 3)),
         own=z((3, n, 4, 3)),

@@ -106,6 +106,7 @@ class RunState(Integration[History]):
         self.counters, self.numbers = np.zeros(7, dtype=np.int64), np.zeros(10)
         self.counts, self.told = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
         self._factors: Factors | None = None
+        self._kept = -1  # the last step of which the compiled loop has filled in a row
         self._lost = False  # whether each iteration of the present step has a matrix
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))

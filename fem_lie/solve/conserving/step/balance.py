@@ -53,19 +53,22 @@ from fem_lie.system.nodes.loads import Loads
 @linked
 def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
     """:func:`residual` of :class:`~fem_lie.solve.conserving.step.packing.Packed`."""
-    residual(model_of(model), state_of(state), step_of(step))
+    residual(model_of(model), state_of(state), step_of(step), True)
 
 
 @linked
-def residual(model: Model, state: State, this: Step) -> None:
-    """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints."""
+def residual(model: Model, state: State, this: Step, anew: bool) -> None:
+    """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints.
+
+    Not ``anew`` cells keep the forces and energies that they had last.
+    """
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
     n, χ = this.step.shape[0], scheme.loss * state.lag[REMEMBERS]
     along, r = span_of(this.rows), solution_of(this.r).residual
     span(state.H, this.step, along.delta, along.mean, along.end, along.middle)
     losses[:] = 0.0
     _make_up(state.carry, this.step, forces)
-    add_from_nodes(model, state, this)
+    add_from_nodes(model, state, this, anew)
     if χ > 0.0:
         _choose_memory(model.inertia, scheme, state, this)
         add_filtered_forces(model.cells.x.shape[0], model.leaders, scheme, state, this)

@@ -74,10 +74,13 @@ class Motion(NamedTuple):
 
 
 @linked
-def add_from_nodes(model: Model, state: State, this: Step) -> None:
-    """Add the forces of the cells and of pressure, which are on all nodes, to the leaders."""
+def add_from_nodes(model: Model, state: State, this: Step, anew: bool) -> None:
+    """Add the forces of the cells and of pressure, which are on all nodes, to the leaders.
+
+    Not ``anew``: those that were found last, and energies by the work of these.
+    """
     leader, offset, trivial = model.leaders
-    H, step, steps, forces = state.H, this.step, this.steps, this.forces
+    H, step, forces = state.H, this.step, this.forces
     rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
     if model.cells.x.shape[0] == 0:  # nothing but rigid bodies
         return
@@ -85,9 +88,9 @@ def add_from_nodes(model: Model, state: State, this: Step) -> None:
         for k in range(4):
             for j in range(3):
                 exact[i, k, j] = rows.delta[i, k, j] + state.rest[i, k, j]
+    steps, on_all, further = this.steps, this.on_nodes, this.twists
     if trivial:
-        on_all = forces
-        motion = Motion(H, rows.end, rows.mean, rows.middle, rows.delta, exact, step)
+        motion = Motion(H, rows.end, rows.mean, rows.middle, rows.delta, exact, steps)
     else:
         own = this.q[0]
         put(exact[: step.shape[0]], own)
@@ -95,16 +98,53 @@ def add_from_nodes(model: Model, state: State, this: Step) -> None:
         for k in range(4):
             follow(this.rows[k], leader, offset, this.nodes[k])
         follow(own, leader, offset, exact)
-        for i in range(leader.shape[0]):
-            store(steps[i], 0, load_row(nodes.delta[i], 0))
-            store(steps[i], 3, load(step[leader[i]], 3))
-        on_all = this.on_nodes
-        on_all[:] = 0.0
         motion = Motion(this.start, nodes.end, nodes.mean, nodes.middle, nodes.delta, exact, steps)
-    _add_cells(model, state, this, motion, on_all)
-    this.losses[WORK] += _add_pressure(model.pressure, motion, on_all, this.losses)
-    if not trivial:
+    for i in range(leader.shape[0]):
+        for k in range(3):
+            u, ψ = motion.delta[i, 0, k], step[leader[i], 3 + k]
+            further[i, k], further[i, 3 + k] = u - steps[i, k], ψ - steps[i, 3 + k]
+            steps[i, k], steps[i, 3 + k] = u, ψ
+    if anew or model.viscous or model.pressure.pairs.shape[0] > 0:
+        on_all[:] = 0.0
+        _add_cells(model, state, this, motion, on_all)
+        this.losses[WORK] += _add_pressure(model.pressure, motion, on_all, this.losses)
+    else:
+        _move_cells(model.cells, motion.end, further, state, this)
+    if trivial:
+        for i in range(forces.shape[0]):
+            for k in range(6):
+                forces[i, k] += on_all[i, k]
+    else:
         collect(leader, nodes.mean, rows.mean, on_all, forces)
+
+
+@compiled
+def _move_cells(cells: CellTable, end: Array, further: Array, state: State, this: Step) -> None:
+    """Energies and works after so small a motion (N, 6) that forces stay what they are.
+
+    Together they are the work of the forces over the step, so nothing adds up; each has of it what
+    its forces at the end let one expect.
+    """
+    first, nodes, F, lag, filtered = cells.first, cells.nodes, this.F1, state.lag, this.filtered
+    gains, expected, sizes, done = np.zeros(this.W1.shape[0]), 0.0, 0.0, 0.0
+    for e in range(gains.shape[0]):
+        for a in range(first[e], first[e + 1]):
+            m, d = end[nodes[a]], further[nodes[a]]
+            for at in (0, 3):
+                f = rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), load(F[a], at))
+                gains[e] += dot(f, load(d, at))
+        expected += gains[e]
+        sizes += abs(gains[e])
+    for i in range(further.shape[0]):
+        for k in range(6):
+            done += this.on_nodes[i, k] * further[i, k]
+            lag[WORKS] += filtered[0, i, k] * further[i, k]
+            lag[WORKS + 1] += filtered[1, i, k] * further[i, k]
+    rest = (done - expected) / sizes if sizes > 0.0 else 0.0
+    for e in range(gains.shape[0]):
+        gain = gains[e] + rest * abs(gains[e])
+        this.W1[e] += gain
+        this.work[e] += gain
 
 
 ULP = float(np.finfo(np.float64).eps)
@@ -154,7 +194,7 @@ def add_filtered_forces(
     if leaders.trivial:
         on_all = this.forces
     else:
-        on_all = this.on_nodes
+        on_all = this.filtered[2]
         on_all[:] = 0.0
     for i in range(on_all.shape[0]):
         for k in range(6):

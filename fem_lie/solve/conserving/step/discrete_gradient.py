@@ -189,7 +189,7 @@ def filtered_forces(
         ends: See :func:`add_elastic`.
         path: See :func:`add_elastic`.
         memory: Forces in the frames of the nodes, (places, 6).
-        out: Both, forces and moments on all nodes, global components, (2, N, 6), overwritten.
+        out: Both, forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
 
     Returns:
         The works of ``F₁ − F₀`` and of the memory.

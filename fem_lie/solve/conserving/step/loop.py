@@ -36,6 +36,7 @@ from fem_lie.solve.conserving.step.corrections import (
     EXCESS,
     FALLS,
     FELT,
+    FINE,
     FLOOR,
     INCREMENT,
     ITERATION,
@@ -202,6 +203,7 @@ def run(
     tolerance, limit, patience, cost, spare = options
     # what takes all of the model is much code at each call
     held, measure, scale, scheme = model.held, model.measure, model.scale, model.scheme
+    supported = bool(np.any(model.supported))
     legs, aside, compared = model.legs, (this.border, this.turnings), False
     while counters[STEPS] < last:
         if counters[ITERATION] == 0:
@@ -221,7 +223,7 @@ def run(
                     due = lags(numbers, tolerance, patience, spare)
             if due:
                 return MATRIX
-        residual(model, state, this)
+        residual(model, state, this, True)
         if not compared:
             _compare(model.joints, legs, held, scheme, state, this)
             compared = True
@@ -257,7 +259,9 @@ def run(
             # a correction that is noise is not made: what is accepted must be of one piece
             if not noise:
                 correct(held, scale, scheme, state, this)
-                residual(model, state, this)
+                # to move cells by less than their places can tell makes no other forces, but for
+                # what a support holds of them
+                residual(model, state, this, supported or numbers[INCREMENT] > FINE)
             joints = model.joints, model.probes
             accept(model.inertia, joints, model.loads, model.conservative, scheme, state, this)
             count(counters, numbers)
@@ -295,7 +299,7 @@ def _round_off(model: Model, state: State, this: Step, factors: PlainFactors) ->
     for c in range(weights.shape[0]):
         weights[c] *= 1.0 + sign * _ULP
         sign = -sign
-    residual(model, state, this)
+    residual(model, state, this, True)
     aside = this.border, this.turnings
     correction(measure, model.scale, this.r, factors, model.legs, aside, (NEARLY, 0.0, 1.0))
     for k in range(x.shape[0]):
@@ -303,6 +307,6 @@ def _round_off(model: Model, state: State, this: Step, factors: PlainFactors) ->
     largest = size(measure, solution.x)
     put(kept, step)
     put(kept_weights, weights)
-    residual(model, state, this)
+    residual(model, state, this, True)
     put(x, solution.x)
     return largest

@@ -202,8 +202,8 @@ class Step(NamedTuple):
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
         weights: Multipliers at the start of the step, (m,).
-        filtered: Forces of the changes of elastic forces and of their memory, on all nodes,
-            (2, N, 6).
+        filtered: Forces of the changes of elastic forces, of their memory, and what of both acts,
+            on all nodes, (3, N, 6).
         border: How the constraints differ from those in the matrix, (2, legs, 6).
         sums: Of :class:`Products`, (3, 3, 3, 3).
         own: Its arrays of the nodes, (3, n, 4, 3).

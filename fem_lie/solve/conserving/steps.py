@@ -1,0 +1,198 @@
+"""Steps of a run of a conserving scheme: their matrices, and what is done where one has no end.
+
+A step begins with a prediction, and ends when nothing but round-off changes. Where that fails with
+the matrix that is kept, new ones are made until it converges fast: first from no motion at all, for
+what is predicted has the waves that the step does not resolve as large as their velocities say, far
+beyond what they are at its end; then from the prediction. Where that fails, too, the step is made
+in two halves, and likewise these; each conserves as a step does.
+"""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.solve.conserving.run_state import RunState
+from fem_lie.solve.conserving.step import corrections, loop
+
+_log = logging.getLogger(__name__)
+
+HALVINGS = 6
+"""Of a step of which no solution is found, at most."""
+_RESCUE = 1, 40.0
+"""Patience, and the cost of a matrix in iterations, of a step that failed."""
+_SLOW = 4
+"""Times as many iterations as else may be made with new matrices: they converge surely from no
+motion, and slowly where much energy is in waves that the step does not resolve."""
+_LONG, _SETTLED = 20, 1e-11
+"""Iterations without progress after which increments of this size, in lengths, are round-off."""
+_UNPREDICTED = 8
+"""Steps that begin without a prediction after one that had no end with it."""
+STILL, DIVIDED, PARTS = 0, 1, 2
+"""Of :attr:`Steps.told`: steps to come without a prediction, steps that were divided, and the most
+parts of one."""
+_SHARE = 0.4
+"""Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
+
+
+class Steps(RunState):
+    """How steps are made.
+
+    Attributes:
+        endures: Whether a matrix is kept that makes a step slow, as long as another one costs more.
+    """
+
+    endures = True
+
+    def _note_rates(self) -> None:
+        # reactions of supports are made of them
+        if self._held:
+            self.rates = self.rates.after(2.0 * self.s.trend, self.s.sizes[0])
+
+    def _go_to(self, last: int, start: float, end: float) -> bool:
+        """Make all steps up to ``last``, the first from ``start`` to ``end``; whether they were."""
+        self._end = end + (last - self.index - 1) * self.h
+        if self._changing:
+            self._set_time(start, end)
+        first, size = self.index, end - start
+        rule = (1, 0.0) if self.rule is None else self.rule
+        while self.index < last:
+            if self._goes(last, rule):
+                continue
+            past = (self.index - first) * size
+            rescued = self.options.policy.rescue and self._rescued(start + past, end + past)
+            if not rescued:
+                return False
+        return True
+
+    def _goes(self, last: int, rule: tuple[int, float]) -> bool:
+        """Whether steps up to ``last`` are made with the matrix that is kept."""
+        while self.told[STILL] and self.index < last:
+            if not self._make(rule, still=True):
+                return False
+            self.told[STILL] -= 1
+        return self.index == last or self._go(last, rule) != loop.FAILED
+
+    def _rescued(self, start: float, end: float) -> bool:
+        """The step that failed, otherwise; whether it is made."""
+        _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
+        self.s.weights[:] = self.this.weights
+        numbers = self.numbers
+        if self.counters[corrections.STALLS] >= _LONG and numbers[corrections.LEAST] <= _SETTLED:
+            numbers[corrections.FLOOR] = numbers[corrections.LEAST]
+        return self._again() or self._in_parts(start, end, 1)
+
+    def _again(self) -> bool:
+        """The step that failed from its start, with new matrices until it converges fast."""
+        for still in (True, False):
+            self.numbers[corrections.EXCESS] = np.inf
+            if self._make(_RESCUE, still=still, always=True):
+                self.told[STILL] = _UNPREDICTED if still else 0
+                return True
+            self.s.weights[:] = self.this.weights
+        return False
+
+    def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:
+        """Make one step; whether it is.
+
+        Args:
+            rule: When a matrix is made, see :meth:`~fem_lie.solve.motion.policies.Policy.rule`.
+            still: From no motion at all. What is predicted has waves that the step does not resolve
+                as large as their velocities say, far beyond what they are at its end.
+            always: Whatever else the policy says.
+        """
+        self._begin()
+        if still:
+            self.this.step[:] = 0.0
+        return self._go(self.index + 1, rule, always=always) != loop.FAILED
+
+    def _in_parts(self, start: float, end: float, depth: int) -> bool:
+        """The step that failed in two halves, and likewise these; whether it is made.
+
+        The next one is in full again.
+        """
+        index, middle, made = self.index, 0.5 * (start + end), True
+        self._change_size(0.5 * self.h)
+        for a, b in ((start, middle), (middle, end)):
+            self.counters[corrections.STEPS] = index
+            if self._changing:
+                self._set_time(a, b)
+            made = self._again()
+            if not made and depth < HALVINGS:
+                made = self._in_parts(a, b, depth + 1)
+            if not made:
+                break
+            if b == middle:
+                self._note_rates()
+        self._change_size(2.0 * self.h)
+        self.told[PARTS] = max(self.told[PARTS], 2**depth)
+        if depth == 1:
+            self.told[DIVIDED] += made
+        return made
+
+    def _change_size(self, h: float) -> None:
+        self._resize(h)
+        # no matrix of another size is used
+        self._factors, self.numbers[corrections.EXCESS] = None, np.inf
+
+    def _begin(self) -> None:
+        """Predict the next step, before a matrix for it is made."""
+        counters, numbers, packed = self.counters, self.numbers, self._packed
+        counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
+        counters[corrections.STALLS] = 0
+        motion = loop.packed_begin(packed.model, packed.state, packed.step)
+        numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
+        numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
+        numbers[corrections.FELT] = 0.0
+
+    def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
+        counters = self.counters
+        given = self._given(rule, self.options.max_iterations * (_SLOW if always else 1))
+        while True:
+            packed = self._packed
+            tables = packed.model, packed.state, packed.step
+            if self._factors is None:
+                code = loop.MATRIX
+                if counters[corrections.ITERATION] == 0:
+                    self._begin()
+                counters[corrections.ASKED] = counters[corrections.ITERATION]
+            else:
+                factors = self._factors.plain
+                code = loop.run(*tables, factors, given, counters, self.numbers, last)
+            if code == loop.LOST:
+                code = self._go_anew()
+                if code == loop.DONE and self.index < last:
+                    continue
+                return code
+            if code == loop.DONE and self.rule is None:
+                self.decisions.after_step(int(counters[corrections.LAST]))
+            if code != loop.MATRIX:
+                return code
+            iteration = int(counters[corrections.ITERATION])
+            asked = always or self.rule is not None or self._factors is None
+            wanted = asked or self.decisions.before_iteration(iteration)
+            if wanted and not self._renewed():
+                return loop.FAILED
+
+    def _renewed(self) -> bool:
+        """Make a new matrix; whether it has factors."""
+        try:
+            self._factorise()
+        except SingularMatrixError:
+            self.numbers[corrections.INCREMENT] = np.inf
+            return False
+        return True
+
+    def _go_anew(self) -> int:
+        """Make the present step by full Newton, for kept constraints would lead it astray."""
+        self.counters[corrections.ASKED], self._lost = 0, True
+        code = self._go(self.index + 1, (1, 0.0), always=True)
+        self._lost = False
+        return code
+
+    def _given(self, rule: tuple[int, float], limit: int) -> tuple[float, int, int, float, float]:
+        """What the loop is told."""
+        spare = _SHARE * rule[1] if self.endures and np.isfinite(rule[1]) else 0.0
+        return self.options.tolerance, limit, *rule, spare
