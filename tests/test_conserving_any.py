@@ -12,6 +12,7 @@ from tests.test_composed import resumed_as_whole
 
 SCHEME = fl.EnergyMomentum()
 SECTION = fl.Section.from_stiffness([200.0] * 3 + [0.02] * 3, mass=1.0)
+BAR = fl.Section.rectangle(0.1, 0.1, fl.Material(2e3, 0.3, 20.0))
 CURVE = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
 
 
@@ -52,6 +53,7 @@ SAINT_VENANT = fl.SaintVenantKirchhoff(2e3, 0.3, 1.0)
 BODIES: dict[str, Callable[[], fl.Body]] = {
     "cable": lambda: line(fl.HermiteCable()),
     "spline cable": lambda: fl.SplineCable.through(CURVE, SECTION),
+    "beam of slopes": lambda: fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), BAR, cells=3),
     "discrete cable": lambda: line(fl.DiscreteCable()),
     "net": net,
     "thin shell": sheet,
