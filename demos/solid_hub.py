@@ -116,7 +116,7 @@ def main(
 ) -> dict[str, Any]:
     scene, body, joints = model(cells, elements)
     components = fl.Components.INERTIAL if fixed_axes else fl.Components.LOCAL
-    scheme = fl.GeneralisedAlpha(radius=RADIUS, tolerance=1e-12, components=components)
+    scheme = fl.GeneralisedAlpha(radius=RADIUS, tolerance=5e-13, components=components)
     result = scheme.run(scene, duration=duration, step=step)
     spin = result.angular_momentum[:, 2]
     record = {
