@@ -1,9 +1,26 @@
 """Order of the tests, and patience with each other's compilers."""
 
+import time
+from pathlib import Path
+
 import dolfinx.jit
 
+_PATIENCE = 600
 # forms take FFCx and the C compiler up to minutes, and another process may be at them
-dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS["timeout"] = (600, "seconds to wait for another process")
+dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS["timeout"] = (
+    _PATIENCE,
+    "seconds to wait for another process",
+)
+
+
+def pytest_sessionstart(session):
+    """Remove what compilers that were killed have left: FFCx waits for its end."""
+    if hasattr(session.config, "workerinput"):
+        return
+    for source in Path(dolfinx.jit.get_options()["cache_dir"]).glob("libffcx_*.c"):
+        if not source.with_suffix(".c.cached").exists():
+            if time.time() - source.stat().st_mtime > _PATIENCE:
+                source.unlink(missing_ok=True)
 
 
 def pytest_collection_modifyitems(items):

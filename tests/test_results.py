@@ -358,7 +358,7 @@ def test_thin_members_stay_visible_and_thick_ones_true():
     for thickness, drawn in ((1e-5, 0.004), (1.0, 0.02 * np.sqrt(2))):
         info, frames = _arc(0.0, 2, SQUARE * thickness)
         (shape,) = shapes(info, frames[np.newaxis])
-        assert np.linalg.norm(shape.outline, axis=-1).max() == pytest.approx(drawn)
+        assert np.linalg.norm(shape.offset, axis=-1).max() == pytest.approx(drawn)
 
 
 # --- diagrams ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.results.mode_shapes import ModeLook, ModeShapes
+from fem_lie.results.mode_shapes import ModeLook, ModeShapes, chosen
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,4 +55,4 @@ class BucklingModes(ModeShapes):
         return np.einsum("nij,ni->nj", self.frames[:, 1:], u)
 
     def _look(self, mode: int) -> ModeLook:
-        return ModeLook(f"Mode {mode}: load factor {self.factors[mode - 1]:.5g}", self.size)
+        return ModeLook(f"Mode {mode}: load factor {chosen(self.factors, mode):.5g}", self.size)
