@@ -219,12 +219,7 @@ class Beam(LineBody):
         Raises:
             ValueError: There is no such element, or the part is not one of it.
         """
-        instance(element, int | np.integer, f"the number of an element of {self.label}", "whole")
-        last = len(self.elements) - 1
-        if not 0 <= element <= last:
-            raise ValueError(f"{self.label} has elements 0 … {last}, got {element}")
-        if not 0.0 <= number(part, f"the part of an element of {self.label}") <= 1.0:
-            raise ValueError(f"a part of an element is 0 to 1, got {part}")
+        self._check_place(element, part)
         nodes = self.elements[element]
         for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
             if abs(part - at) < _AT_NODE:

@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, log_coincident, text
+from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
 from fem_lie.bodies.beams.given_sections import outline_of
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.beams.sectioned import Sectioned
+from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.forms.assembly import Assembly
 from fem_lie.grips.grip import Grip
@@ -37,18 +38,13 @@ class Placed(NamedTuple):
     pairs: Indices
 
 
-class LineBody(Body):
+class LineBody(Sectioned):
     """A body along lines.
 
     Attributes:
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
-        lengths: Arc length of each element, unloaded, shape (m,).
-        stiffness: Section stiffness of each element, shape (m, 6, 6).
-        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
-        has_mass: Whether all sections have inertia.
         formulation: The element.
         damping: Of all elements.
-        sections: Of each element.
     """
 
     def __init__(
@@ -73,13 +69,7 @@ class LineBody(Body):
         self.elements, self.lengths = placed.elements, placed.lengths
         self.formulation = formulation
         self.damping = Damping() if damping is None else damping
-        self.sections = sections
-        self.stiffness = np.array([section.stiffness for section in sections])
-        self.has_mass = all(section.inertia is not None for section in sections)
-        self.density = np.array(
-            [np.zeros((4, 4)) if s.inertia is None else s.inertia for s in sections]
-        )
-        self._groups = dict(mesh.groups)
+        self._take(sections, mesh.groups)
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         super().__init__(
             placed.frames,
@@ -112,33 +102,9 @@ class LineBody(Body):
         """All of one :attr:`kind` together."""
         return BeamAssembly(bodies)
 
-    @property
-    def start(self) -> Point:
-        """The point named "start"."""
-        return self["start"]
-
-    @property
-    def end(self) -> Point:
-        """The point named "end"."""
-        return self["end"]
-
     def grip_of(self, node: int) -> Grip | None:
         """As the element says."""
         return self.formulation.grip(node)
-
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Elements of a named group (default: all).
-
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
-        """
-        if group is None:
-            return np.arange(len(self.elements))
-        text(group, f"the name of a group of cells of {self.label}")
-        if group not in self._groups:
-            known = ", ".join(sorted(self._groups)) or "none"
-            raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
-        return self._groups[group]
 
     def consistent_shares(self) -> tuple[Indices, Array]:
         """Nodes of each element, and the length that each carries: integrals of their shapes."""

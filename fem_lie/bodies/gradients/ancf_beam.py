@@ -9,33 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags, Indices, instance, number, positive, text
+from fem_lie._arrays import Array, Indices, instance, positive
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.given_sections import Sections, outline_of, section_per_cell
 from fem_lie.bodies.beams.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.gradients.assembly import GradientAssembly
-from fem_lie.bodies.gradients.axes import follow_sections, second_nodes
-from fem_lie.bodies.nodes import Follower
-from fem_lie.bodies.points import require_point
+from fem_lie.bodies.gradients.axes import second_nodes
+from fem_lie.bodies.gradients.section_points import SectionPoints
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.forms.body_term import BodyTerm
-from fem_lie.grips.cross_section import on_section
-from fem_lie.grips.grip import Grip
-from fem_lie.lie.kinds import CROSSING, NodeKind
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
 
-_PLACE = np.arange(3)
-_TURNED = np.array([0, 2, 3, 4])
-"""What turns or shears a section: ``r_y`` along e₁ and e₃, ``r_z`` along e₁ and e₂."""
-_AT_A_POINT = np.array([[[1.0, 0, 0], [0, 0, 0]], [[0, 1, 0], [0, 0, 1]]])
-"""Place, ``r_y`` and ``r_z`` of a point, in its rows."""
 
-
-class AncfBeam(Body):
+class AncfBeam(SectionPoints):
     """A beam along smooth lines whose points have a place and all three slopes, twelve unknowns.
 
     A point is two nodes: rows 0 and 1 of ``frames[i]`` are place and ``r_x`` per unloaded length,
@@ -45,21 +35,14 @@ class AncfBeam(Body):
     ``r_y``. :meth:`clamp` and :meth:`pin` hold points.
 
     Attributes:
-        points_count: Number of points; nodes are twice as many.
         elements: Nodes of each element: places with ``r_x`` of both ends, then the others, (m, 4).
-        lengths: Arc length of each element, unloaded, shape (m,).
         unloaded: Rows of the nodes, unloaded, shape (n, 4, 3).
         ends: Frames of both ends of each element, unloaded, shape (m, 2, 4, 3).
-        stiffness: Section stiffness of each element, shape (m, 6, 6).
         poisson: Poisson's ratio of each element, shape (m,).
-        density: Gram matrix of inertia per length of each element, shape (m, 4, 4).
         formulation: The element.
         warping: Stiffness against warping, or ``None``.
         damping: Of the motion in space.
-        sections: Of each element.
     """
-
-    compound = True
 
     def __init__(
         self,
@@ -123,8 +106,9 @@ class AncfBeam(Body):
         own[:, 0] /= stretch
         self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
         self.warping = None if warping is None else positive(warping, "AncfBeam: warping")
-        self.chains, self._groups = chains, dict(mesh.groups)
-        self._take(section_per_cell(mesh, chains, section))
+        self.chains, ratio = chains, self.formulation.poisson
+        self._take(section_per_cell(mesh, chains, section), mesh.groups)
+        self.poisson = np.array([_poisson(each, ratio) for each in self.sections])
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         laid = np.concatenate([frames, second_nodes(frames)])
         laid[:count, 1] *= stretch
@@ -192,26 +176,6 @@ class AncfBeam(Body):
             name=name,
         )
 
-    def _take(self, sections: list[Section]) -> None:
-        """What the element wants of sections."""
-        self.sections = sections
-        self.stiffness = np.array([section.stiffness for section in sections])
-        self.poisson = np.array([_poisson(s, self.formulation.poisson) for s in sections])
-        self.has_mass = all(section.inertia is not None for section in sections)
-        none = np.zeros((4, 4))
-        self.density = np.array([none if s.inertia is None else s.inertia for s in sections])
-
-    @property
-    def node_kind(self) -> NodeKind:
-        """Of the nodes that have places."""
-        return NodeKind.SURFACE
-
-    @property
-    def node_kinds(self) -> Indices:
-        """See the base class."""
-        kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
-        return np.repeat(kinds, self.points_count).astype(np.int64)
-
     @property
     def kind(self) -> Hashable:
         """Those of one element go together."""
@@ -236,48 +200,9 @@ class AncfBeam(Body):
         """Of warping, if it has a stiffness."""
         if self.warping is None:
             return []
-        held = np.flatnonzero(self.held[:, _TURNED].all(axis=1) & (self.node_kinds == CROSSING))
+        held = self.unwarped()
         own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
         return [WarpingSprings.between(*own, held)]
-
-    @property
-    def start(self) -> Point:
-        """The point named "start"."""
-        return self["start"]
-
-    @property
-    def end(self) -> Point:
-        """The point named "end"."""
-        return self["end"]
-
-    def __getitem__(self, name: str) -> Point:
-        """The point with this name, by its section.
-
-        Raises:
-            ValueError: There is none; the message lists those that exist.
-            TypeError: It is no name.
-        """
-        point = super().__getitem__(name)
-        return Point(self, point.node, name, self.grip_of(point.node))
-
-    def node(self, index: int) -> Point:
-        """A point by its number, by its section.
-
-        Raises:
-            ValueError: There is no such point.
-            TypeError: It is no whole number.
-        """
-        point = super().node(index)
-        return Point(self, point.node, point.name, self.grip_of(point.node))
-
-    def grip_of(self, node: int) -> Grip:
-        """The frame of the section."""
-        if node >= self.points_count:
-            raise ValueError(
-                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: the nodes after "
-                "these have no places"
-            )
-        return on_section((node, node + self.points_count), _AT_A_POINT)
 
     def within(self, element: int, part: float) -> Point:
         """The place within an element, to which joints, springs and loads may be attached.
@@ -289,69 +214,10 @@ class AncfBeam(Body):
         Raises:
             ValueError: There is no such element, or the part is not one of it.
         """
-        instance(element, int | np.integer, f"the number of an element of {self.label}", "whole")
-        if not 0 <= element < len(self.elements):
-            raise ValueError(
-                f"{self.label} has elements 0 … {len(self.elements) - 1}, got {element}"
-            )
-        s, h = number(part, f"the part of an element of {self.label}"), self.lengths[element]
-        if not 0.0 <= s <= 1.0:
-            raise ValueError(f"a part of an element is 0 to 1, got {part}")
-        shares = np.zeros((4, 2, 3))
-        shares[0, :, 0] = (1 - s) ** 2 * (1 + 2 * s), h * s * (1 - s) ** 2
-        shares[1, :, 0] = s**2 * (3 - 2 * s), h * s**2 * (s - 1)
-        for k in range(2):
-            shares[2, k, 1 + k], shares[3, k, 1 + k] = 1 - s, s
-        nodes = self.elements[element]
-        grip = on_section(nodes, shares)
-        return Point(self, int(nodes[0]), f"element {element} at {s:g}", grip)
-
-    def clamp(self, *points: Point) -> None:
-        """Hold places of points, and their sections but for stretching in their plane.
-
-        The slope along the beam stays free, so that it may be sheared there.
-
-        Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
-        """
-        for node in self._own(points, "clamp"):
-            self.held[node, _PLACE] = True
-            self.held[node + self.points_count, _TURNED] = True
-
-    def pin(self, *points: Point) -> None:
-        """Hold places of points.
-
-        Raises:
-            ValueError: One is not a point of this body.
-            TypeError: One is no point.
-        """
-        for node in self._own(points, "pin"):
-            self.held[node, _PLACE] = True
-
-    def follower(self) -> Follower:
-        """Axes follow the sections, but where components along them are held."""
-        parts = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
-        moves: Flags = ~parts.any(axis=(0, 2))
-
-        def follow(rows: Array) -> None:
-            follow_sections(rows, moves)
-
-        return follow
-
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Elements of a named group (default: all).
-
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
-        """
-        if group is None:
-            return np.arange(len(self.elements))
-        text(group, f"the name of a group of cells of {self.label}")
-        if group not in self._groups:
-            known = ", ".join(sorted(self._groups)) or "none"
-            raise ValueError(f"{self.label} has no group of cells {group!r}; it has: {known}")
-        return self._groups[group]
+        self._check_place(element, part)
+        nodes = self.elements[element].tolist()
+        grip = self.formulation.place(nodes, float(part), float(self.lengths[element]))
+        return Point(self, nodes[0], f"element {element} at {part:g}", grip)
 
     def consistent_shares(self) -> tuple[Indices, Array]:
         """Nodes of each element, and the length that each carries: integrals of their shapes."""
@@ -365,13 +231,6 @@ class AncfBeam(Body):
         levers[:, 0, 0] = self.lengths**2 / 12
         levers[:, 1, 0] = -levers[:, 0, 0]
         return levers
-
-    def _own(self, points: Sequence[Point], what: str) -> list[int]:
-        for point in points:
-            require_point(point, f"AncfBeam.{what}: a point")
-            if point.body is not self or not self.grip_of(point.node).same(point.joint_grip):
-                raise ValueError(f"{self.label} cannot hold {point.label}: it is no node of it")
-        return [point.node for point in points]
 
 
 def _poisson(section: Section, given: float | None) -> float:

@@ -20,6 +20,7 @@ the solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, number
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.gradients.strains import CURVATURE, NODES, SECTION, STRAINS, VECTORS
+from fem_lie.grips.cross_section import on_section
+from fem_lie.grips.grip import Grip
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -79,6 +82,20 @@ class AncfElement:
             C += 0.5 * np.einsum("mia,mij,mjb->mab", a, _across(D[:, 0, 0], poisson), a)
         return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
 
+    def place(self, nodes: Sequence[int], part: float, length: float) -> Grip:
+        """The place and section within a cell.
+
+        Args:
+            nodes: Of the cell.
+            part: Arc length from its first end over its length, unloaded.
+            length: Of the cell.
+        """
+        shares = np.zeros((NODES, 2, 3))
+        shares[:2, :, 0] = np.array(_hermite(part, length)).reshape(2, 2)
+        for k in range(2):
+            shares[2, k, 1 + k], shares[3, k, 1 + k] = 1 - part, part
+        return on_section(nodes, shares)
+
     def inertia(self, density: Array, lengths: Array) -> Array:
         """Constant matrix of the rows of cells' nodes, shape (m, 4, 4, 4, 4).
 
@@ -89,8 +106,8 @@ class AncfElement:
         s, w = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS
         N = np.zeros((len(lengths), len(s), 4, VECTORS))
         h = lengths[:, np.newaxis]
-        N[:, :, 0, 0], N[:, :, 0, 4] = (1 - s) ** 2 * (1 + 2 * s), s**2 * (3 - 2 * s)
-        N[:, :, 0, 1], N[:, :, 0, 5] = h * s * (1 - s) ** 2, h * s**2 * (s - 1)
+        for vector, shape in zip((0, 1, 4, 5), _hermite(s, h), strict=True):
+            N[:, :, 0, vector] = shape
         for k in (2, 3):
             N[:, :, k, k], N[:, :, k, 4 + k] = 1 - s, s
         M = np.einsum("m,p,mpia,mij,mpjb->mab", lengths, w, N, density, N, optimize=True)
@@ -98,6 +115,12 @@ class AncfElement:
         a, b = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
         found[:, _NODE[a], _ROW[a], _NODE[b], _ROW[b]] = M
         return found
+
+
+def _hermite(s: Array | float, h: Array | float) -> tuple[Array | float, ...]:
+    """Shapes of place and slope, first of one end, at parts ``s`` of lengths ``h``."""
+    r = 1 - s
+    return r**2 * (1 + 2 * s), h * s * r**2, s**2 * (3 - 2 * s), h * s**2 * (s - 1)
 
 
 def check_poisson(value: float) -> float:
