@@ -92,7 +92,6 @@ class RunState(Integration[Recorder]):
         equations.set_time(0.0)
         self._find(self._accepted)
         self.scale[:] = self._fill(s.H, s.H, None, turned=False)
-        self.spread *= self.measure[:, np.newaxis]
         self.books.open(0.0, *self._accepted)
         self._warm_up()
         self.solver.factorisations = self.solver.refreshes = 0
@@ -218,12 +217,18 @@ class RunState(Integration[Recorder]):
     def _fill(
         self, stressed: Array | None, joint_frames: Array, scale: Array | None, *, turned: bool
     ) -> Array:
-        """The matrix, and the scale of its constraints: the given one, or what suits them."""
+        """The matrix, and the scale of its constraints: the given one, or what suits them.
+
+        With the latter goes what scaled multipliers count for in the size of a correction.
+        """
         p = self.p
         found = self.spread if scale is None else None
         plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames, spread=found)
         plan = plan._replace(inertial=turned, stressed=stressed, choices=self.choices)
-        return self.equations.fill(self._end_instant, self.forces, plan)
+        made = self.equations.fill(self._end_instant, self.forces, plan)
+        if found is not None:
+            found *= self.measure[:, np.newaxis]
+        return made
 
     def _ahead(self) -> Array:
         """Frames in the middle of the time for which the matrix is likely to be kept.

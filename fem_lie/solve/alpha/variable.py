@@ -91,7 +91,7 @@ class AlphaSteps(Run):
         self.factors = KeptFactors(self._starter, rigid=equations.unknowns.rigid)
         self.solver = self.factors
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
-        self._speed, self._scales = 0.0, dict[int, Array]()
+        self._speed, self._scales = 0.0, dict[int, tuple[Array, Array]]()
         self._error, self._warm = TimeError(equations), False
 
     @property
@@ -253,8 +253,9 @@ class AlphaSteps(Run):
     def _factorise(self, stressed: Array | None) -> None:
         level, m = self.control.level, len(self.weights)
         if level not in self._scales:
-            self._scales[level] = self._fill(stressed, self.s.H1, None, turned=False)
-        scale = self._scales[level]
+            found = self._fill(stressed, self.s.H1, None, turned=False)
+            self._scales[level] = found, self.spread.copy()
+        scale, self.spread[:] = self._scales[level]
         if m:
             self.r[-m:] *= scale / self.scale
         self.scale[:] = scale
