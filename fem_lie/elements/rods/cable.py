@@ -9,18 +9,9 @@ The first is integrated at the three Lobatto points, the second at three Gauss p
 cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
 points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
 free end that carries no tension is kept from turning by its bending stiffness alone.
+Where it is pushed see :mod:`.thread_law`.
 
-Where such a cable is pushed it buckles within its elements, and its matrix is singular where
-tension vanishes. With ``slack``, a strain ``δ``, it is a weak spring there that pulls its ends
-together::
-
-    N = EA ε (ε > 3/2 δ),    N = k |x′| (ε < ½ δ),    k = EA δ/(1 + δ),
-
-and a parabola between. Below, the force ``k x′`` is linear in the places, and everywhere the energy
-is convex in them but for the bending: under dead loads there is one equilibrium, its matrix is
-definite, and Newton's method finds it from wherever a cable is laid. (Not so across joints, whose
-forces turn with the tangents while they are sought.) The price is a tension of about ``EA δ`` where
-there was none. (Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
+(Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
 Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
 """
 
@@ -38,6 +29,7 @@ from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array, Indices, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
@@ -47,7 +39,6 @@ from fem_lie.grips.grip import Grip
 from fem_lie.grips.tangent import along_tangent
 from fem_lie.lie.kinds import SLOPE, NodeKind, pull, pull_derivative, push
 
-_ALIKE = 1e-9  # relative, as sections that are meant to be round
 _STRETCH, _BENDING = 0, 4
 """Where they are in a section's stiffness on (Γ, κ)."""
 
@@ -200,40 +191,6 @@ def _viscosity(
         for share, k in zip(shares, (_STRETCH, _BENDING), strict=True)
     )
     return ufl.diag(ufl.as_vector([stretch, bending, bending, bending]))
-
-
-def stretch_energy(strain: Expr, slack: float | None) -> Expr:
-    """``W/EA`` of the law above; it is ``½ ε²`` without slack.
-
-    Args:
-        strain: ``ε``.
-        slack: ``δ``, or ``None``.
-    """
-    if slack is None:
-        return 0.5 * strain**2
-    weak, width, beyond = slack / (1 + slack), 0.5 * slack, strain - slack
-    between = (beyond + width) ** 3 / (12 * width)
-    taut = 0.5 * beyond**2 + width**2 / 6
-    more = ufl.conditional(ufl.gt(beyond, width), taut, between)
-    return 0.5 * weak * (1 + strain) ** 2 + (1 - weak) * ufl.conditional(
-        ufl.lt(beyond, -width), 0 * strain, more
-    )
-
-
-def check_section(stiffness: Array) -> None:
-    """Raise ``ValueError`` if a section has directions across, or couples stretch and bending."""
-    EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))
-    if abs(EI - other) > _ALIKE * max(EI, other):
-        raise ValueError(
-            "a Cable has no direction across, so its section must bend alike about all axes, "
-            f"got EI = {EI:g} and {other:g}"
-        )
-    coupling = np.abs(stiffness[[0, 0, 4], [4, 5, 5]]).max()
-    if coupling > _ALIKE * max(EI, np.sqrt(EA * EI)):
-        raise ValueError(
-            "a Cable is stretched along its centre: its section must not couple stretch and "
-            f"bending, got the stiffness\n{stiffness}"
-        )
 
 
 class _CableEnergy(StrainEnergy):

@@ -18,7 +18,8 @@ import ufl
 
 from fem_lie._arrays import Array, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
-from fem_lie.elements.rods.cable import check_section, pull_rows, push_rows, stretch_energy
+from fem_lie.elements.rods.cable import pull_rows, push_rows
+from fem_lie.elements.rods.thread_law import check_section, stretch_energy
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.frames import NodalFrames

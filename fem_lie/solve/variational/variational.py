@@ -48,7 +48,8 @@ from fem_lie.solve.motion.integrator import (
 from fem_lie.solve.motion.policies import Automatic, Policy
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.solve.variational.run import Options, VariationalRun
+from fem_lie.solve.variational.run import VariationalRun
+from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
 
 

@@ -1,0 +1,157 @@
+"""State of a run of the variational scheme: its start, its equations and their matrix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.forms.frames import push
+from fem_lie.joints.equations.table import joint_table
+from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.motion.consistent import check_velocities
+from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.motion.step_error import add_inertia_forces
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational.ends import Ends
+from fem_lie.system.equations import Equations, Instant, Plan
+from fem_lie.system.nodes import inertia
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the scheme is told, see :class:`~fem_lie.solve.variational.variational.Variational`."""
+
+    tolerance: float
+    policy: Policy
+    max_iterations: int
+
+
+class RunState(Integration[Recorder]):
+    """State of one integration.
+
+    Between two steps there are frames and momenta; velocities are found from these where they are
+    wanted.
+    """
+
+    def __init__(self, options: Options, equations: Equations, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            equations: Of the scene.
+            step: Step size.
+        """
+        super().__init__(options.policy, equations, step)
+        unknowns, known = equations.unknowns, equations.tables
+        n, m, z = unknowns.moving, unknowns.m, np.zeros
+        self.options, self._n = options, n
+        self._changing, self._mass = unknowns.time_dependent, known.inertia
+        self._viscous = _dissipates(equations)
+        self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
+        # the last step and the one before
+        self.steps, self.step = z((2, n, 6)), z((n, 6))
+        self.before, self.after = z((n, 6)), z((n, 6))
+        self.weights, self.earlier, self.gap = z(m), z(m), z(m)
+        self.rows = z(self.H.shape), self.H.copy(), self.H.copy(), self.H.copy()
+        self.twists, self._still = equations.start.velocities.copy(), z((n, 6))
+        self._none, self._driven, self._change = z(m), z(m), z(m)
+        self._forces, self._constraints = z((n, 6)), z((n, 6))
+        self._r, self._x, self._y = z((3, unknowns.size))
+        self._work, self._q = z(unknowns.size), z((n, 4, 3))
+        self.scale: Array = np.ones(m)
+        lengths = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
+        self._measure = np.concatenate(
+            [lengths, np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)]
+        )
+        now = Instant(self.H, self.twists[:n], self._still, self._none)
+        self._found = equations.residual(now, self.scale, self._work)
+        self.books = equations.books()
+        self._factors: Factors | None = None
+        self._made, self._factorisations, self._iterations = 0, 0, 0
+        self._increment, self._born = np.inf, 0
+        self._ends = Ends(equations, step)
+
+    # --- start ---
+
+    def start(self) -> None:
+        """See the base class."""
+        equations, n = self.equations, self._n
+        check_velocities(equations, self.h)
+        V = np.empty((n, 4, 3))
+        v = equations.start.velocities
+        push(self.H[:n], v[:n], V)
+        momenta.of_rates(self.H, V, self._mass, self.before)
+        self.steps[:, :, :3] = self.h * V[:, 0]
+        self.steps[:, :, 3:] = self.h * np.einsum("nij,ni->nj", self.H[:n, 1:], v[:n, 3:])
+        rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
+        self.earlier[:] = self.weights
+        now = Instant(self.H, v[:n], rates, self.weights)
+        equations.residual(now, np.ones(len(self.weights)), self._work)
+        self.gap[:] = self._work[6 * n :]
+        self.books.open(0.0, *now)
+        self._take_rows()
+        self.scale[:] = self._fill(None)
+
+    def _take_rows(self) -> None:
+        for row in self.rows[1:]:
+            row[:] = self.H
+
+    # --- one iteration ---
+
+    def _correct(self) -> None:
+        size = 6 * self._n
+        momenta.correct(self.H, self.equations.unknowns.held, self._x, self.step)
+        # the residual has 4 times the forces of constraints
+        self.weights -= 0.25 * self.scale * self._x[size:]
+
+    def _residual(self) -> None:
+        """Of the momenta at the start, and of the constraints at the end."""
+        equations, n, rows, h = self.equations, self._n, self.rows, self.h
+        momenta.between(self.H, self.step, rows, h, self.twists)
+        middle = rows[3]
+        v = self.twists if self._viscous else np.zeros_like(self.twists)
+        equations.residual(
+            Instant(middle, v, self._still, self._none), self.scale, self._work, self._found
+        )
+        self._forces[:] = self._work[: 6 * n].reshape(n, 6)
+        if self._viscous:
+            kinds = equations.unknowns.kinds
+            inertia.accelerations(kinds, middle, v[:n], self._still, self._q)
+            add_inertia_forces(equations, middle, self._q, -1.0, self._forces)
+        constraints = self._change, self._constraints
+        joints = equations.tables.joints
+        momenta.constrain(self.H, rows, joints, self.weights, self._driven, constraints)
+        acting = self.before, self._forces, self._constraints
+        r = self._r[: 6 * n].reshape(n, 6)
+        held = equations.unknowns.held
+        momenta.balance(self.H, self.step, rows, self._mass, h, acting, held, (r, self.after))
+        self._r[6 * n :] = self.scale * (self.gap + self._change)
+
+    def _factorise(self) -> None:
+        self._fill(self.scale)
+        self._factors = factorise(self.equations.matrix)
+        self._factorisations, self._born = self._factorisations + 1, self.index
+
+    def _fill(self, scale: Array | None) -> Array:
+        """The matrix in the middle of the step; returns the scale of its constraints."""
+        equations, h, n = self.equations, self.h, self._n
+        _, _, end, middle = self.rows
+        v, H = self.twists.copy(), middle.copy()
+        now = Instant(H, v, np.zeros((n, 6)), self.weights)
+        ones = np.ones(len(self.weights)) if scale is None else scale
+        equations.residual(now, ones, self._work, self._found)
+        plan = Plan(self._still, scale, 4.0 / h**2, 2.0 / h, end.copy(), self.H)
+        plan = plan._replace(stressed=H, choices=self.choices)
+        return equations.fill(now, self._found, plan)
+
+
+def _dissipates(equations: Equations) -> bool:
+    """Whether forces depend on velocities."""
+    known = equations.tables
+    dampers = joint_table(known.joints).springs[:, 1].any()
+    return bool(dampers) or len(known.damping.indptr) > 0 or any(t.viscous for t in known.terms)
