@@ -6,6 +6,7 @@ from scipy.integrate import quad, solve_ivp
 
 import fem_lie as fl
 from fem_lie.contact.impact import cones
+from fem_lie.contact.impact.sweeps import dense_of
 
 GRAVITY, RADIUS = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -242,7 +243,15 @@ def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> cones.Cone
     z = np.zeros
     bodies = np.tile([0, -1], (k, 1))
     return cones.Cones(
-        bodies, rows, rows.copy(), z((k, 3, 3)), q.copy(), friction, z((k, 3)), z((1, 6))
+        bodies,
+        rows,
+        rows.copy(),
+        z((k, 3, 3)),
+        q.copy(),
+        friction,
+        z((k, 3)),
+        z((1, 6)),
+        dense_of(k),
     )
 
 

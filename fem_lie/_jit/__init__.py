@@ -6,7 +6,18 @@ from fem_lie._jit.decorators import (
     compiling,
     inlined,
     inlined_series,
+    inlined_uncounted,
     linked,
+    uncounted,
 )
 
-__all__ = ["callback", "compiled", "compiling", "inlined", "inlined_series", "linked"]
+__all__ = [
+    "callback",
+    "compiled",
+    "compiling",
+    "inlined",
+    "inlined_series",
+    "inlined_uncounted",
+    "linked",
+    "uncounted",
+]

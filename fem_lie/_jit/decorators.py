@@ -124,6 +124,21 @@ def callback(signature: Any) -> Callable[[Callable[..., Any]], Callback]:
     return decorate
 
 
+def uncounted(function: F) -> F:
+    """As :func:`compiled`, without counting who refers to arrays, of which it makes none.
+
+    For loops over records of many arrays: to take one of a record, or a part of one, is counted up
+    and down again, which can take twice as long as what is done with it. Arrays that it makes or
+    returns are errors; those it is given are its callers'.
+    """
+    return _njit(function, **{_COUNTED: False})
+
+
+def inlined_uncounted(function: F) -> F:
+    """As :func:`inlined`, without that counting: for what :func:`uncounted` functions call."""
+    return _njit(function, forceinline=True, **{_COUNTED: False})
+
+
 def linked(function: F) -> F:
     """As :func:`compiled`, for what mostly calls compiled functions that take most of the time.
 
@@ -132,6 +147,9 @@ def linked(function: F) -> F:
     """
     return _njit(function, _LINKED)
 
+
+_COUNTED = "_nrt"
+"""Numba's name for what counts references."""
 
 _OPTIMISED, _LINKED, _USERS_LEVEL = 3, 1, config.OPT
 """Levels of optimisation; what a user sets for numba is the highest."""
@@ -143,7 +161,8 @@ def _njit(function: F, level: int = _OPTIMISED, **options: Any) -> F:
     return cast(F, update_wrapper(cast(Any, unmade), function))
 
 
-_OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
+# what is not said is inherited from the caller that is compiled first
+_OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True, _COUNTED: True}
 
 
 class _Dispatcher(CPUDispatcher):
@@ -238,6 +257,7 @@ class _Unmade(_CalledFromPython):
                 return
             self.__class__ = _CalledFromPython
             options = {"nopython": True, "boundscheck": None} | _OPTIONS | self.options
+            options[_COUNTED] = True  # arguments from Python are
             CPUDispatcher.__init__(self, _entrance(self.function, self), targetoptions=options)
             update_wrapper(self, self.function)
             with own_cache(self.function) as cached:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled
-from fem_lie.contact.impact.cones import along
+from fem_lie._jit import uncounted
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Work
+from fem_lie.contact.impact.sweeps import along
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import cross, dot, load, load_row, plus, rotate_back, scaled
 
 
-@compiled
+@uncounted
 def energy(masses: Masses, H: Array, v: Array) -> float:
     """Kinetic, and that of constant forces."""
     total = 0.0
@@ -24,7 +24,7 @@ def energy(masses: Masses, H: Array, v: Array) -> float:
     return total
 
 
-@compiled
+@uncounted
 def note_works(w: Work, k: int, v: Array, told: Array) -> None:
     """Work of normal impulses and of friction, by the mean velocities of their rows."""
     problem = w.cones
@@ -36,7 +36,7 @@ def note_works(w: Work, k: int, v: Array, told: Array) -> None:
             told[IMPACT if j == 0 else FRICTION] += mean * problem.r[i, j]
 
 
-@compiled
+@uncounted
 def note_ground(masses: Masses, w: Work, k: int, told: Array) -> None:
     """Impulses of ground on bodies, and their moments about the origin."""
     problem = w.cones

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.lie.tuples import Vector
 
 
-@inlined
+@inlined_uncounted
 def projected(r: Vector, mu: float) -> Vector:
     """On the cone ``|r_t| ≤ μ r_n``."""
     t = np.sqrt(r[1] * r[1] + r[2] * r[2])
@@ -21,7 +21,7 @@ def projected(r: Vector, mu: float) -> Vector:
     return n, mu * n / t * r[1], mu * n / t * r[2]
 
 
-@inlined
+@inlined_uncounted
 def _slip(A: Array, b: Vector, mu: float, angle: float) -> tuple[float, float, float]:
     """Velocity across and along a direction of sliding, and the normal impulse there."""
     c, s = np.cos(angle), np.sin(angle)
@@ -32,7 +32,7 @@ def _slip(A: Array, b: Vector, mu: float, angle: float) -> tuple[float, float, f
     return c * second - s * first, c * first + s * second, normal
 
 
-@inlined
+@inlined_uncounted
 def _stick(A: Array, b: Vector) -> Vector:
     """``−A⁻¹ b``."""
     c00 = A[1, 1] * A[2, 2] - A[1, 2] * A[2, 1]
@@ -52,7 +52,7 @@ def _stick(A: Array, b: Vector) -> Vector:
     )
 
 
-@compiled
+@uncounted
 def _angle_by_secant(A: Array, b: Vector, mu: float, angle: float) -> float:
     """Direction in which a contact slides without a force across it, from one that is near."""
     x0, x1 = angle, angle + 1e-3
@@ -70,7 +70,7 @@ def _angle_by_secant(A: Array, b: Vector, mu: float, angle: float) -> float:
     return x1
 
 
-@compiled
+@uncounted
 def _scanned(A: Array, b: Vector, mu: float) -> float:
     """The best of 32 directions."""
     best, found = np.inf, 0.0
@@ -82,7 +82,7 @@ def _scanned(A: Array, b: Vector, mu: float) -> float:
     return found
 
 
-@compiled
+@uncounted
 def single(A: Array, b: Vector, mu: float, before: Vector) -> Vector:
     """The solution at one contact: it takes off, sticks or slips.
 
@@ -111,7 +111,7 @@ def single(A: Array, b: Vector, mu: float, before: Vector) -> Vector:
     return _relaxed(A, b, mu, before)
 
 
-@compiled
+@uncounted
 def _relaxed(A: Array, b: Vector, mu: float, r: Vector) -> Vector:
     """By projections, where there is no solution that slips."""
     rho = 1.0 / (A[0, 0] + A[1, 1] + A[2, 2])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled
-from fem_lie.contact.impact.cones import along, push
+from fem_lie._jit import compiled, uncounted
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
+from fem_lie.contact.impact.sweeps import along, push
 from fem_lie.contact.kinematics import gap
 from fem_lie.lie.kinds import move
 from fem_lie.lie.motions import Group
@@ -35,7 +35,7 @@ def moved(H: Array, by: Array, part: float, out: Array) -> None:
             out[body] = frame
 
 
-@compiled
+@uncounted
 def aim(h: float, touch: Touch, w: Work, k: int, factor: float) -> float:
     """Set impulses, times and targets; returns for which part of the step impulses act."""
     problem, top, bottom = w.cones, 0.0, 0.0
@@ -59,7 +59,7 @@ def aim(h: float, touch: Touch, w: Work, k: int, factor: float) -> float:
     return part
 
 
-@compiled
+@uncounted
 def _part_places(touch: Touch, masses: Masses, H: Array, w: Work, k: int, sweeps: int) -> None:
     """``0 ≤ ν ⊥ g − g* ≥ 0`` linearised, by sweeps; bodies are moved."""
     w.moved[:], bodies = 0.0, w.bodies
@@ -87,7 +87,7 @@ def _part_places(touch: Touch, masses: Masses, H: Array, w: Work, k: int, sweeps
     moved(H, w.moved, 1.0, H)
 
 
-@compiled
+@uncounted
 def settle_places(touch: Touch, masses: Masses, H: Array, w: Work, limits: tuple[int, int]) -> bool:
     """Move bodies until nothing overlaps; whether a contact has joined."""
     for _ in range(limits[0]):

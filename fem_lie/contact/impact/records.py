@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.cones import Cones
+from fem_lie.contact.impact.sweeps import Cones, dense_of
 from fem_lie.contact.table import Side
 
 CLOSED = 1e-9
@@ -126,6 +126,7 @@ def work_of(m: int, n: int) -> Work:
         z(m),
         z((m, 3)),
         z((n, 6)),
+        dense_of(m),
     )
     whole = np.zeros(m, dtype=np.int64)
     return Work(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch
 from fem_lie.contact.kinematics import gap
 from fem_lie.lie.motions import global_components, local_components
@@ -20,7 +20,7 @@ from fem_lie.lie.tuples import (
 )
 
 
-@compiled
+@uncounted
 def set_gaps(touch: Touch, H: Array, out: Array) -> None:
     """Gaps at frames ``H``, shape (m,)."""
     for c in range(touch.pairs.shape[0]):
@@ -28,7 +28,7 @@ def set_gaps(touch: Touch, H: Array, out: Array) -> None:
         out[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
 
 
-@inlined
+@inlined_uncounted
 def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
     """In the axes of the second body; of a plane it is constant."""
     node = touch.b.nodes[j, 0]
@@ -37,7 +37,7 @@ def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
     return local_components(H[node], n)
 
 
-@inlined
+@inlined_uncounted
 def axis_of(H: Array, touch: Touch, c: int) -> int:
     """The axis of the second body that is most nearly across a normal."""
     i, j = touch.pairs[c]
@@ -50,7 +50,7 @@ def axis_of(H: Array, touch: Touch, c: int) -> int:
     return k
 
 
-@inlined
+@inlined_uncounted
 def _tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector, Vector]:
     """Two directions across a normal, of which the first is across an axis of the second body."""
     node = touch.b.nodes[j, 0]
@@ -60,7 +60,7 @@ def _tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector
     return first, cross(n, first)
 
 
-@inlined
+@inlined_uncounted
 def set_rows(H: Array, touch: Touch, c: int, axis: int, bodies: Indices, rows: Array) -> None:
     """Bodies and rows of a pair, as many as there is room for: (2,), (2, 1 or 3, 6)."""
     i, j = touch.pairs[c]
@@ -85,7 +85,7 @@ def set_rows(H: Array, touch: Touch, c: int, axis: int, bodies: Indices, rows: A
                 rows[side, k, 3 + at_] = turning[at_]
 
 
-@inlined
+@inlined_uncounted
 def set_pushes(masses: Masses, bodies: Indices, rows: Array, pushes: Array) -> None:
     """``M⁻¹ Bᵀ``."""
     for side in range(2):

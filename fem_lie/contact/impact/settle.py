@@ -18,10 +18,9 @@ and ``ω``, in the body's axes.
 from __future__ import annotations
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, linked
+from fem_lie._jit import uncounted
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.books import energy, note_ground, note_works
-from fem_lie.contact.impact.cones import along
 from fem_lie.contact.impact.places import aim, moved, settle_places
 from fem_lie.contact.impact.records import (
     CONTACTS,
@@ -34,6 +33,7 @@ from fem_lie.contact.impact.records import (
     Touch,
     Work,
 )
+from fem_lie.contact.impact.sweeps import along
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 from fem_lie.contact.kinematics import gap
 
@@ -47,7 +47,15 @@ _PLACES, _SWEEPS = 20, 200
 """Iterations of places, and sweeps in one, at most."""
 
 
-@linked
+@uncounted
+def _copy_frames(H: Array, out: Array) -> None:
+    for body in range(H.shape[0]):
+        for i in range(4):
+            for j in range(3):
+                out[body, i, j] = H[body, i, j]
+
+
+@uncounted
 def _pass(
     h: float,
     touch: Touch,
@@ -64,7 +72,9 @@ def _pass(
     k = set_cones(h, touch, masses, w, factor)
     sweeps, _, told[RESIDUAL] = cones.solve(w.cones, k, tolerance)
     told[CONTACTS], told[SWEEPS] = k, told[SWEEPS] + sweeps
-    v[:] = w.v + w.cones.W
+    for body in range(v.shape[0]):
+        for j in range(6):
+            v[body, j] = w.v[body, j] + w.cones.W[body, j]
     note_works(w, k, v, told)
     note_ground(masses, w, k, told)
     part = aim(h, touch, w, k, factor)
@@ -72,7 +82,7 @@ def _pass(
     return settle_places(touch, masses, H, w, limits)
 
 
-@compiled
+@uncounted
 def _kick(touch: Touch, w: Work) -> float:
     """The largest velocity that restitution gives."""
     found = 0.0
@@ -83,7 +93,7 @@ def _kick(touch: Touch, w: Work) -> float:
     return found
 
 
-@compiled
+@uncounted
 def _fall(w: Work, k: int) -> float:
     """The largest change of a normal velocity in the smooth step."""
     found = 0.0
@@ -93,7 +103,7 @@ def _fall(w: Work, k: int) -> float:
     return found
 
 
-@linked
+@uncounted
 def settle(
     h: float,
     touch: Touch,
@@ -115,7 +125,7 @@ def settle(
         H: Frames at its end without contacts, shape (n, 4, 3), updated.
         v: Velocities, shape (n, 6), updated.
         w: Work; gaps and impulses are kept from step to step.
-        tolerance: Of :func:`~fem_lie.contact.impact.cones.residual`.
+        tolerance: Of :func:`~fem_lie.contact.impact.sweeps.residual`.
         told: See :data:`~fem_lie.contact.impact.records.TOLD`, overwritten.
     """
     told[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
@@ -126,11 +136,16 @@ def settle(
         overlaps = overlaps or w.joined[c]
     if not overlaps:
         w.impulses[:] = 0.0
-        w.gaps[:] = w.smooth
+        for c in range(m):
+            w.gaps[c] = w.smooth[c]
         return False
     choose(h, touch, start, v, w)
     join(h, touch, start, w)
-    w.H[0], w.H[1], w.v[:] = H, H, v
+    _copy_frames(H, w.H[0])
+    _copy_frames(H, w.H[1])
+    for body in range(v.shape[0]):
+        for j in range(6):
+            w.v[body, j] = v[body, j]
     free, before = energy(masses, H, v), energy(masses, start[0], start[1])
     _guarded(h, touch, masses, before, H, v, w, tolerance, told)
     told[IMPACT] = energy(masses, H, v) - free - told[FRICTION]
@@ -141,7 +156,7 @@ def settle(
     return True
 
 
-@linked
+@uncounted
 def _guarded(
     h: float,
     touch: Touch,
@@ -159,7 +174,7 @@ def _guarded(
     for attempt in range(_MOST):
         wanted, limits = (_ROUGH, (1, 3)) if attempt == 0 else (tolerance, (_PLACES, _SWEEPS))
         grew = _pass(h, touch, masses, H, v, w, factor, wanted, told, limits)
-        w.H[1] = H
+        _copy_frames(H, w.H[1])
         if grew and attempt < _GROWING:
             continue
         passes += 1

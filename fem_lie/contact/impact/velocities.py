@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
-from fem_lie.contact.impact.cones import along
+from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
+from fem_lie.contact.impact.sweeps import along
 from fem_lie.lie.tuples import dot, load
 
 _REACH = 4.0
 """Steps in which places come so near that their gaps are looked at."""
 
 
-@inlined
+@inlined_uncounted
 def _time(g0: float, moved: float, g1: float) -> float:
     """Part of a step up to ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1."""
     bend = g1 - g0 - moved
@@ -30,7 +30,7 @@ def _time(g0: float, moved: float, g1: float) -> float:
     return found
 
 
-@inlined
+@inlined_uncounted
 def largest_speed(v: Array, arm: float) -> float:
     """The largest of any place that is at most ``arm`` away from the centre of its body."""
     found = 0.0
@@ -40,7 +40,7 @@ def largest_speed(v: Array, arm: float) -> float:
     return found
 
 
-@compiled
+@uncounted
 def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work) -> None:
     """Which gaps are within what bodies move in some steps: contacts change no more than that."""
     speed = largest_speed(start[1], touch.arm) + largest_speed(v, touch.arm)
@@ -52,22 +52,21 @@ def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work
     w.many[0] = k
 
 
-@compiled
+@uncounted
 def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
     """Let contacts take part that have overlapped, or were closed and do not open."""
     H, v = start
-    bodies = np.empty(2, dtype=np.int64)
     for at in range(w.many[0]):
         c = w.close[at]
         closed = w.gaps[c] <= touch.closed[c]
         if w.joined[c] or closed:
             w.axis[c] = axis_of(H, touch, c)
-            set_rows(H, touch, c, w.axis[c], bodies, w.before[c])
-            w.speed[c] = along(w.before[c], bodies, v, 0)
+            set_rows(H, touch, c, w.axis[c], w.bodies[at], w.before[c])
+            w.speed[c] = along(w.before[c], w.bodies[at], v, 0)
             w.joined[c] = w.joined[c] or w.speed[c] <= touch.closed[c] / h
 
 
-@inlined
+@inlined_uncounted
 def _bound(h: float, touch: Touch, w: Work, c: int, i: int, factor: float) -> float:
     """What the normal velocity of contact c, the i-th that takes part, is to be at least."""
     free = along(w.cones.rows[i], w.cones.bodies[i], w.v, 0)
@@ -88,7 +87,7 @@ def _bound(h: float, touch: Touch, w: Work, c: int, i: int, factor: float) -> fl
     return max(0.0, free - (1.0 + factor * touch.restitution[c]) * w.incoming[c])
 
 
-@compiled
+@uncounted
 def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) -> int:
     """Rows at the places of the last pass, and velocities without impulses; how many take part."""
     problem, k = w.cones, 0

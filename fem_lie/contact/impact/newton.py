@@ -1,0 +1,154 @@
+"""Newton's method on the function of Alart & Curnier, for few contacts: dense."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import uncounted
+from fem_lie.contact.impact.sweeps import Cones, change, residual
+
+_ITERATIONS, _HALVES = 10, 12
+"""Iterations, and halves of one, at most."""
+
+_REDUNDANT = 1e-8
+"""Added to the diagonal, which is of the size of one: some contacts say what others do."""
+
+
+@uncounted
+def _set_matrix(problem: Cones, k: int) -> None:
+    """``B M⁻¹ B̄ᵀ``, of the first 3 k rows and columns."""
+    bodies, rows, pushes, A = problem.bodies, problem.rows, problem.pushes, problem.dense.A
+    for c in range(k):
+        for d in range(k):
+            for i in range(3):
+                for j in range(3):
+                    total = 0.0
+                    for s in range(2):
+                        for t in range(2):
+                            if bodies[c, s] >= 0 and bodies[c, s] == bodies[d, t]:
+                                for at in range(6):
+                                    total += rows[c, s, i, at] * pushes[d, t, j, at]
+                    A[3 * c + i, 3 * d + j] = total
+
+
+@uncounted
+def _set_function(problem: Cones, k: int, r: Array) -> float:
+    """The function ``F``, whose zeros are solutions, and velocities ``u``; returns ``F·F``."""
+    A, u, F, q = problem.dense.A, problem.dense.u, problem.dense.F, problem.q
+    square = 0.0
+    for c in range(k):
+        a = 3 * c
+        for i in range(a, a + 3):
+            u[i] = q[c, i - a]
+            for j in range(3 * k):
+                u[i] += A[i, j] * r[j]
+        rn, rt = 1.0 / A[a, a], 2.0 / (A[a + 1, a + 1] + A[a + 2, a + 2])
+        z = r[a] - rn * u[a]
+        z1, z2 = r[a + 1] - rt * u[a + 1], r[a + 2] - rt * u[a + 2]
+        radius, t = problem.friction[c] * z, np.sqrt(z1 * z1 + z2 * z2)
+        if z <= 0.0:
+            F[a], F[a + 1], F[a + 2] = r[a], r[a + 1], r[a + 2]
+        elif t <= radius:
+            F[a], F[a + 1], F[a + 2] = rn * u[a], rt * u[a + 1], rt * u[a + 2]
+        else:
+            part = radius / t
+            F[a], F[a + 1], F[a + 2] = rn * u[a], r[a + 1] - part * z1, r[a + 2] - part * z2
+        square += F[a] * F[a] + F[a + 1] * F[a + 1] + F[a + 2] * F[a + 2]
+    return square
+
+
+@uncounted
+def _set_derivative(problem: Cones, k: int, r: Array) -> None:
+    """The derivative ``J`` of the function, at the impulses of which ``u`` are the velocities."""
+    A, J, u = problem.dense.A, problem.dense.J, problem.dense.u
+    for c in range(k):
+        a = 3 * c
+        rn, rt = 1.0 / A[a, a], 2.0 / (A[a + 1, a + 1] + A[a + 2, a + 2])
+        z = r[a] - rn * u[a]
+        z1, z2 = r[a + 1] - rt * u[a + 1], r[a + 2] - rt * u[a + 2]
+        radius, t = problem.friction[c] * z, np.sqrt(z1 * z1 + z2 * z2)
+        apart, slips = z <= 0.0, t > radius
+        x, y, part = 0.0, 0.0, 0.0
+        if slips and not apart:
+            x, y, part = z1 / t, z2 / t, radius / t
+        m11, m12, m22 = part * (1 - x * x), -part * x * y, part * (1 - y * y)
+        for j in range(3 * k):
+            n0, n1 = 1.0 if j == a else 0.0, 1.0 if j == a + 1 else 0.0
+            n2 = 1.0 if j == a + 2 else 0.0
+            if apart:
+                J[a, j], J[a + 1, j], J[a + 2, j] = n0, n1, n2
+                continue
+            J[a, j] = rn * A[a, j]
+            if not slips:
+                J[a + 1, j], J[a + 2, j] = rt * A[a + 1, j], rt * A[a + 2, j]
+                continue
+            # δ(radius e) = μ e δz + part (I − e eᵀ) δz_t
+            dz, d1, d2 = n0 - rn * A[a, j], n1 - rt * A[a + 1, j], n2 - rt * A[a + 2, j]
+            J[a + 1, j] = n1 - (problem.friction[c] * x * dz + m11 * d1 + m12 * d2)
+            J[a + 2, j] = n2 - (problem.friction[c] * y * dz + m12 * d1 + m22 * d2)
+    for i in range(3 * k):
+        J[i, i] += _REDUNDANT
+
+
+@uncounted
+def _eliminate(J: Array, d: Array, n: int) -> None:
+    """``d ← J⁻¹ d``, with rows exchanged."""
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(J[i, k]) > abs(J[best, k]):
+                best = i
+        if best != k:
+            d[k], d[best] = d[best], d[k]
+            for j in range(k, n):
+                J[k, j], J[best, j] = J[best, j], J[k, j]
+        for i in range(k + 1, n):
+            factor = J[i, k] / J[k, k]
+            if factor != 0.0:
+                d[i] -= factor * d[k]
+                for j in range(k + 1, n):
+                    J[i, j] -= factor * J[k, j]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            d[k] -= J[k, j] * d[j]
+        d[k] /= J[k, k]
+
+
+@uncounted
+def newton(problem: Cones, k: int, tolerance: float) -> int:
+    """Newton's method with steps that are halved; returns the iterations.
+
+    Args:
+        problem: Impulses and velocities are updated; impulses before are ``kept`` in its room.
+        k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        tolerance: Of the residual.
+    """
+    n, room = 3 * k, problem.dense
+    r, tried, F, d = room.r, room.tried, room.F, room.d
+    for i in range(n):
+        r[i] = room.kept[i] = problem.r[i // 3, i % 3]
+    _set_matrix(problem, k)
+    for iteration in range(1, _ITERATIONS + 1):
+        square = _set_function(problem, k, r)
+        _set_derivative(problem, k, r)
+        for i in range(n):
+            d[i] = F[i]
+        _eliminate(room.J, d, n)
+        size, best, least = 1.0, 1.0, np.inf
+        for _ in range(_HALVES):
+            for i in range(n):
+                tried[i] = r[i] - size * d[i]
+            now = _set_function(problem, k, tried)
+            if now < least:
+                least, best = now, size
+            if now < (1.0 - 1e-4 * size) * square:
+                break
+            size *= 0.5
+        for i in range(n):
+            r[i] -= best * d[i]
+            problem.r[i // 3, i % 3] = r[i]
+        change(problem, k)
+        if residual(problem, k) <= tolerance:
+            return iteration
+    return _ITERATIONS
