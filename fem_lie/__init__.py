@@ -18,6 +18,7 @@ from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Impact, Penalty
+from fem_lie.contact.lines import Cylinder, Line
 from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
@@ -200,6 +201,7 @@ __all__ = [
     "Coordinate",
     "Critical",
     "CriticalPoint",
+    "Cylinder",
     "Cylindrical",
     "Damping",
     "Decisions",
@@ -243,6 +245,7 @@ __all__ = [
     "Kirchhoff",
     "KnifeEdge",
     "Limit",
+    "Line",
     "LineLoad",
     "LineMesh",
     "LoadControl",

@@ -21,6 +21,30 @@ def test_rod_in_box(ends, friction):
     assert record["steps_cut"] == 0
 
 
+def test_rod_in_box_by_penalty():
+    """Without friction it is the same motion, up to 3e-5 m."""
+    record = DEMO.main(0.0, law="penalty", step=1e-4, pictures=False)
+    assert record["rod_end_z"] == pytest.approx(-0.77548, abs=3e-5)
+    # Newton's method leaves a part of forces of 1e9 N/m in each step
+    assert record["momentum_error"] < 1e-8
+    assert record["steps_cut"] == 0
+
+
+def test_twisted_beams():
+    """A double helix in line contact against its closed form."""
+    demo = importlib.import_module("demos.twisted_beams")
+    coarse, record = demo.main(8), demo.main(16)
+    assert record["error"] < 2e-4
+    assert record["error"] < coarse["error"] / 5
+    assert record["gap"] == pytest.approx(-1e-3, rel=1e-3)
+    assert record["iterations"] <= 5 * record["load_steps"]
+
+
 def test_rod_in_box_has_no_other_ends():
     with pytest.raises(ValueError, match="--ends must be square or spheres, got 'round'"):
         DEMO.main(ends="round", pictures=False)
+
+
+def test_rod_in_box_has_no_friction_of_penalties():
+    with pytest.raises(ValueError, match="neither friction nor restitution"):
+        DEMO.main(0.2, law="penalty", pictures=False)

@@ -45,7 +45,7 @@ MAY_IMPORT = {
     "bodies.gradients": {"bodies.beams", "bodies.thin_shells", "elements.gradients"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
-    "contact": {"bodies"},
+    "contact": {"bodies.beams"},
     "contact.impact": {"contact"},
     "pictures": {"bodies.beams"},
     "pictures.page": {"pictures"},

@@ -182,6 +182,33 @@ def ends_on_ground(**law) -> fl.Scene:
     )
 
 
+def line_on_bar(**law) -> fl.Scene:
+    """An element, all of which is within a bar that moves, with ends far off."""
+    return in_contact(
+        lambda one, two, line: fl.Line(line, 0.4),
+        lambda one, two, line: fl.Cylinder(two.at((0.5, 1.27, 0.42)), (4, 0.25, 0.43), 0.45),
+        **law,
+    )
+
+
+def line_on_line(**law) -> fl.Scene:
+    """Two elements along each other."""
+    scene = touching()
+    *_, line = scene.bodies
+    other = scene.add(fl.Beam.straight((-1.5, 1.26, 0.05), (2.5, 1.28, 0), SECTION, cells=1))
+    scene.add(fl.Contact(fl.Line(line, 0.4), fl.Line(other, 0.33), fl.Penalty(50.0, **law)))
+    return scene
+
+
+def line_on_plane(**law) -> fl.Scene:
+    """An element, all of which is behind a plane."""
+    return in_contact(
+        lambda one, two, line: fl.Line(line, 0.4),
+        lambda one, two, line: fl.Plane(two.at((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5)),
+        **law,
+    )
+
+
 HELD = "loads on places that are no nodes"
 TOUCH = "contacts by penalty"
 MASS = fl.Damping(mass=0.7)
@@ -252,6 +279,10 @@ TERMS: dict[str, Case] = {
     "balls on balls": Case(balls_on_balls, TOUCH),
     "ball in a hollow": Case(ball_in_hollow, TOUCH),
     "ends on ground": Case(ends_on_ground, TOUCH),
+    "line on a bar": Case(line_on_bar, TOUCH),
+    "line on a line": Case(line_on_line, TOUCH),
+    "line on a plane": Case(line_on_plane, TOUCH),
+    "line that damps on a bar": Case(lambda: line_on_bar(damping=0.3), TOUCH),
     "corners on a plane that damps": Case(lambda: corners_on_plane(damping=0.3), TOUCH),
     "balls that damp": Case(lambda: balls_on_balls(damping=0.3), TOUCH),
     "damping of mass": Case(lambda: beam(damping=MASS), "damping of mass"),

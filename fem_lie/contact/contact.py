@@ -7,10 +7,12 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import instance, text
+from fem_lie._arrays import Array, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.contact.kinematics import gaps
 from fem_lie.contact.laws import Impact, Penalty
+from fem_lie.contact.meeting import Balls, Lines
+from fem_lie.contact.meeting import Sides as MeetingSides
 from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.surfaces import Ball, Surface
@@ -81,8 +83,23 @@ class Contact:
         """
         self.a.check()
         self.b.check()
+        if self._lines:
+            self._check_lines()
+            return
         self._check_sorts()
         self._check_overlap()
+
+    def _check_lines(self) -> None:
+        if isinstance(self.law, Impact):
+            raise ValueError(f"{self.label}: lines touch by Penalty, not by Impact")
+        if self.a.balls() or self.b.balls():
+            raise ValueError(f"{self.label}: lines touch lines, bars and planes, not balls")
+        if self.a is self.b:
+            raise ValueError(f"{self.label}: a line does not touch itself; give two lines")
+        numbers, H = self._numbered()
+        g = PenaltyForces(self._meeting(numbers), Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
+        radius = min(piece.radius for each in (self.a, self.b) for piece in each.pieces())
+        self._refuse(g[1], g[2], np.full(len(g[1]), radius))
 
     def _check_sorts(self) -> None:
         a, b = self.a.balls(), self.b.balls()
@@ -121,6 +138,9 @@ class Contact:
 
     def contents(self, nodes: Nodes) -> object:
         """All that its forces are made of."""
+        if self._lines:
+            sides = [(each.pieces(), each.faces()) for each in (self.a, self.b)]
+            return repr(sides), repr(self.law)
         a, b, flat, same = self.sides(nodes)
         return *a, *b, flat, same, repr(self.law)
 
@@ -139,25 +159,45 @@ class Contact:
                 "memory, and for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
                 "holds; give Penalty elsewhere"
             )
-        a, b, flat, same = self.sides(nodes)
-        return PenaltyForces(a, b, self.law, flat=flat, same=same)
+        return PenaltyForces(self._meeting(nodes), self.law)
 
-    def _check_overlap(self) -> None:
+    @property
+    def _lines(self) -> bool:
+        return bool(self.a.pieces() or self.b.pieces())
+
+    def _meeting(self, nodes: Nodes) -> MeetingSides:
+        if not self._lines:
+            a, b, flat, same = self.sides(nodes)
+            return Balls(a, b, flat=flat, same=same)
+        first, second = (self.a, self.b) if self.a.pieces() else (self.b, self.a)
+        planes = None if second.pieces() else planes_side(second.faces(), nodes)
+        return Lines(first.pieces(), second.pieces(), planes, nodes)
+
+    def _numbered(self) -> tuple[Nodes, Array]:
+        """Numbers and initial frames of the nodes of its bodies alone."""
         first = np.cumsum([0, *(len(body.frames) for body in self.bodies)])
         numbers = {
             body: np.arange(len(body.frames)) + k
             for body, k in zip(self.bodies, first, strict=False)
         }
-        H = np.concatenate([body.frames for body in self.bodies])
-        a, b, flat, same = self.sides(lambda body: numbers[body])
+        return numbers.__getitem__, np.concatenate([body.frames for body in self.bodies])
+
+    def _check_overlap(self) -> None:
+        numbers, H = self._numbered()
+        a, b, flat, same = self.sides(numbers)
         if not (a.owners[:, np.newaxis] != b.owners).any():
             raise ValueError(f"{self.label}: they never move against each other")
         near = NearPairs(a, b, flat=flat, same=same)
         near.update(H)
         sizes = np.where(a.radii > 0.0, a.radii, max(body.size for body in self.bodies))
         g, place = gaps(H, a, b, near.now, flat)
-        for e in np.flatnonzero(g < -OVERLAP * sizes[near.now[:, 0]])[:1]:
-            at = ", ".join(f"{x:g}" for x in place[e])
+        self._refuse(g, place, sizes[near.now[:, 0]])
+
+    def _refuse(self, g: Array, places: Array, sizes: Array) -> None:
+        """Overlaps by more than a part of sizes: the largest one."""
+        too_deep = np.flatnonzero(g < -OVERLAP * sizes)
+        for e in too_deep[np.argsort(g[too_deep], kind="stable")][:1]:
+            at = ", ".join(f"{x:g}" for x in places[e])
             raise ValueError(f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart")
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.surfaces import MOST_NODES
 from fem_lie.contact.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components, local_components
@@ -24,7 +24,7 @@ from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, 
 SLOTS = 2 * MOST_NODES
 
 
-@inlined
+@inlined_uncounted
 def place(H: Array, side: Side, i: int) -> Vector:
     """A place of a side."""
     x = (0.0, 0.0, 0.0)
@@ -41,14 +41,14 @@ def place(H: Array, side: Side, i: int) -> Vector:
     return x
 
 
-@compiled
+@uncounted
 def places(H: Array, side: Side, out: Array) -> None:
     """All places of a side, shape (n, 3)."""
     for i in range(out.shape[0]):
         out[i, 0], out[i, 1], out[i, 2] = place(H, side, i)
 
 
-@inlined
+@inlined_uncounted
 def normal_of(H: Array, side: Side, j: int) -> Vector:
     """Of a plane."""
     node = side.nodes[j, 0]
@@ -56,7 +56,7 @@ def normal_of(H: Array, side: Side, j: int) -> Vector:
     return m if node == GROUND else global_components(H[node], m)
 
 
-@inlined
+@inlined_uncounted
 def gap(H: Array, a: Side, b: Side, i: int, j: int, flat: bool) -> tuple[float, Vector, Vector]:
     """Gap, normal, and place of the first side."""
     P = place(H, a, i)
@@ -70,7 +70,7 @@ def gap(H: Array, a: Side, b: Side, i: int, j: int, flat: bool) -> tuple[float, 
     return sign * distance - a.radii[i] - b.radii[j], n, P
 
 
-@compiled
+@uncounted
 def _gaps(H: Array, a: Side, b: Side, pairs: Indices, flat: bool, g: Array, X: Array) -> None:
     for e in range(pairs.shape[0]):
         g[e], n, P = gap(H, a, b, pairs[e, 0], pairs[e, 1], flat)
@@ -84,7 +84,7 @@ def gaps(H: Array, a: Side, b: Side, pairs: Indices, flat: bool) -> tuple[Array,
     return g, X
 
 
-@inlined
+@inlined_uncounted
 def slot(
     H: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, s: int
 ) -> tuple[int, float, float, Vector]:
@@ -98,7 +98,7 @@ def slot(
     return node, -1.0, b.weights[j, k], load_row(b.levers[j], k)
 
 
-@inlined
+@inlined_uncounted
 def add_row(H: Array, node: int, factor: float, w: float, c: Vector, n: Vector, out: Array) -> None:
     """Add ``factor Dᵀ n`` of a node to forces (≥ nodes, 6)."""
     f = local_components(H[node], scaled(factor, n))
@@ -108,7 +108,7 @@ def add_row(H: Array, node: int, factor: float, w: float, c: Vector, n: Vector, 
         out[node, 3 + k] += moment[k]
 
 
-@inlined
+@inlined_uncounted
 def rate(H: Array, v: Array, node: int, w: float, c: Vector, n: Vector) -> float:
     """``(Dᵀ n)·v`` of a node."""
     f = local_components(H[node], n)
@@ -131,7 +131,7 @@ def count_blocks(a: Side, b: Side, pairs: Indices, rows: Indices, columns: Indic
     return found
 
 
-@inlined
+@inlined_uncounted
 def _store_motion(H: Array, node: int, sign: float, w: float, c: Vector, D: Array) -> None:
     """``± [w R, −R ĉ]``, shape (3, 6)."""
     for k in range(3):
@@ -144,7 +144,7 @@ def _store_motion(H: Array, node: int, sign: float, w: float, c: Vector, D: Arra
             D[r, 3 + k] = sign * turned[r]
 
 
-@inlined
+@inlined_uncounted
 def _turns_of_normal(
     H: Array, b: Side, j: int, flat: bool, apart: Vector, n: Vector, D: Array, s: int, N: Array
 ) -> None:
@@ -168,7 +168,7 @@ def _turns_of_normal(
                 N[r, 3 + k] = turned[r]
 
 
-@inlined
+@inlined_uncounted
 def _add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
     """How ``(w f, c × f)`` turns with the node, ``δf = f × η``."""
     for k in range(3):
@@ -180,7 +180,7 @@ def _add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
             block[3 + r, 3 + k] += moment[r]
 
 
-@compiled
+@uncounted
 def bends(
     H: Array,
     a: Side,
@@ -235,7 +235,7 @@ def bends(
         _add_turning(scaled(sign, local_components(H[node], n)), w, c, G[s, s])
 
 
-@inlined
+@inlined_uncounted
 def _add_sliding(H: Array, m: Vector, D: Array, block: Array) -> None:
     """How the foot on a plane moves in its frame: ``m × Rᵀ δΔ``."""
     for q in range(6):

@@ -13,21 +13,27 @@ class Penalty:
 
     The force is ``p = max(0, −k g − c ġ)``: it never pulls. It is for statics and for
     :class:`~fem_lie.GeneralisedAlpha`. A body of mass m that meets a fixed one at a speed v goes in
-    by ``v √(m/k)``, and is in contact for ``π √(m/k)``, which steps have to resolve.
+    by ``v √(m/k)``, and is in contact for ``π √(m/k)``, which steps have to resolve. Along lines
+    all is per length of the first one.
 
     Attributes:
         stiffness: k, force per length.
         damping: c, force per speed; ``2 √(k m)`` is critical for a mass m.
+        ramp: Overlap over which damping grows from nothing to c. Without it the force jumps where
+            surfaces meet, which Newton's method does not survive where c is large.
     """
 
     stiffness: float
     damping: float = 0.0
+    ramp: float = 0.0
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
         positive(self.stiffness, "Penalty: stiffness")
         if number(self.damping, "Penalty: damping") < 0.0:
             raise ValueError(f"Penalty: damping must not be negative, got {self.damping}")
+        if number(self.ramp, "Penalty: ramp") < 0.0:
+            raise ValueError(f"Penalty: ramp must not be negative, got {self.ramp}")
 
 
 @dataclass(frozen=True)

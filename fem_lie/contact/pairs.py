@@ -19,6 +19,7 @@ class NearPairs:
     Attributes:
         now: First and second place, shape (m, 2).
         blocks: First and second node of all blocks of a matrix that they have.
+        first: Where the blocks of each pair begin, shape (m,).
         version: Of these; another number means others.
         fixed: Whether all pairs are in the list.
         patience: How far places may move until the list is made anew.
@@ -50,6 +51,9 @@ class NearPairs:
         count = count_blocks(self._a, self._b, pairs, none, none)
         self.blocks = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
         count_blocks(self._a, self._b, pairs, *self.blocks)
+        moving = (self._a.nodes >= 0).sum(axis=1), (self._b.nodes >= 0).sum(axis=1)
+        each = (moving[0][pairs[:, 0]] + moving[1][pairs[:, 1]]) ** 2
+        self.first = np.cumsum(each) - each
 
     def update(self, H: Array) -> None:
         """Make the list that of frames ``H`` if places have moved too far since it was made."""

@@ -2,47 +2,48 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
-from fem_lie.contact.kinematics import SLOTS, add_row, bends, gap, rate, slot
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.kinematics import SLOTS, add_row, bends, gap, place, rate, slot
 from fem_lie.contact.laws import Penalty
-from fem_lie.contact.pairs import NearPairs
+from fem_lie.contact.meeting import Meeting, Sides
+from fem_lie.contact.surfaces import MOST_NODES
 from fem_lie.contact.table import GROUND, Side
 from fem_lie.forms.term import Pairs, Term
-from fem_lie.lie.tuples import Vector, minus, scaled, store_row
+from fem_lie.lie.motions import local_components
+from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
 
 
-@inlined
-def _damping(k: float, c: float, g: float, speed: float) -> tuple[float, float, float]:
+class Numbers(NamedTuple):
+    """Of a law, for a weight of one.
+
+    Attributes:
+        k: Stiffness.
+        c: Damping.
+        ramp: Overlap over which that grows.
+    """
+
+    k: float
+    c: float
+    ramp: float
+
+
+@inlined_uncounted
+def _damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
     """What damping adds to ``k g``, and how that changes with ``g`` and ``ġ``: nothing pulls."""
-    if k * g + c * speed >= 0.0:
-        return -k * g, -k, 0.0
-    return c * speed, 0.0, c
+    part, by_gap = 1.0, 0.0
+    if -g < law.ramp:
+        part, by_gap = -g / law.ramp, -1.0 / law.ramp
+    if law.k * g + part * law.c * speed >= 0.0:
+        return -law.k * g, -law.k, 0.0
+    return part * law.c * speed, by_gap * law.c * speed, part * law.c
 
 
-@inlined
-def _add_force(
-    H: Array,
-    a: Side,
-    b: Side,
-    i: int,
-    j: int,
-    flat: bool,
-    P: Vector,
-    f: float,
-    n: Vector,
-    out: Array,
-) -> None:
-    """Add ``f b`` of a pair."""
-    for s in range(SLOTS):
-        node, sign, w, c = slot(H, a, b, i, j, flat, P, s)
-        if node >= 0:
-            add_row(H, node, sign * f, w, c, n, out)
-
-
-@inlined
+@inlined_uncounted
 def _speed(
     H: Array, v: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, n: Vector
 ) -> float:
@@ -55,128 +56,121 @@ def _speed(
     return found
 
 
-@inlined
-def _wanted(a: Side, b: Side, i: int, j: int, grounded: bool) -> bool:
-    """Whether a pair counts: all do, or those with ground."""
-    return not grounded or a.owners[i] == GROUND or b.owners[j] == GROUND
-
-
-@compiled
-def _energy(H: Array, a: Side, b: Side, pairs: Indices, flat: bool, k: float) -> float:
-    total = 0.0
-    for e in range(pairs.shape[0]):
-        g, _, _ = gap(H, a, b, pairs[e, 0], pairs[e, 1], flat)
+@uncounted
+def _measure(H: Array, v: Array, at: Meeting, law: Numbers, viscous: bool, out: Array) -> None:
+    """Gap, force of stiffness and what damping adds, along the normal, of each pair: (3, m)."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        out[0, e], out[1, e], out[2, e] = g, 0.0, 0.0
         if g < 0.0:
-            total += 0.5 * k * g * g
-    return total
+            out[1, e] = at.weight[e] * law.k * g
+            if viscous:
+                speed = _speed(H, v, at.a, at.b, i, j, at.flat, P, n)
+                out[2, e] = at.weight[e] * _damping(law, g, speed)[0]
 
 
-@compiled
-def _add_forces(
-    H: Array, a: Side, b: Side, pairs: Indices, flat: bool, k: float, grounded: bool, out: Array
-) -> None:
-    """``out += k g b``; ``grounded``: of pairs with ground alone."""
-    for e in range(pairs.shape[0]):
-        i, j = pairs[e]
-        g, n, P = gap(H, a, b, i, j, flat)
-        if g < 0.0 and _wanted(a, b, i, j, grounded):
-            _add_force(H, a, b, i, j, flat, P, k * g, n, out)
+@uncounted
+def _add(H: Array, at: Meeting, f: Array, grounded: bool, out: Array) -> None:
+    """``out += f b``, of all pairs or of those with ground alone."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        if f[e] == 0.0 or (grounded and at.a.owners[i] != GROUND and at.b.owners[j] != GROUND):
+            continue
+        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        for s in range(SLOTS):
+            node, sign, w, c = slot(H, at.a, at.b, i, j, at.flat, P, s)
+            if node >= 0:
+                add_row(H, node, sign * f[e], w, c, n, out)
 
 
-@compiled
-def _add_damping(
-    H: Array,
-    v: Array,
-    a: Side,
-    b: Side,
-    pairs: Indices,
-    flat: bool,
-    k: float,
-    c: float,
-    grounded: bool,
-    out: Array,
-) -> None:
-    """What damping adds to these."""
-    for e in range(pairs.shape[0]):
-        i, j = pairs[e]
-        g, n, P = gap(H, a, b, i, j, flat)
-        if g < 0.0 and _wanted(a, b, i, j, grounded):
-            f, _, _ = _damping(k, c, g, _speed(H, v, a, b, i, j, flat, P, n))
-            _add_force(H, a, b, i, j, flat, P, f, n, out)
-
-
-@compiled
-def _touching(
-    H: Array,
-    v: Array,
-    a: Side,
-    b: Side,
-    pairs: Indices,
-    flat: bool,
-    k: float,
-    c: float,
-    g: Array,
-    X: Array,
-    F: Array,
-) -> None:
-    """Gaps, nearest points of the first side, and forces on it."""
-    for e in range(pairs.shape[0]):
-        i, j = pairs[e]
-        g[e], n, P = gap(H, a, b, i, j, flat)
-        f = 0.0
-        if g[e] < 0.0:
-            f = -k * g[e]
-            if c > 0.0:
-                f -= _damping(k, c, g[e], _speed(H, v, a, b, i, j, flat, P, n))[0]
-        store_row(X, e, minus(P, scaled(a.radii[i], n)))
-        store_row(F, e, scaled(f, n))
+@uncounted
+def _show(H: Array, at: Meeting, f: Array, X: Array, F: Array) -> None:
+    """Nearest points of the first side, and forces on it."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        store_row(X, e, minus(P, scaled(at.a.radii[i], n)))
+        store_row(F, e, scaled(-f[e], n))
 
 
 @compiled
 def _tangents(
     H: Array,
     v: Array,
-    a: Side,
-    b: Side,
-    pairs: Indices,
-    flat: bool,
-    k: float,
-    c: float,
+    at: Meeting,
+    law: Numbers,
     viscous: bool,
     by_frames: Array,
     by_twists: Array,
 ) -> None:
-    """Derivatives of the forces, or of what damping adds, in frames and in twists."""
+    """Derivatives of the forces, or of what damping adds, in frames and in twists: added."""
     nodes, rows, changes = (
         np.empty(SLOTS, dtype=np.int64),
         np.zeros((SLOTS, 6)),
         np.zeros((SLOTS, 6)),
     )
     D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
-    at = 0
-    for e in range(pairs.shape[0]):
-        i, j = pairs[e]
-        g, n, P = gap(H, a, b, i, j, flat)
-        bends(H, a, b, i, j, flat, nodes, rows, D, G)
-        f, by_gap, by_speed = k * g, k, 0.0
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        if g >= 0.0:
+            continue
+        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
+        if not at.flat:
+            _slide(H, at, e, n, nodes, D, G)
+        f, by_gap, by_speed = law.k * g, law.k, 0.0
         if viscous:
-            f, by_gap, by_speed = _damping(k, c, g, _speed(H, v, a, b, i, j, flat, P, n))
+            speed = _speed(H, v, at.a, at.b, i, j, at.flat, P, n)
+            f, by_gap, by_speed = _damping(law, g, speed)
             _changes_of_speed(v, nodes, G, changes)
+        block, weight = at.first[e], at.weight[e]
         for s in range(SLOTS):
             for t in range(SLOTS):
                 if nodes[s] < 0 or nodes[t] < 0:
                     continue
-                if g < 0.0:
-                    for p in range(6):
-                        for q in range(6):
-                            to_frame = by_gap * rows[t, q] + by_speed * changes[t, q]
-                            by_frames[at, p, q] = f * G[s, t, p, q] + rows[s, p] * to_frame
-                            if viscous:
-                                by_twists[at, p, q] = by_speed * rows[s, p] * rows[t, q]
-                at += 1
+                for p in range(6):
+                    for q in range(6):
+                        to_frame = by_gap * rows[t, q] + by_speed * changes[t, q]
+                        change = f * G[s, t, p, q] + rows[s, p] * to_frame
+                        by_frames[block, p, q] += weight * change
+                        if viscous:
+                            by_twists[block, p, q] += weight * by_speed * rows[s, p] * rows[t, q]
+                block += 1
 
 
-@inlined
+@inlined_uncounted
+def _slide(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, G: Array) -> None:
+    """``−m mᵀ/s``: the second place follows the first; see :class:`~.meeting.Sliding`."""
+    i, j = at.pairs[e]
+    t, slides = load_row(at.sliding.slopes, e), at.sliding
+    if t[0] == t[1] == t[2] == 0.0:
+        return
+    apart = minus(place(H, at.a, i), place(H, at.b, j))
+    distance = np.sqrt(dot(apart, apart))
+    for s in range(SLOTS):
+        if nodes[s] < 0:
+            continue
+        # −m, in what was room for turns of the normal
+        for p in range(6):
+            along = t[0] * D[s, 0, 0, p] + t[1] * D[s, 0, 1, p] + t[2] * D[s, 0, 2, p]
+            D[s, 1, 0, p] = along / distance
+        if s >= MOST_NODES:
+            f = local_components(H[nodes[s]], n)
+            turning = cross(load_row(slides.levers[e], s - MOST_NODES), f)
+            for p in range(3):
+                D[s, 1, 0, p] += slides.weights[e, s - MOST_NODES] * f[p]
+                D[s, 1, 0, 3 + p] += turning[p]
+    for a in range(SLOTS):
+        for b in range(SLOTS):
+            if nodes[a] >= 0 and nodes[b] >= 0:
+                for p in range(6):
+                    for q in range(6):
+                        product = D[a, 1, 0, p] * D[b, 1, 0, q]
+                        G[a, b, p, q] -= product * distance / slides.bends[e]
+
+
+@inlined_uncounted
 def _changes_of_speed(v: Array, nodes: Indices, G: Array, changes: Array) -> None:
     """``∂ġ/∂h`` at constant twists, of each slot."""
     changes[:] = 0.0
@@ -190,61 +184,58 @@ def _changes_of_speed(v: Array, nodes: Indices, G: Array, changes: Array) -> Non
 
 
 class PenaltyForces(Term):
-    """The forces of one contact by penalty, with damping as forces that depend on twists.
-
-    Attributes:
-        near: Pairs that may touch.
-    """
+    """The forces of one contact by penalty, with damping as forces that depend on twists."""
 
     label = "contacts by penalty"
 
-    def __init__(self, a: Side, b: Side, law: Penalty, *, flat: bool, same: bool) -> None:
+    def __init__(self, sides: Sides, law: Penalty) -> None:
         """Keep both sides.
 
         Args:
-            a: First side.
-            b: Second side.
-            law: Stiffness and damping.
-            flat: Whether the second side are planes.
-            same: Whether both sides are the same.
+            sides: That touch.
+            law: Stiffness and damping; of lines per length.
         """
-        self._sides, self._flat, self._law = (a, b), flat, law
-        self.pairs_near = NearPairs(a, b, flat=flat, same=same)
+        self._sides = sides
+        self._law = Numbers(float(law.stiffness), float(law.damping), float(law.ramp))
         self.viscous = self.in_space = law.damping > 0.0
-        self.on_ground = bool((a.owners == GROUND).any() or (b.owners == GROUND).any())
+        self.on_ground = sides.on_ground
 
     @property
     def version(self) -> int:  # type: ignore[override]
         """Of the list of pairs."""
-        return self.pairs_near.version
+        return self._sides.near.version
 
     @property
     def pairs(self) -> Pairs:
         """Of those that are near each other."""
-        return self.pairs_near.blocks
+        return self._sides.near.blocks
 
     @property
     def seen(self) -> Array:
         """See the base class."""
-        return self.pairs_near.seen
+        return self._sides.near.seen
 
     def see_again(self, seen: Array) -> None:
         """See the base class."""
-        self.pairs_near.see_again(seen)
+        self._sides.near.see_again(seen)
+
+    def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[Meeting, Array]:
+        """Where sides meet; gaps, forces of stiffness and what damping adds, shape (3, m)."""
+        at = self._sides.meet(H)
+        found = np.empty((3, len(at.pairs)))
+        _measure(H, v, at, self._law, viscous, found)
+        return at, found
 
     def energy(self, H: Array) -> float:
         """See the base class."""
-        self.pairs_near.update(H)
-        return _energy(H, *self._sides, self.pairs_near.now, self._flat, self._law.stiffness)
+        _, found = self._measured(H, np.empty((0, 6)), viscous=False)
+        deep = np.minimum(found[0], 0.0)
+        return 0.5 * float(found[1] @ deep)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """See the base class."""
-        self._add(H, out, grounded=False)
-
-    def _add(self, H: Array, out: Array, *, grounded: bool) -> None:
-        self.pairs_near.update(H)
-        pairs = self.pairs_near.now
-        _add_forces(H, *self._sides, pairs, self._flat, self._law.stiffness, grounded, out)
+        at, found = self._measured(H, out, viscous=False)
+        _add(H, at, found[1], False, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
@@ -253,13 +244,8 @@ class PenaltyForces(Term):
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
-        self._add_viscous(H, v, out, grounded=False)
-
-    def _add_viscous(self, H: Array, v: Array, out: Array, *, grounded: bool) -> None:
-        self.pairs_near.update(H)
-        law, pairs = self._law, self.pairs_near.now
-        numbers = law.stiffness, law.damping
-        _add_damping(H, v, *self._sides, pairs, self._flat, *numbers, grounded, out)
+        at, found = self._measured(H, v, viscous=True)
+        _add(H, at, found[2], False, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """See the base class."""
@@ -267,18 +253,17 @@ class PenaltyForces(Term):
         return by_twists, by_frames
 
     def _tangents(self, H: Array, v: Array, *, viscous: bool) -> tuple[Array, Array]:
-        count, law = len(self.pairs_near.blocks[0]), self._law
+        at = self._sides.meet(H)
+        count = len(self._sides.near.blocks[0])
         by_frames = np.zeros((count, 6, 6))
         by_twists = np.zeros((count if viscous else 0, 6, 6))
-        pairs, numbers = (self.pairs_near.now, self._flat), (law.stiffness, law.damping)
-        _tangents(H, v, *self._sides, *pairs, *numbers, viscous, by_frames, by_twists)
+        _tangents(H, v, at, self._law, viscous, by_frames, by_twists)
         return by_frames, by_twists
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
-        self._add(H, out, grounded=True)
-        if self.viscous:
-            self._add_viscous(H, v, out, grounded=True)
+        at, found = self._measured(H, v, viscous=self.viscous)
+        _add(H, at, found[1] + found[2], True, out)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
         """Which places touch, and how.
@@ -291,10 +276,8 @@ class PenaltyForces(Term):
             Pairs of places (k, 2), gaps (k,), nearest points of the first side (k, 3), and forces
             on it (k, 3), global components.
         """
-        self.pairs_near.update(H)
-        pairs, law = self.pairs_near.now, self._law
-        g, X, F = np.empty(len(pairs)), np.empty((len(pairs), 3)), np.empty((len(pairs), 3))
-        numbers = law.stiffness, law.damping
-        _touching(H, v, *self._sides, pairs, self._flat, *numbers, g, X, F)
-        deep = g < 0.0
-        return pairs[deep], g[deep], X[deep], F[deep]
+        at, found = self._measured(H, v, viscous=self.viscous)
+        X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
+        _show(H, at, found[1] + found[2], X, F)
+        deep = found[0] < 0.0
+        return at.pairs[deep].copy(), found[0, deep], X[deep], F[deep]

@@ -49,6 +49,26 @@ class Ball(NamedTuple):
         return found
 
 
+class Piece(NamedTuple):
+    """Of a line.
+
+    Attributes:
+        owners: Body and node at both ends; ``None``: ground.
+        ends: ``p`` in these frames, shape (2, 3).
+        tangents: ``t`` in these frames, shape (2, 3).
+        length: Arc length.
+        radius: Of what is round.
+        goes_on: Whether the next piece begins where this one ends, with its tangent.
+    """
+
+    owners: tuple[tuple[Body | None, int], tuple[Body | None, int]]
+    ends: Array
+    tangents: Array
+    length: float
+    radius: float
+    goes_on: bool
+
+
 class Face(NamedTuple):
     """All on one side of a plane.
 
@@ -96,6 +116,10 @@ class Surface(ABC):
 
     def balls(self) -> list[Ball]:
         """Its points; default: none."""
+        return []
+
+    def pieces(self) -> Sequence[Piece]:
+        """Its lines; default: none."""
         return []
 
     def faces(self) -> list[Face]:

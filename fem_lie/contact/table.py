@@ -45,10 +45,10 @@ def balls_side(balls: Sequence[Ball], nodes: Nodes) -> Side:
         balls: All of them.
         nodes: Numbers of the nodes of a body.
     """
-    found = _empty(len(balls))
+    found = empty_side(len(balls))
     for i, ball in enumerate(balls):
         k = len(ball.owners)
-        found.nodes[i, :k] = [_number(*owner, nodes) for owner in ball.owners]
+        found.nodes[i, :k] = [number_of(*owner, nodes) for owner in ball.owners]
         found.weights[i, :k], found.levers[i, :k] = ball.weights, ball.levers
         found.radii[i], found.owners[i] = ball.radius, _frame_of(*ball.owners[0], nodes)
     return found
@@ -56,15 +56,16 @@ def balls_side(balls: Sequence[Ball], nodes: Nodes) -> Side:
 
 def planes_side(faces: Sequence[Face], nodes: Nodes) -> Side:
     """Planes as a side; arguments as :func:`balls_side`."""
-    found = _empty(len(faces))
+    found = empty_side(len(faces))
     for i, face in enumerate(faces):
-        found.nodes[i, 0] = _number(*face.owner, nodes)
+        found.nodes[i, 0] = number_of(*face.owner, nodes)
         found.weights[i, 0], found.levers[i, 0] = 1.0, face.origin
         found.normals[i], found.owners[i] = face.normal, _frame_of(*face.owner, nodes)
     return found
 
 
-def _empty(n: int) -> Side:
+def empty_side(n: int) -> Side:
+    """Room for ``n`` places."""
     return Side(
         np.full((n, MOST_NODES), UNUSED),
         np.zeros((n, MOST_NODES)),
@@ -75,7 +76,8 @@ def _empty(n: int) -> Side:
     )
 
 
-def _number(body: Body | None, node: int, nodes: Nodes) -> int:
+def number_of(body: Body | None, node: int, nodes: Nodes) -> int:
+    """Of a node among all, or of ground."""
     return GROUND if body is None else int(nodes(body)[node])
 
 

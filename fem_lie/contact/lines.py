@@ -1,0 +1,118 @@
+"""Surfaces along lines: round beams and round bars, as pieces of cubic curves with a radius.
+
+A piece is Hermite's cubic in the ends and the tangents there, ``P = Σ Nₖ (xₖ + Rₖ pₖ) + Mₖ Rₖ tₖ``:
+of a beam ``p = 0`` and ``t = ℓ e₁``, so that its axis has no kinks at nodes; of a straight bar in
+one frame both ends have the same node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import instance, positive, vector
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_point
+from fem_lie.contact.surfaces import Piece, Surface, initial_frame
+
+_KINK = np.cos(np.radians(10.0))
+"""Of the largest angle between e₁ at a node and the chord."""
+
+
+@dataclass(frozen=True, eq=False)
+class Line(Surface):
+    """A round beam: all within a radius of its axis, with round ends.
+
+    Forces are per length of the unloaded axis. The first of two lines is the one along which they
+    are integrated; that should be the finer one.
+
+    Attributes:
+        beam: With the axis.
+        radius: Of what is round.
+    """
+
+    beam: Beam
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for what is no beam or radius."""
+        instance(self.beam, Beam, "Line: beam", "a Beam")
+        positive(self.radius, "Line: radius")
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """Two, at its first and last node."""
+        return [Point(self.beam, 0), Point(self.beam, len(self.beam.frames) - 1)]
+
+    def pieces(self) -> list[Piece]:
+        """Its elements, one chain after the other."""
+        chains, elements, lengths = self.beam.chains, self.beam.elements, self.beam.lengths
+        last = {*(np.array(chains.first[1:]) - 1), len(chains.order) - 1}
+        found = []
+        for k, cell in enumerate(chains.order):
+            a, b = (int(node) for node in elements[cell, :2])
+            tangents = np.tile([float(lengths[cell]), 0.0, 0.0], (2, 1))
+            owners = (self.beam, a), (self.beam, b)
+            ends = np.zeros((2, 3))
+            goes_on = k not in last
+            found.append(Piece(owners, ends, tangents, float(lengths[cell]), self.radius, goes_on))
+        return found
+
+    def check(self) -> None:
+        """Refuse axes with kinks.
+
+        Raises:
+            ValueError: Somewhere e₁ is not along the chord.
+        """
+        for piece in self.pieces():
+            (_, a), (_, b) = piece.owners
+            frames = self.beam.frames[[a, b]]
+            chord = frames[1, 0] - frames[0, 0]
+            along = frames[:, 1] @ chord / np.linalg.norm(chord)
+            for node in np.array([a, b])[along < _KINK][:1]:
+                raise ValueError(
+                    f"{self.label}: e₁ of node {node} is more than 10° off the chord of an element "
+                    "there; take more elements"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder(Surface):
+    """A straight round bar with round ends, fixed to ground, a rigid body or a node.
+
+    Attributes:
+        point: In its middle.
+        along: From end to end of its axis, global components in the beginning.
+        radius: Of what is round.
+    """
+
+    point: Point
+    along: npt.ArrayLike
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for what is no point, axis or radius."""
+        require_point(self.point, "Cylinder: point")
+        positive(self.radius, "Cylinder: radius")
+        if not np.linalg.norm(vector(self.along, 3, "Cylinder: along")) > 0.0:
+            raise ValueError("Cylinder: along must have a length, got none")
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """One."""
+        return [self.point]
+
+    def pieces(self) -> list[Piece]:
+        """One."""
+        H = initial_frame(self.point.body, self.point.node)
+        along = vector(self.along, 3, "Cylinder: along")
+        middle, half = self.point.position - H[0], 0.5 * along
+        owner = self.point.body, self.point.node
+        ends = np.stack([H[1:] @ (middle - half), H[1:] @ (middle + half)])
+        tangents = np.tile(H[1:] @ along, (2, 1))
+        length = float(np.linalg.norm(along))
+        return [Piece((owner, owner), ends, tangents, length, self.radius, False)]
