@@ -36,7 +36,7 @@ def pieces(ends: np.ndarray, body: fl.RigidBody) -> list[Piece]:
     owners = (body, 0), (body, 0)
     along = [np.tile(b - a, (2, 1)) for a, b in ends]
     return [
-        Piece(owners, each, tangents, LENGTH, RADIUS, (k + 1) % SEGMENTS != 0)
+        Piece(owners, each, tangents, LENGTH, LENGTH, RADIUS, (k + 1) % SEGMENTS != 0)
         for k, (each, tangents) in enumerate(zip(ends, along, strict=True))
     ]
 

@@ -92,6 +92,31 @@ def test_a_beam_lies_on_a_plane():
     np.testing.assert_allclose(forces.gaps, -weight / 1e6, rtol=1e-4)
 
 
+def test_stretches_are_seen_again():
+    """Axes are stretched as their beams are, by steps that a checkpoint has to know."""
+    one, other = straight((-0.4, 0, 0), (0.4, 0, 0)), straight((0, -0.4, 0), (0, 0.4, 0))
+    bent = np.concatenate([one.frames, other.frames])
+    bent[:, 0, 2] = 0.2 * (bent[:, 0, 0] ** 2 - bent[:, 0, 1] ** 2)
+    bent[len(one.frames) :, 0, 2] += 0.0195
+    term = fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), LAW).term(
+        {one: np.arange(9), other: np.arange(9, 18)}.__getitem__
+    )
+
+    def forces(stretch: float) -> np.ndarray:
+        H, out = bent.copy(), np.zeros((18, 6))
+        H[:, 0, :2] *= stretch
+        term.add_forces(H, out)
+        return out
+
+    forces(1.0)
+    before, seen = forces(1.00009), term.seen.copy()
+    after = forces(1.2)
+    assert np.abs(after[:, :3]).max() > 0.0
+    assert not np.array_equal(forces(1.00009), before)
+    term.see_again(seen)
+    np.testing.assert_array_equal(forces(1.00009), before)
+
+
 def crossing(law: fl.Penalty | fl.Impact, z: float = 0.02) -> fl.Contact:
     one, other = straight((-1, 0, 0), (1, 0, 0)), straight((0, -1, z), (0, 1, z))
     return fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), law, name="two")

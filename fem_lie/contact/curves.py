@@ -27,6 +27,9 @@ class Strands(NamedTuple):
         ends: In their frames, shape (m, 2, 3).
         tangents: Likewise, shape (m, 2, 3).
         lengths: Shape (m,).
+        chords: From end to end where nothing is stretched, shape (m,).
+        stretches: Of the chords; tangents are stretched alike. They follow the present ones by
+            steps of :data:`_STRETCH`, so that places are linear in frames, shape (m,).
         radii: Shape (m,).
         goes_on: Whether a piece goes on in the next one, shape (m,).
         curves: At present: both ends and the tangents there, shape (m, 4, 3).
@@ -36,6 +39,8 @@ class Strands(NamedTuple):
     ends: Array
     tangents: Array
     lengths: Array
+    chords: Array
+    stretches: Array
     radii: Array
     goes_on: Flags
     curves: Array
@@ -66,9 +71,13 @@ _TURNS = 60
 """Iterations, at most: each at least halves."""
 
 
+_STRETCH = 1e-4
+"""By how much a piece may be stretched on until its tangents are."""
+
+
 @uncounted
 def set_curves(H: Array, strands: Strands) -> None:
-    """Ends and tangents at frames ``H``."""
+    """Ends and tangents at frames ``H``, and stretches if these are others by now."""
     for i in range(strands.nodes.shape[0]):
         for k in range(2):
             node = strands.nodes[i, k]
@@ -78,6 +87,13 @@ def set_curves(H: Array, strands: Strands) -> None:
                 t = global_components(H[node], t)
             store_row(strands.curves[i], k, p)
             store_row(strands.curves[i], 2 + k, t)
+        C = strands.curves[i]
+        chord = minus(load_row(C, 1), load_row(C, 0))
+        stretch = np.sqrt(dot(chord, chord)) / strands.chords[i]
+        if abs(stretch - strands.stretches[i]) > _STRETCH:
+            strands.stretches[i] = stretch
+        for k in range(2):
+            store_row(C, 2 + k, scaled(strands.stretches[i], load_row(C, 2 + k)))
 
 
 @inlined_uncounted

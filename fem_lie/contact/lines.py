@@ -51,6 +51,7 @@ class Line(Surface):
     def pieces(self) -> list[Piece]:
         """Its elements, one chain after the other."""
         chains, elements, lengths = self.beam.chains, self.beam.elements, self.beam.lengths
+        places = self.beam.frames[:, 0]
         last = {*(np.array(chains.first[1:]) - 1), len(chains.order) - 1}
         found = []
         for k, cell in enumerate(chains.order):
@@ -58,8 +59,9 @@ class Line(Surface):
             tangents = np.tile([float(lengths[cell]), 0.0, 0.0], (2, 1))
             owners = (self.beam, a), (self.beam, b)
             ends = np.zeros((2, 3))
-            goes_on = k not in last
-            found.append(Piece(owners, ends, tangents, float(lengths[cell]), self.radius, goes_on))
+            chord = float(np.linalg.norm(places[b] - places[a]))
+            length, goes_on = float(lengths[cell]), k not in last
+            found.append(Piece(owners, ends, tangents, length, chord, self.radius, goes_on))
         return found
 
     def check(self) -> None:
@@ -115,4 +117,4 @@ class Cylinder(Surface):
         ends = np.stack([H[1:] @ (middle - half), H[1:] @ (middle + half)])
         tangents = np.tile(H[1:] @ along, (2, 1))
         length = float(np.linalg.norm(along))
-        return [Piece((owner, owner), ends, tangents, length, self.radius, False)]
+        return [Piece((owner, owner), ends, tangents, length, length, self.radius, False)]

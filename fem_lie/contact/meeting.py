@@ -100,6 +100,15 @@ class Sides(ABC):
     def meet(self, H: Array) -> Meeting:
         """Where they do at frames ``H``."""
 
+    @property
+    def seen(self) -> Array:
+        """What :meth:`meet` remembers of frames before, shape (n, 3)."""
+        return self.near.seen
+
+    def see_again(self, seen: Array) -> None:
+        """Remember what was :attr:`seen` once."""
+        self.near.see_again(seen)
+
 
 class Balls(Sides):
     """Balls that touch balls or planes."""
@@ -134,14 +143,7 @@ class Lines(Sides):
     def __init__(
         self, a: Sequence[Piece], b: Sequence[Piece], planes: Side | None, nodes: Nodes
     ) -> None:
-        """Keep both sides.
-
-        Args:
-            a: Pieces of the first.
-            b: Of the second, if that is a line.
-            planes: Else these.
-            nodes: Numbers of a body's nodes.
-        """
+        """Keep pieces of both, or planes instead of the second, and numbers of nodes."""
         self._a, self._b = _strands(a, nodes), _strands(b, nodes)
         middles = _middles(a, self._a), _middles(b, self._b) if planes is None else planes
         self._planes, self.flat = middles[1], planes is not None
@@ -172,6 +174,18 @@ class Lines(Sides):
         k = _set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
         return room._replace(pairs=room.pairs[:k])
 
+    @property
+    def seen(self) -> Array:
+        """See the base class; stretches come last."""
+        stretches = np.concatenate([self._a.stretches, self._b.stretches])
+        return np.concatenate([self.near.seen, np.tile(stretches[:, np.newaxis], 3)])
+
+    def see_again(self, seen: Array) -> None:
+        """See the base class."""
+        n = len(seen) - len(self._a.stretches) - len(self._b.stretches)
+        self._a.stretches[:], self._b.stretches[:] = np.split(seen[n:, 0], [len(self._a.stretches)])
+        self.near.see_again(seen[:n])
+
     def _found_runs(self) -> Indices:
         """First piece, first and last of those opposite that follow each other, first pair."""
         i, j = self.near.now.T
@@ -192,6 +206,8 @@ def _strands(pieces: Sequence[Piece], nodes: Nodes) -> Strands:
         np.array([piece.ends for piece in pieces]).reshape(-1, 2, 3),
         np.array([piece.tangents for piece in pieces]).reshape(-1, 2, 3),
         np.array([piece.length for piece in pieces]),
+        np.array([piece.chord for piece in pieces]),
+        np.ones(len(pieces)),
         np.array([piece.radius for piece in pieces]),
         goes_on,
         np.zeros((len(pieces), 4, 3)),
@@ -241,7 +257,7 @@ def _set_levers(strands: Strands, i: int, w: tuple[float, float, float, float], 
     for k in range(2):
         p, t = load_row(ends, k), load_row(tangents, k)
         w_, m = (w[0], w[2]) if k == 0 else (w[1], w[3])
-        store_row(out, k, plus(scaled(w_, p), scaled(m, t)))
+        store_row(out, k, plus(scaled(w_, p), scaled(m * strands.stretches[i], t)))
 
 
 @uncounted

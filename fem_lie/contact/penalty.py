@@ -213,11 +213,11 @@ class PenaltyForces(Term):
     @property
     def seen(self) -> Array:
         """See the base class."""
-        return self._sides.near.seen
+        return self._sides.seen
 
     def see_again(self, seen: Array) -> None:
         """See the base class."""
-        self._sides.near.see_again(seen)
+        self._sides.see_again(seen)
 
     def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[Meeting, Array]:
         """Where sides meet; gaps, forces of stiffness and what damping adds, shape (3, m)."""

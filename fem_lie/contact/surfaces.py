@@ -57,6 +57,7 @@ class Piece(NamedTuple):
         ends: ``p`` in these frames, shape (2, 3).
         tangents: ``t`` in these frames, shape (2, 3).
         length: Arc length.
+        chord: From end to end, where nothing is stretched.
         radius: Of what is round.
         goes_on: Whether the next piece begins where this one ends, with its tangent.
     """
@@ -65,6 +66,7 @@ class Piece(NamedTuple):
     ends: Array
     tangents: Array
     length: float
+    chord: float
     radius: float
     goes_on: bool
 
