@@ -95,10 +95,11 @@ from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.page import Page
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
-from fem_lie.results.buckling import BucklingModes
 from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
+from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.results.path import Critical, CriticalPoint, EquilibriumPath, PathState
+from fem_lie.results.record import Record
 from fem_lie.results.steps import StepHistory
 from fem_lie.results.stresses.contacts import ContactForces, contact_forces
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
@@ -281,6 +282,7 @@ __all__ = [
     "PressureLoad",
     "Prismatic",
     "RandomImperfection",
+    "Record",
     "Redundant",
     "Result",
     "Resultants",

@@ -12,12 +12,12 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.rows import INVARIANTS, write_all
+from fem_lie.results.rows import write_all
 from fem_lie.results.steps import ContactSteps, StepHistory
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
-_FORMAT, _VERSION = "fem_lie results", 9
+_FORMAT, _VERSION = "fem_lie results", 10
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
 """What a result says of the work, the last in seconds."""
 
@@ -155,9 +155,6 @@ def _read(file: Any, names: Sequence[str]) -> Stored:
     contacts = _read_record(file, "contacts", ContactSteps)
     rows = slice(int(file["rows"][0]) if "rows" in file else None)
     arrays = {name: file[name][rows] for name in names if name in file}
-    if "invariants" in file:
-        invariants = file["invariants"][rows]
-        arrays |= {name: invariants[:, part] for name, part in INVARIANTS.items()}
     *counts, seconds = NUMBERS
     numbers: dict[str, float] = {name: int(file.attrs[name]) for name in counts}
     info = SceneInfo(

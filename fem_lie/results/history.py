@@ -1,25 +1,25 @@
-"""What an integrator found: histories, how to look them up, and how well invariants were kept."""
+"""What an integrator found: histories, how to look them up, to keep them and to draw them."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.page.curves import Diagram, energies
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.file import NUMBERS, Stored, read, write
+from fem_lie.results.record import RECORDED_BY, Balanced, Record, if_recorded, row_shapes
 from fem_lie.results.resampling import resampled
-from fem_lie.results.rows import row_shapes
 from fem_lie.results.states import StateSeries, label_of, nearest
 from fem_lie.results.steps import ContactSteps, StepHistory
 
@@ -33,9 +33,11 @@ if TYPE_CHECKING:
 _DRAWN = 6  # states in a picture
 
 
-@dataclass(frozen=True, eq=False)
-class Result(StateSeries):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result(Balanced, StateSeries):
     """Histories at the T times that were kept.
+
+    Of what a run did not record, see :class:`fem_lie.Record`, looking raises ``AttributeError``.
 
     Attributes:
         times: Shape (T,).
@@ -71,18 +73,18 @@ class Result(StateSeries):
 
     times: Array
     frames: Array
-    velocities: Array
-    joint_forces: Array
-    reactions: Array
-    joint_coordinates: Array
-    joint_violations: Array
-    kinetic: Array
-    elastic: Array
-    potential: Array
-    momentum: Array
-    angular_momentum: Array
-    balance: Array
-    impulses: Array
+    velocities: Array = if_recorded()
+    joint_forces: Array = if_recorded()
+    reactions: Array = if_recorded()
+    joint_coordinates: Array = if_recorded()
+    joint_violations: Array = if_recorded()
+    kinetic: Array = if_recorded()
+    elastic: Array = if_recorded()
+    potential: Array = if_recorded()
+    momentum: Array = if_recorded()
+    angular_momentum: Array = if_recorded()
+    balance: Array = if_recorded()
+    impulses: Array = if_recorded()
     iterations: npt.NDArray[np.int64]
     factorisations: int
     k_updates: int
@@ -96,9 +98,15 @@ class Result(StateSeries):
     def __post_init__(self) -> None:
         nodes, count = self.frames.shape[1] if self.frames.ndim == 4 else 0, len(self.times)
         for name, shape in row_shapes(self.info, nodes).items():
-            value = getattr(self, name)
-            if value.shape != (count, *shape):
+            value = vars(self)[name]
+            if value is not None and value.shape != (count, *shape):
                 raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")
+
+    @property
+    def recorded(self) -> Record:
+        """What was recorded, if it was not all."""
+        missing = (RECORDED_BY[name] for name in _ARRAYS if vars(self)[name] is None)
+        return reduce(lambda record, part: record & ~part, missing, Record.ALL)
 
     def velocity(self, point: Point | str | int) -> Array:
         """Velocity of a point (translation, rotation) in its local frame, shape (T, 6).
@@ -139,54 +147,6 @@ class Result(StateSeries):
         """
         return nearest(self.times, time, "time")
 
-    @property
-    def total_energy(self) -> Array:
-        """Kinetic, elastic and potential energy, shape (T,)."""
-        return self.kinetic + self.elastic + self.potential
-
-    @property
-    def energy_error(self) -> float:
-        """Largest gap between the change of energy and work less loss, over the energy in play.
-
-        That is the largest energy that is turned over, see :mod:`fem_lie.bodies.balances`: never
-        a matter of where the potential is zero.
-        """
-        return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
-
-    @property
-    def balance_error(self) -> float:
-        """:attr:`energy_error` without what the scheme says it loses: the third of ``balance``."""
-        gaps = balances.energy_gaps(self.total_energy, self.balance)
-        return self._relative_energy(gaps + self.balance[:, 2] - self.balance[0, 2])
-
-    def _relative_energy(self, gaps: Array) -> float:
-        stored = self.kinetic + self.elastic
-        scale = balances.energy_scale(stored, self.potential, self.balance)
-        return balances.relative(float(np.abs(gaps).max()), scale)
-
-    @property
-    def momentum_error(self) -> float:
-        """Largest gap between the change of momentum and impulses, over the momentum in play.
-
-        That is the largest momentum that is turned over, see :mod:`fem_lie.bodies.balances`.
-        """
-        return self._relative_momentum(self.momentum, slice(0, 3), 1.0)
-
-    @property
-    def angular_momentum_error(self) -> float:
-        """Largest gap between the change of angular momentum and its impulses, as above.
-
-        About the origin; a momentum at the largest distance from it counts as turned over, too.
-        """
-        arm = balances.reach(self.frames[:, :, 0])
-        return self._relative_momentum(self.angular_momentum, slice(3, 6), arm)
-
-    def _relative_momentum(self, momentum: Array, part: slice, arm: float) -> float:
-        impulses = self.impulses[:, :, part]
-        exchanged = arm * np.sqrt(2.0 * self.info.mass * self.kinetic.max())
-        scale = balances.momentum_scale(momentum, impulses, float(exchanged))
-        return balances.relative(float(balances.momentum_gaps(momentum, impulses).max()), scale)
-
     def resampled(self, times: npt.ArrayLike) -> Result:
         """The same motion at other times, for plots, or to compare runs with different steps.
 
@@ -198,10 +158,15 @@ class Result(StateSeries):
 
         Raises:
             ValueError: Times that are not within.
+            AttributeError: There are no velocities.
         """
-        rows = {name: getattr(self, name) for name in _ARRAYS}
-        changed: dict[str, Any] = dict(resampled(rows, times))
-        return replace(self, **changed)
+        rows = self._kept | {"velocities": self.velocities}
+        return Result(**vars(self) | resampled(rows, times))
+
+    @property
+    def _kept(self) -> dict[str, Array]:
+        """All arrays that there are."""
+        return {name: vars(self)[name] for name in _ARRAYS if vars(self)[name] is not None}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to an HDF5 file; an old file is replaced only when the new is whole.
@@ -209,8 +174,8 @@ class Result(StateSeries):
         Raises:
             OSError: It cannot be written, as on a full disk; the message names it.
         """
-        arrays, numbers = ({n: getattr(self, n) for n in names} for names in (_ARRAYS, NUMBERS))
-        write(path, Stored(arrays, numbers, self.info, self.steps, self.contacts))
+        numbers = {name: getattr(self, name) for name in NUMBERS}
+        write(path, Stored(self._kept, numbers, self.info, self.steps, self.contacts))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -238,7 +203,8 @@ class Result(StateSeries):
         """
         from fem_lie.pictures.vtk import write_series
 
-        write_series(path, self.info, self.times, self.frames, self.velocities, forces)
+        velocities = self.velocities if Record.VELOCITIES in self.recorded else None
+        write_series(path, self.info, self.times, self.frames, velocities, forces)
 
     def plot_energies(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI
@@ -295,7 +261,9 @@ class Result(StateSeries):
     def _diagrams(
         self, rows: Indices, trace: Sequence[Point | str | int], units: Units
     ) -> Sequence[Diagram]:
-        """Energies."""
+        """Energies, if they were recorded."""
+        if Record.ENERGIES not in self.recorded:
+            return ()
         parts = {"kinetic": self.kinetic, "elastic": self.elastic, "potential": self.potential}
         return energies(self.times, parts, rows, units)
 

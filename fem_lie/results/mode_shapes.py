@@ -1,10 +1,11 @@
-"""Shapes of modes: one of them, frames beside a state along it, and pictures."""
+"""Shapes of modes: one of them, frames beside a state along it, pictures; those of buckling."""
 
 from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -147,6 +148,53 @@ class ModeShapes(ABC):
         turn = float(np.abs(self.shape(mode)[:, 3:]).max())
         fitting = LARGEST_TURN / turn if turn > 0 else np.inf
         return fitting if self.turns_only[mode - 1] else min(_PART * size, fitting)
+
+
+@dataclass(frozen=True, eq=False)
+class BucklingModes(ModeShapes):
+    """Load factors at which an unloaded structure buckles by linear theory, the lowest first.
+
+    Attributes:
+        factors: Shape (k,).
+        shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6), the largest
+            displacement is 1, or the largest rotation of a mode that only turns.
+        turns_only: Which modes have rotations, but no displacement beyond round-off, shape (k,).
+        frames: The unloaded configuration, shape (n, 4, 3).
+        size: Length of the model.
+        info: Bodies and joints.
+        seconds: Wall time, without set-up.
+    """
+
+    factors: Array
+    shapes: Array
+    turns_only: Flags
+    frames: Array
+    size: float
+    info: SceneInfo
+    seconds: float
+
+    def __len__(self) -> int:
+        """Number of modes."""
+        return len(self.factors)
+
+    def __str__(self) -> str:
+        """One line for each mode."""
+        marks = ["  turns only" if turns else "" for turns in self.turns_only]
+        rows = enumerate(zip(self.factors, marks, strict=True), start=1)
+        lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
+        return "\n".join(["mode  load factor", *lines])
+
+    def displacement(self, mode: int) -> Array:
+        """Of all nodes, global components, shape (n, 3).
+
+        Raises:
+            ValueError: There is no such mode; they are counted from 1.
+        """
+        u = self.shape(mode)[:, :3]
+        return np.einsum("nij,ni->nj", self.frames[:, 1:], u)
+
+    def _look(self, mode: int) -> ModeLook:
+        return ModeLook(f"Mode {mode}: load factor {chosen(self.factors, mode):.5g}", self.size)
 
 
 def chosen(shapes: _Shapes, mode: int) -> _Shapes:

@@ -15,34 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie.bodies import balances
-from fem_lie.bodies.catalogue import SceneInfo
-
-INVARIANTS = {"kinetic": 0, "momentum": slice(1, 4), "angular_momentum": slice(4, 7)}
-"""Where they are among the seven numbers that a run computes, and files keep, as one array."""
-
-
-def row_shapes(info: SceneInfo, nodes: int) -> dict[str, tuple[int, ...]]:
-    """Shape of what each array of a result has for one time, see :class:`fem_lie.Result`."""
-    joints = len(info.joints)
-    return {
-        "times": (),
-        "frames": (nodes, 4, 3),
-        "velocities": (nodes, 6),
-        "joint_forces": (joints, 6),
-        "reactions": (len(info.supports.at), 6),
-        "joint_coordinates": (sum(len(joint.coordinates) for joint in info.joints),),
-        "joint_violations": (joints,),
-        "kinetic": (),
-        "elastic": (),
-        "potential": (),
-        "momentum": (3,),
-        "angular_momentum": (3,),
-        "balance": (balances.COLUMNS,),
-        "impulses": (2, 6),
-        "iterations": (),
-    }
-
 
 class _Place(NamedTuple):
     """Where a data set is in the file; without an offset it has no values."""

@@ -34,6 +34,11 @@ class ElementForces:
         torn.has_mass = False
         self._assembly = BeamAssembly([torn])
 
+    @property
+    def viscous(self) -> bool:
+        """Whether forces depend on velocities."""
+        return self._assembly.viscous
+
     def set_eigenstrain(self, strains: Array) -> None:
         """Strains without stress of all elements, shape (m, 6)."""
         self._assembly.set_eigenstrain(strains)

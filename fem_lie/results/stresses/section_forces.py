@@ -77,8 +77,9 @@ def section_forces(
     times = (result.times if isinstance(result, Result) else result.factors)[rows]
     frames = result.frames[rows][:, nodes]
     strains = _strains(scene, beam, times, np.ones(len(times)) if dynamic else times)
-    velocities = result.velocities[rows][:, nodes] if isinstance(result, Result) else None
-    elements = ElementForces(beam)
+    elements, velocities = ElementForces(beam), None
+    if isinstance(result, Result) and elements.viscous:
+        velocities = result.velocities[rows][:, nodes]
     ends = np.empty((len(rows), len(beam.elements), 2, 6))
     for k, values in enumerate(ends):
         elements.set_eigenstrain(strains[k])

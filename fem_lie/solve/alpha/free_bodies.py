@@ -10,6 +10,8 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -17,6 +19,7 @@ from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.kinds import all_from_local, move_all
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
+from fem_lie.results.record import BOOKED, Record
 from fem_lie.scene import Scene
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, amplitudes, histories
@@ -156,6 +159,8 @@ class Run:
 
     def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
         """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
+        # energies and momenta are made of velocities
+        saving = replace(saving, also=Record.VELOCITIES)
         history = History(self.equations.info, steps, self.p.h, saving, progress)
         self.start()
         history.frames[0], history.velocities[0] = self.s.H, self._twists
@@ -206,23 +211,28 @@ class Run:
         kept = (indices <= last) & wanted_rows
         count_kept = int(kept.sum())
         rows = slice(history.row, history.row + count_kept)
-        history.balance[rows, 0] = done[:count_kept, 0]
-        history.impulses[rows, 0] = done[:count_kept, 1:]
+        self._book(history, rows, 0, done[:count_kept])
         self._keep(history, indices[kept], count[kept])
         made = last - wanted.start + 1
         return last, int(count[made - 1]) if made else before, factorisations
 
+    def _book(self, history: History, rows: slice, column: int, done: Array) -> None:
+        """Keep sums of what acted, work or loss before impulses, shape (k, 7)."""
+        if Record.ENERGIES in history.filled:
+            history.balance[rows, column] = done[:, 0]
+        if Record.MOMENTA in history.filled:
+            history.impulses[rows, column] = done[:, 1:]
+
     def _keep(self, history: History, indices: Indices, iterations: Indices) -> None:
         """Energies and momenta of the steps ``indices``, whose frames are in the next rows."""
         rows = slice(history.row, history.row + len(indices))
-        free_steps.observe(
-            history.frames[rows],
-            history.velocities[rows],
-            self.blocks,
-            self.loads.constant,
-            history.invariants[rows],
-            history.potential[rows],
-        )
+        if history.filled & BOOKED:
+            potential = np.empty(len(indices))
+            invariants = history.invariants[rows]
+            states = history.frames[rows], history.velocities[rows]
+            free_steps.observe(*states, self.blocks, self.loads.constant, invariants, potential)
+            if Record.ENERGIES in history.filled:
+                history.potential[rows] = potential
         history.keep(indices, iterations)
 
     def _failure(self, index: int, steps: int, failed: Array) -> str:

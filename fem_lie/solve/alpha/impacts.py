@@ -7,8 +7,6 @@ without contacts.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from fem_lie._arrays import Indices
@@ -85,7 +83,7 @@ class Run(free_bodies.Run):
             impact_loss=-told[:, IMPACT],
             friction_loss=-told[:, FRICTION],
         )
-        return replace(result, contacts=found)
+        return Result(**vars(result) | {"contacts": found})
 
     def _advance(
         self, history: History, wanted: range, failed: np.ndarray, before: int = 0
@@ -127,11 +125,8 @@ class Run(free_bodies.Run):
         count, kept = before + np.cumsum(taken), (indices <= last) & rows
         number = int(kept.sum())
         at = slice(history.row, history.row + number)
-        history.balance[at, 0], history.impulses[at, 0] = done[:number, 0], done[:number, 1:]
-        history.balance[at, 1], history.impulses[at, 1] = (
-            contacts[:number, 0],
-            contacts[:number, 1:],
-        )
+        self._book(history, at, 0, done[:number])
+        self._book(history, at, 1, contacts[:number])
         self._keep(history, indices[kept], count[kept])
         made = last - wanted.start + 1
         return last, int(count[made - 1]) if made else before, factorisations, why

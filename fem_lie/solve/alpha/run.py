@@ -60,13 +60,12 @@ class Run(Newton):
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """As the base class."""
         super().__init__(options, equations, step)
-        known, books, rule = equations.tables, self.books, self.decisions.rule
+        known, rule = equations.tables, self.decisions.rule
         # the one condition for steps in the compiled loop
         compiled = rule is not None and not self._projects and not self._turned
         self._rule = rule.plain if compiled and rule is not None else None
         # and those for the parts of a step that it makes by itself
-        self._ends = not known.drills and (books.empty or books.compiled)
-        self._ends &= not equations.unknowns.other_constraints
+        self._remembers = known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
         self._filled = -1
@@ -97,6 +96,12 @@ class Run(Newton):
         )
         return FixedArrays(packed.arrays)
 
+    @property
+    def _ends(self) -> bool:
+        """Whether the compiled loop ends steps."""
+        books = self.books
+        return not self._remembers and (books.empty or books.compiled)
+
     def _compile(self) -> None:
         if self._rule is not None:
             self._go(self.index, _NOTHING, (_NOWHERE, _NOWHERE), ends=False)
@@ -105,6 +110,8 @@ class Run(Newton):
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """What takes its rows from the equations."""
+        if not saving.booked:
+            self.books.rest()
         return Recorder(self.equations, steps, self.h, saving, progress, store)
 
     # --- steps ---

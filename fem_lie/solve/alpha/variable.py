@@ -64,6 +64,9 @@ def run(
     stepper, finer = AlphaSteps(options, equations, control), None
     if choice.refinement > 1:
         finer = AlphaSteps(options, equations, control)
+    for steps in (stepper, finer):
+        if steps is not None and not saving.booked:
+            steps.books.rest()
     return VariableSteps(stepper, control, recorder, finer, choice.refinement).integrate()
 
 

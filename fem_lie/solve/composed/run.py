@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
+from fem_lie.results.record import Record
 from fem_lie.solve.composed import stages
 from fem_lie.solve.composed.part import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
@@ -177,13 +178,14 @@ class ComposedRun(Integration[History]):
         v, weights = equations.start.velocities.copy(), s.weights
         rates: Array = np.zeros((n, 6))
         v[:n] = self._parts[0].local(s.V, s.H)
-        if held or len(weights):
+        if Record.FORCES in history.filled and (held or len(weights)):
             rates, weights = self._end_forces(v)
         self._filled.by_rates(history, s.H, s.V, weights, s.books)
-        if held:
+        if Record.FORCES in history.filled and held:
             told = equations.report(s.H, v, rates, weights, carried=False)
             history.reactions[row] = told.reactions
-        history.elastic[row] += s.W.sum()
+        if Record.ENERGIES in history.filled:
+            history.elastic[row] += s.W.sum()
         history.keep(np.array([self.index]), np.array([self._iterations]))
 
     def _end_forces(self, v: Array) -> tuple[Array, Array]:

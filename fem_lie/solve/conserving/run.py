@@ -12,6 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
+from fem_lie.results.record import Record
 from fem_lie.solve.conserving import stretch
 from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import local_rates
@@ -121,14 +122,17 @@ class Run(Steps):
 
     def keep(self, history: History) -> None:
         """Keep the present state."""
-        s, row, weights = self.s, history.row, self._end_weights()
+        s, row, weights = self.s, history.row, self.s.weights
+        if Record.FORCES in history.filled:
+            weights = self._end_weights()
         if self._changing:
             # drives are violated by what they are not at the end
             self.equations.set_time(self._end)
         self._filled.by_rates(history, s.H, s.V, weights, s.books)
-        if self._held:
+        if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
-        history.elastic[row] += s.W.sum()
+        if Record.ENERGIES in history.filled:
+            history.elastic[row] += s.W.sum()
         history.keep(
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
         )

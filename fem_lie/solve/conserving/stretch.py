@@ -6,13 +6,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
-from fem_lie.forms.fixed_arrays import integers1, numbers1
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import STEPS, TOTAL
 from fem_lie.solve.conserving.step.packing import PackedModel, state_of
-from fem_lie.solve.recording.result_row import fill_by_rates
+from fem_lie.solve.recording.result_row import close_row, fill_by_rates
 
 ROW, WANTED, NEAR = 0, 1, 2
 """Of ``place``: next row of results, how many of the wanted ones there are, and whether an element
@@ -74,6 +73,5 @@ def _fill(
     if weights.shape[0] > 0:
         weights = at_end(s.weights, s.earlier, s.sizes)
     potential, springs, near = fill_by_rates(s.H, s.V, v, weights, s.books, scene, rows, row)
-    numbers1(rows, 8)[row], numbers1(rows, 9)[row] = potential, springs + np.sum(s.W)
-    numbers1(rows, 10)[row], integers1(rows, 11)[row] = counters[STEPS] * h, counters[TOTAL]
+    close_row(rows, row, potential, springs + np.sum(s.W), counters[STEPS] * h, counters[TOTAL])
     return near

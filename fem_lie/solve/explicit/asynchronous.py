@@ -144,6 +144,8 @@ class AsynchronousRun(Integration[Recorder]):
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
+        if not saving.booked:
+            self.books.rest()
         return Recorder(self.equations, steps, self.h, saving, progress, store)
 
     def start(self) -> None:

@@ -56,8 +56,8 @@ class ExplicitRun(Integration[Recorder]):
         self._forces = equations.residual(self._instant, self._none, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
         books, table = self.books, self._forces.table
-        summed = known.in_one_sum and table is not None
-        self._booked = not books.empty and books.compiled_but_held and summed
+        self._summed = known.in_one_sum and table is not None
+        self._supported = len(supports) > 0
         self.counters = np.zeros(2, dtype=np.int64)
         packed = loop.Packed(
             masses,
@@ -76,10 +76,22 @@ class ExplicitRun(Integration[Recorder]):
             self.counters,
         )
         self._packed = FixedArrays(packed.arrays)
-        self._how: loop.PlainSteps = (
-            *loop.Steps(step, summed, self._booked, len(supports) > 0, *books.looks),
-        )
-        self._most = 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * n))
+
+    @property
+    def _booked(self) -> bool:
+        """Whether the compiled loop books all but what holds nodes."""
+        books = self.books
+        return not books.empty and books.compiled_but_held and self._summed
+
+    @property
+    def _how(self) -> loop.PlainSteps:
+        looks = self.books.looks
+        return (*loop.Steps(self.h, self._summed, self._booked, self._supported, *looks),)
+
+    @property
+    def _most(self) -> int:
+        """Steps at a time."""
+        return 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * self._n))
 
     @property
     def _looks(self) -> bool:
@@ -95,6 +107,8 @@ class ExplicitRun(Integration[Recorder]):
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
+        if not saving.booked:
+            self.books.rest()
         return Recorder(self.equations, steps, self.h, saving, progress, store)
 
     @property
@@ -131,7 +145,8 @@ class ExplicitRun(Integration[Recorder]):
         last = min(history.next_stop(index), index + self._most)
         if self._changing:
             self.equations.set_time((index + 1) * self.h)
-        while loop.run(self._packed.table, self._how, last) == loop.RESIDUAL:
+        how = self._how
+        while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
             self.equations.residual(self._instant, self._none, self.r, self._forces)
         if not np.isfinite(self.p).all():
             return False

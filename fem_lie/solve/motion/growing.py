@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from tqdm import tqdm
 
@@ -59,7 +61,7 @@ class GrowingHistory(Growing):
         self, info: SceneInfo, duration: float, saving: Saving, progress: bool | None
     ) -> None:
         """For a run of the given duration; see :class:`~.recorder.History`."""
-        super().__init__(info, _ROWS, 1.0, Saving(1, saving.times), False)
+        super().__init__(info, _ROWS, 1.0, replace(saving, every=1), False)
         self._grow_with(duration, saving, progress)
 
 
@@ -70,7 +72,7 @@ class GrowingRecorder(Growing, Recorder):
         self, equations: Equations, duration: float, saving: Saving, progress: bool | None
     ) -> None:
         """As :class:`GrowingHistory`, for equations."""
-        Recorder.__init__(self, equations, _ROWS, 1.0, Saving(1, saving.times), False)
+        Recorder.__init__(self, equations, _ROWS, 1.0, replace(saving, every=1), False)
         self._grow_with(duration, saving, progress)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive
 from fem_lie.results import Result
+from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.motion.events import events
@@ -38,6 +39,7 @@ class Integrator(ABC):
         step: float | StepChoice,
         save_every: int = 1,
         save_at: float | npt.ArrayLike | None = None,
+        record: Record = Record.ALL,
         progress: bool | None = None,
         file: str | os.PathLike[str] | None = None,
         checkpoint_every: int | None = None,
@@ -57,6 +59,8 @@ class Integrator(ABC):
                 :meth:`~fem_lie.Result.resampled` has them: frames and velocities by cubics on
                 SE(3), of fourth order in the step; forces, energies and momenta linearly. Where
                 something jumps at a named event, that of the side after it counts.
+            record: What is kept of each state, such as ``Record.VELOCITIES | Record.ENERGIES``;
+                nothing else is computed but what the steps themselves need.
             progress: Show a bar; default: if standard error is a terminal.
             file: Where results go as they are made, instead of into memory; the result reads them
                 from there. With it :meth:`resume` can go on after an interruption.
@@ -75,10 +79,10 @@ class Integrator(ABC):
             if file is not None or checkpoint_every is not None:
                 raise ValueError("results go to a file as they are made with constant steps only")
             step.check(duration)
-            saving = Saving.chosen(save_every, save_at, duration)
+            saving = Saving.chosen(save_every, save_at, duration, record)
             return self._follow(scene, duration, step, saving, progress)
         steps = _number_of_steps(duration, step)
-        saving = Saving.chosen(save_every, save_at, steps * step)
+        saving = Saving.chosen(save_every, save_at, steps * step, record)
         if file is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every needs a file to which results go")
         if jumps := events(scene, duration):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -90,4 +90,4 @@ class StepLog:
 
     def complete(self, result: Result) -> Result:
         """The result with the history of its steps."""
-        return replace(result, steps=self.history())
+        return Result(**vars(result) | {"steps": self.history()})

@@ -24,6 +24,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import file as results_file
+from fem_lie.results.record import Record
 from fem_lie.results.rows import ResultRows, write_all
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
@@ -88,10 +89,11 @@ class Checkpoints:
         require_files(file)
         with np.load(_beside(file), allow_pickle=False) as stored:
             kept = {name: stored[name] for name in stored.files}
-        if "fingerprint" not in kept:
+        if "fingerprint" not in kept or "record" not in kept:
             raise ValueError(f"{str(_beside(file))!r} is not a checkpoint of this version")
         steps, every_row, every, index = (int(number) for number in kept.pop("plan"))
-        saving = Saving(every_row, kept.pop("save_at", None))
+        record = Record(int(kept.pop("record")))
+        saving = Saving(every_row, kept.pop("save_at", None), record)
         plan = Plan(steps, float(kept.pop("step")), saving)
         found = fingerprint.differences(kept.pop("fingerprint"), plan.step, index)
         if found:
@@ -155,6 +157,7 @@ class Checkpoints:
         own: dict[str, Any] = {
             "plan": np.array([plan.steps, plan.saving.every, self.every, index]),
             "step": np.array(plan.step),
+            "record": np.array(plan.saving.record.value),
             "fingerprint": self._fingerprint.packed(plan.step, index),
             "row": np.array(row),
             "seconds": np.array(seconds),

@@ -12,7 +12,7 @@ from tqdm import tqdm
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
-from fem_lie.results.rows import INVARIANTS
+from fem_lie.results.record import Record
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.saving import Saving
@@ -50,7 +50,7 @@ class History(Window):
             store: Where results and checkpoints go, if not into memory.
         """
         every = saving.every
-        super().__init__(info, steps // every + 1 + (steps % every > 0), saving.times, store)
+        super().__init__(info, steps // every + 1 + (steps % every > 0), saving, store)
         self.steps, self.every, self._h, self._info = steps, every, step, info
         self._chosen = saving.steps(step, steps)
         self.seconds = 0.0 if store is None else store.seconds
@@ -91,7 +91,8 @@ class History(Window):
 
     def update_bar(self, index: int, iterations: int) -> None:
         """Show that step ``index`` is reached after so many iterations in all."""
-        text = f"t={index * self._h:.3g} energy {self.gap:.1e} it/step {iterations / index:.2f}"
+        energy = f"energy {self.gap:.1e} " if Record.ENERGIES in self.filled else ""
+        text = f"t={index * self._h:.3g} {energy}it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
 
@@ -171,10 +172,8 @@ class History(Window):
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
             numbers["divided"] = divided
             self._store.finish(numbers)
-        invariants = arrays.pop("invariants")
         return Result(
             **arrays,
-            **{name: invariants[:, part] for name, part in INVARIANTS.items()},
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,
@@ -205,7 +204,7 @@ class Recorder(History):
         """As :class:`History`, for equations."""
         super().__init__(equations.info, steps, step, saving, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
-        self._held = len(equations.unknowns.supported) > 0
+        self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
         self.count = 0 if store is None or not store.memory else int(store.memory["count"])
         self.scene = self._filled.scene
         self.whole = not self._held and equations.tables.complete
@@ -244,7 +243,8 @@ class Recorder(History):
         told = equations.report(H, v, a, multipliers)
         if self._held:
             self.reactions[row] = told.reactions
-        self.elastic[row] += told.elastic
+        if Record.ENERGIES in self.filled:
+            self.elastic[row] += told.elastic
         self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 

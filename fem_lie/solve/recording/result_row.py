@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, linked
+from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import (
@@ -21,7 +21,8 @@ from fem_lie.forms.fixed_arrays import (
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import push_all, shown_all
-from fem_lie.solve.recording.row_tables import given_of, kept_of
+from fem_lie.results.record import Record
+from fem_lie.solve.recording.row_tables import Given, Kept, given_of, kept_of
 from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand_motion
 from fem_lie.system.nodes.element_turns import nearest
@@ -77,12 +78,20 @@ class ResultRow:
         weights: Array,
         found: tuple[float, float, bool],
     ) -> None:
-        row = rows.row
-        rows.potential[row], rows.elastic[row], rows.turns_far = found
-        if not self._complete:
-            told = self._equations.report(H, v, weights=weights).joints
-            rows.joint_forces[row], rows.joint_coordinates[row] = told.forces, told.coordinates
-            rows.joint_violations[row] = told.violations
+        row, record = rows.row, rows.filled
+        potential, springs, rows.turns_far = found
+        if Record.ENERGIES in record:
+            rows.potential[row], rows.elastic[row] = potential, springs
+        if self._complete or not record & (Record.FORCES | Record.COORDINATES):
+            return
+        told = self._equations.report(H, v, weights=weights).joints
+        if Record.FORCES in record:
+            rows.joint_forces[row] = told.forces
+        if Record.COORDINATES in record:
+            rows.joint_coordinates[row], rows.joint_violations[row] = (
+                told.coordinates,
+                told.violations,
+            )
 
 
 @compiled
@@ -110,7 +119,8 @@ def fill_by_twists(
         The potential of loads, the energy of springs, and whether an element turns nearly too far.
     """
     q = np.empty((v.shape[0], 4, 3))
-    push_all(given_of(scene).kinds, H, v, q)
+    if _any(kept_of(rows).invariants):
+        push_all(given_of(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, booked, scene, rows, row)
 
 
@@ -146,10 +156,21 @@ def fill_whole(
     """
     potential, springs, near = fill_by_twists(H, v, weights, booked, scene, rows, row)
     energy = np.zeros(1)
-    add_cells(H, cells, 0, energy)
-    numbers1(rows, 8)[row], numbers1(rows, 9)[row] = potential, springs + energy[0]
-    numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
+    if _any(kept_of(rows).elastic):
+        add_cells(H, cells, 0, energy)
+    close_row(rows, row, potential, springs + energy[0], time, iterations)
     return near
+
+
+@linked
+def close_row(
+    rows: Indices, row: int, potential: float, elastic: float, time: float, iterations: int
+) -> None:
+    """Fill in the energies that cells and loads have, if they are wanted, the time, and counts."""
+    kept = kept_of(rows)
+    if _any(kept.elastic):
+        kept.potential[row], kept.elastic[row] = potential, elastic
+    numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
 
 
 @compiled
@@ -164,7 +185,9 @@ def fill_by_rates(
     row: int,
 ) -> tuple[float, float, bool]:
     """:func:`fill_by_twists` for rates ``V`` (n, 4, 3), whose twists are written into ``v``."""
-    inertia.local_twists(H, V, given_of(scene).turning, v)
+    kept = kept_of(rows)
+    if _any(kept.velocities) or _any(kept.joint_forces):
+        inertia.local_twists(H, V, given_of(scene).turning, v)
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 
@@ -180,23 +203,42 @@ def _fill(
     row: int,
 ) -> tuple[float, float, bool]:
     given, kept = given_of(scene), kept_of(rows)
-    frames, velocities = kept.frames[row], kept.velocities[row]
-    if given.leader.shape[0] == V.shape[0]:
-        frames[:] = H[: V.shape[0]]
-        shown_all(given.kinds, H, v, velocities)
-    else:
-        own = np.empty_like(v)
-        shown_all(given.kinds, H, v, own)
-        expand_motion(H, own, given.leader, given.offset, frames, velocities)
-    work = np.empty((1, V.shape[0], 4, 3))
-    potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
+    frames = kept.frames[row]
+    _fill_motion(H, v, given, kept, row)
+    potential = 0.0
+    if _any(kept.invariants):
+        work = np.empty((1, V.shape[0], 4, 3))
+        potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
-    balance, impulses = kept.balance[row], kept.impulses[row]
-    balance[:] = booked[:COLUMNS]
-    for k in range(6):
-        impulses[0, k], impulses[1, k] = booked[COLUMNS + k], booked[COLUMNS + 6 + k]
+    if _any(kept.balance):
+        kept.balance[row][:] = booked[:COLUMNS]
+    if _any(kept.impulses):
+        for k in range(6):
+            kept.impulses[row, 0, k] = booked[COLUMNS + k]
+            kept.impulses[row, 1, k] = booked[COLUMNS + 6 + k]
     _, _, near = nearest(frames, given.ends, given.limits, given.whole)
     return potential, springs, near
+
+
+@inlined
+def _any(rows: Array) -> bool:
+    """Whether they are wanted."""
+    return rows.shape[0] > 0
+
+
+@inlined
+def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None:
+    """Frames of all nodes, and their velocities if they are wanted."""
+    moving, wanted = given.kinds.shape[0], _any(kept.velocities)
+    velocities = kept.velocities[row] if wanted else np.empty((0, 6))
+    leads = given.leader.shape[0] == moving
+    own = velocities if leads else np.empty_like(v)
+    if wanted:
+        shown_all(given.kinds, H, v, own)
+    if leads:
+        kept.frames[row][:] = H[:moving]
+    else:
+        expand_motion(H, own, given.leader, given.offset, kept.frames[row], velocities)
 
 
 @compiled
@@ -205,15 +247,18 @@ def _fill_joints(
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
     given, kept = given_of(scene), kept_of(rows)
-    forces = kept.joint_forces[row, : given.pairs.shape[0]]
-    largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
-    largest[:] = 0.0
     table = joint_table(given.joints)
-    terms.wrenches(H, v, table, weights, given.pairs, given.sides, forces)
-    terms.violations(H, joint_table(given.probes), kept.joint_coordinates[row])
-    terms.violations(H, table, values)
-    for c in range(len(table.targets)):
-        size = abs(values[c])
-        if size > largest[given.owner[c]] or size != size:  # nan stays
-            largest[given.owner[c]] = size
-    return terms.spring_energy(H, table) if len(table.springs) > 0 else 0.0
+    if _any(kept.joint_forces):
+        forces = kept.joint_forces[row, : given.pairs.shape[0]]
+        terms.wrenches(H, v, table, weights, given.pairs, given.sides, forces)
+    if _any(kept.joint_coordinates):
+        largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
+        largest[:] = 0.0
+        terms.violations(H, joint_table(given.probes), kept.joint_coordinates[row])
+        terms.violations(H, table, values)
+        for c in range(len(table.targets)):
+            size = abs(values[c])
+            if size > largest[given.owner[c]] or size != size:  # nan stays
+                largest[given.owner[c]] = size
+    wanted = _any(kept.elastic) and len(table.springs) > 0
+    return terms.spring_energy(H, table) if wanted else 0.0

@@ -57,6 +57,8 @@ class Given(NamedTuple):
 class Kept(NamedTuple):
     """Rows of a :class:`~fem_lie.solve.recording.window.Window`, the first axis of each.
 
+    What nobody asked for has none.
+
     Attributes:
         frames: Of all nodes, (rows, N, 4, 3).
         velocities: Their twists, (rows, N, 6).
@@ -66,6 +68,8 @@ class Kept(NamedTuple):
         invariants: Kinetic energy and momenta, (rows, 7).
         balance: Work, damping, numerical loss, (rows, 3).
         impulses: Of loads and of reactions, (rows, 2, 6).
+        potential: Shape (rows,).
+        elastic: Shape (rows,).
     """
 
     frames: Array
@@ -76,6 +80,8 @@ class Kept(NamedTuple):
     invariants: Array
     balance: Array
     impulses: Array
+    potential: Array
+    elastic: Array
 
 
 @inlined
@@ -111,4 +117,6 @@ def kept_of(table: Indices) -> Kept:
         numbers2(table, 5),
         numbers2(table, 6),
         numbers3(table, 7),
+        numbers1(table, 8),
+        numbers1(table, 9),
     )

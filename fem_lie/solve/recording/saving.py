@@ -1,4 +1,4 @@
-"""Which states a run keeps: those after every so many steps, or those at given times."""
+"""Which states a run keeps, after every so many steps or at given times, and what of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.results.record import BOOKED, Record
 
 NEAR = 1e-9
 """Part of a step within which two times are the same."""
@@ -20,14 +21,33 @@ class Saving:
     Attributes:
         every: States after every so many steps, and the last one.
         times: Times between steps at which it is kept instead, increasing, or ``None``.
+        record: What of each state.
+        also: What is filled in besides, and not kept.
     """
 
     every: int = 1
     times: Array | None = None
+    record: Record = Record.ALL
+    also: Record = Record.FRAMES
+
+    @property
+    def filled(self) -> Record:
+        """What is filled in: states between others follow from velocities, too."""
+        between = Record.FRAMES if self.times is None else Record.VELOCITIES
+        return self.record | self.also | between
+
+    @property
+    def booked(self) -> bool:
+        """Whether anybody asks for what has acted from outside."""
+        return bool(self.record & BOOKED)
 
     @classmethod
     def chosen(
-        cls, save_every: int, save_at: float | npt.ArrayLike | None, duration: float
+        cls,
+        save_every: int,
+        save_at: float | npt.ArrayLike | None,
+        duration: float,
+        record: Record,
     ) -> Saving:
         """From the arguments of a run.
 
@@ -35,14 +55,17 @@ class Saving:
             save_every: States after every so many steps.
             save_at: An interval, or times, instead.
             duration: Of the run.
+            record: What of each state.
 
         Raises:
             ValueError: They are bad, or both are given.
+            TypeError: ``record`` is none.
         """
+        instance(record, Record, "record", "a Record such as Record.VELOCITIES | Record.ENERGIES")
         if save_every < 1:
             raise ValueError(f"save_every must be at least 1, got {save_every}")
         if save_at is None:
-            return cls(int(save_every))
+            return cls(int(save_every), record=record)
         if save_every != 1:
             raise ValueError(
                 f"give save_every or save_at, got save_every={save_every} and save_at={save_at}"
@@ -60,7 +83,7 @@ class Saving:
                 f"save_at must be an interval, or increasing times within [0, {duration:g}], "
                 f"got {save_at}"
             )
-        return cls(1, np.clip(times, 0.0, duration))
+        return cls(1, np.clip(times, 0.0, duration), record)
 
     def steps(self, step: float, count: int) -> Indices | None:
         """Those of ``count`` constant steps on whose ends the times lie or between which they do.

@@ -7,16 +7,18 @@ of each time are filled in, and what is kept lies between them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.results.record import BOOKED, INVARIANTS, Record, is_kept, row_shapes
 from fem_lie.results.resampling import between
-from fem_lie.results.rows import INVARIANTS, row_shapes
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.saving import NEAR
+from fem_lie.solve.recording.saving import NEAR, Saving
 
 ROOM = 2**26
 """Bytes of rows that pass through at a time."""
@@ -37,32 +39,39 @@ class Window:
         impulses: Of loads and reactions, shape (T, 2, 6).
         arrays: Those that :mod:`fem_lie.solve.recording.result_row` fills.
         turns_far: Whether an element turns nearly too far in the last row.
+        filled: What is filled in; arrays of what is not have no rows.
     """
 
     def __init__(
-        self, info: SceneInfo, rows: int, wanted: Array | None, store: Checkpoints | None
+        self, info: SceneInfo, rows: int, saving: Saving, store: Checkpoints | None
     ) -> None:
         """Allocate everything.
 
         Args:
             info: Bodies and joints.
             rows: How many there will be at most, or at first.
-            wanted: Times at which results are kept, or ``None``: as they are filled in.
+            saving: What is kept, at which times.
             store: Where they go, if not into memory.
         """
-        n = sum(len(body.nodes) for body in info.bodies)
-        shapes = row_shapes(info, n)
+        n, wanted = sum(len(body.nodes) for body in info.bodies), saving.times
+        shapes, filled = row_shapes(info, n), saving.filled
+        kept = {name: shape for name, shape in shapes.items() if is_kept(name, saving.record)}
         shapes = {name: shape for name, shape in shapes.items() if name not in INVARIANTS}
-        shapes["invariants"] = (7,)
-        self._wanted, self._store = wanted, store
+        self.filled, self._kept, self._wanted, self._store = filled, (*kept,), wanted, store
         self._passes = wanted is not None or store is not None
         if store is not None:
-            store.open(info, shapes, rows if wanted is None else len(wanted))
+            store.open(info, kept, rows if wanted is None else len(wanted))
+        used = {name: shape for name, shape in shapes.items() if is_kept(name, filled)}
+        if filled & BOOKED:
+            used["invariants"] = (7,)
+        self._names = (*used,)
         if self._passes:
-            size = 8 * sum(int(np.prod(shape, dtype=np.int64)) for shape in shapes.values())
+            size = 8 * sum(int(np.prod(shape, dtype=np.int64)) for shape in used.values())
             rows = min(rows, max(FEWEST, ROOM // size))
-        arrays = {name: np.empty((rows, *shape)) for name, shape in shapes.items()}
-        self._names = tuple(shapes)
+        shapes["invariants"] = (7,)
+        arrays = {
+            name: np.empty((rows if name in used else 0, *shape)) for name, shape in shapes.items()
+        }
         self.times, self.frames, self.velocities = (
             arrays[name] for name in ("times", "frames", "velocities")
         )
@@ -115,7 +124,7 @@ class Window:
     @property
     def gap(self) -> float:
         """Gap in the balance of energy at the last row, see :mod:`fem_lie.bodies.balances`."""
-        if self.row:
+        if self.row and Record.ENERGIES in self.filled:
             if np.isnan(self._first[0]):
                 self._first = self._energies(0)
             stored, potential, *rest = np.transpose([self._first, self._energies(self.row - 1)])
@@ -153,7 +162,15 @@ class Window:
             values[0] = values[-1]
         self.row = 1
 
-    def _put(self, rows: dict[str, Array], count: int) -> None:
+    def _split(self, rows: Mapping[str, Array]) -> dict[str, Array]:
+        """What is kept of rows, by the names of results."""
+        invariants = rows.get("invariants")
+        if invariants is not None:
+            rows = {**rows, **{name: invariants[:, part] for name, part in INVARIANTS.items()}}
+        return {name: rows[name] for name in self._kept}
+
+    def _put(self, filled: dict[str, Array], count: int) -> None:
+        rows = self._split(filled)
         if self._store is None:
             self._parts.append({name: values.copy() for name, values in rows.items()})
         else:
@@ -170,15 +187,14 @@ class Window:
     def collected(self) -> dict[str, Array]:
         """All rows that were kept."""
         if not self._passes:
-            return {name: getattr(self, name)[: self.row] for name in self._names}
+            return self._split({name: getattr(self, name)[: self.row] for name in self._names})
         if not self._broken:
             self._pass_on(last=True)
         if self._store is not None:
             return self._store.rows(self._gone)
-        empty = {name: getattr(self, name)[:0] for name in self._names}
+        empty = self._split({name: getattr(self, name)[:0] for name in self._names})
         return {
-            name: np.concatenate([part[name] for part in (empty, *self._parts)])
-            for name in self._names
+            name: np.concatenate([part[name] for part in (empty, *self._parts)]) for name in empty
         }
 
     # --- checkpoints ---

@@ -19,7 +19,7 @@ from slepc4py import SLEPc
 from fem_lie._arrays import Array, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.slepc import padded, solve_factorised, to_petsc
-from fem_lie.results.buckling import BucklingModes
+from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.follow import check_proportion

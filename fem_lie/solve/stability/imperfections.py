@@ -18,7 +18,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, instance, number, numbers, positive, whole
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
-from fem_lie.results.buckling import BucklingModes
+from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene

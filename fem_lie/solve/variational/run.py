@@ -12,6 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.results import Result
+from fem_lie.results.record import Record
 from fem_lie.solve.conserving.step.cayley import advance
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
@@ -35,6 +36,8 @@ class VariationalRun(RunState):
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
     ) -> Recorder:
         """See the base class."""
+        if not saving.booked:
+            self.books.rest()
         return Recorder(self.equations, steps, self.h, saving, progress, store)
 
     @property
@@ -133,10 +136,14 @@ class VariationalRun(RunState):
         wanted = history.wants(self.index)
         if wanted:
             time, n = self.index * self.h, self._n
-            v = self.equations.start.velocities
-            if self.index:
+            v: Array = self.equations.start.velocities
+            rates: Array = np.zeros((n, 6))
+            weights: Array = self.weights
+            # each of the two takes a factorisation
+            if self.index and history.filled & ~Record.COORDINATES:
                 v = self._ends.velocities(self.H, self.before, time)
-            rates, weights = self._ends.accelerations(self.H, v, time)
+            if Record.FORCES in history.filled:
+                rates, weights = self._ends.accelerations(self.H, v, time)
             history.fill(time, self.H, v[:n], rates, weights, self.books.total)
         return wanted
 

@@ -25,7 +25,7 @@ class Books:
     Attributes:
         total: Work, damping, numerical loss (unknown: 0), impulses of loads and of reactions,
             shape (15,).
-        empty: Whether there is never anything to book.
+        empty: Whether there is never anything to book, or nobody asks.
         compiled: Whether :meth:`add` is :func:`~fem_lie.system.outer_forces.look_and_sum_up` alone.
         compiled_but_held: Whether all of it but impulses of what holds nodes is.
         looks: Whether that looks at loads, and whether at joints.
@@ -48,11 +48,16 @@ class Books:
         self._start = self._seen.plain
         self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
         self.empty, self.compiled = not self._acting, self._acting.plain
+        self._idle = False
         self.compiled_but_held = self._acting.plain_but_held
         self.looks, self.table = self._acting.looks, self._fixed.table
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)
         self._stored, self._time = z(1), z(1)
+
+    def rest(self) -> None:
+        """Book nothing, for nobody asks."""
+        self.empty = self._idle = True
 
     def open(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """Start anew with what acts at the present time of the equations.
@@ -69,7 +74,7 @@ class Books:
 
     def look(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:
         """See what acts at the present time of the equations."""
-        if not self._acting:
+        if self.empty:
             return
         seen = self._seen
         self._acting.look(H, v, a, weights, seen.row, seen.wrenches)
@@ -103,7 +108,7 @@ class Books:
             weights: Multipliers, shape (m,).
         """
         acting, total = self._acting, self.total
-        if not acting:
+        if self.empty:
             return
         end = H, v, weights, self.targets
         if self.compiled:
@@ -130,6 +135,8 @@ class Books:
 
         Arguments are those of :meth:`open`.
         """
+        if self._idle:
+            return
         system, seen, before, after = self._system, self._seen, np.empty(7), np.empty(7)
         system.report(seen.H, seen.v, before)
         system.report(H, v, after)

@@ -34,9 +34,10 @@ def expand_twists(v: Array, leader: Indices, C: Array, out: Array) -> None:
 def expand_motion(
     H: Array, v: Array, leader: Indices, C: Array, frames: Array, twists: Array
 ) -> None:
-    """Both."""
+    """Both, but no twists into an array without rows."""
     expand(H, leader, C, frames)
-    expand_twists(v, leader, C, twists)
+    if twists.shape[0] > 0:
+        expand_twists(v, leader, C, twists)
 
 
 @compiled
