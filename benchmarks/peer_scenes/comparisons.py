@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.peer_scenes import descriptions
+from benchmarks.peer_scenes.ours import FRAMES_ALONE as LEAST
 from demos import bend45, free_rigid_body, hemisphere, rollup
 from demos.double_pendulum import STEP
 
@@ -72,6 +73,7 @@ class Comparison(NamedTuple):
 NEWTONS = (Method("exudyn", "modified Newton"), Method("exudyn", "full Newton"))
 ALPHA = Method("ours", "generalised-α")
 SCHEMES = (ALPHA, Method("ours", "energy-momentum"), Method("ours", "energy-decaying"))
+FRAMES_ALONE = Method("ours", LEAST)
 KRATOS = Method("kratos", "thin quadrilateral")
 
 
@@ -102,7 +104,7 @@ def double_pendulum(
     return Comparison(
         f"pendulum{case}",
         f"Double pendulum, case {case}",
-        SCHEMES + NEWTONS,
+        (*SCHEMES, *NEWTONS, FRAMES_ALONE),
         steps,
         STEP[case],
         in_time(ours, descriptions.double_pendulum(case, 10), duration),

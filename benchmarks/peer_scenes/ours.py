@@ -34,6 +34,8 @@ SCHEMES: dict[str, Integrator] = {
     "energy-decaying": fl.EnergyDecaying(radius=0.8),
     "reference": fl.GeneralisedAlpha(radius=0.8, tolerance=1e-11),
 }
+FRAMES_ALONE = "generalised-α, frames alone"
+"""As the first scheme, of which no more is recorded than where bodies are: peers keep nothing."""
 BEAMS: dict[str, fl.Formulation] = {
     "geodesic": fl.Geodesic(),
     "directors of degree 2": fl.Director(2),
@@ -72,8 +74,11 @@ def answer(request: Request) -> dict[str, Any]:
 def motion(request: Request) -> dict[str, Any]:
     """Where the probe is at the end, and what it took."""
     made = MOTIONS[request["scene"]](request)
-    step, scheme = request["step"], SCHEMES[request["way"]]
-    result = scheme.run(made.scene, duration=request["duration"], step=step, progress=False)
+    way, record = request["way"], fl.Record.ALL
+    if way == FRAMES_ALONE:
+        way, record = "generalised-α", fl.Record.FRAMES
+    plan = {"duration": request["duration"], "step": request["step"], "progress": False}
+    result = SCHEMES[way].run(made.scene, record=record, **plan)
     return {
         "place": made.probe(result).tolist(),
         "seconds": result.seconds,
