@@ -1,5 +1,5 @@
 # Every target sets the environment up first, where that is still to be done.
-.PHONY: help set-up demo test lint bench clean-environment
+.PHONY: help set-up demo test lint bench docs clean-environment
 
 # These take an hour or more, or want another version beside this one.
 STUDIES = compile in_turns peers random_conserving random_scenes
@@ -9,6 +9,7 @@ help:
 	@echo 'make test               set up and run the tests (ARGS="-k lie")'
 	@echo 'make lint               ruff and mypy'
 	@echo 'make bench              the benchmarks, but for long studies'
+	@echo 'make docs               the documentation site, results/site/index.html'
 	@echo 'make clean-environment  remove the private Debian root and all else in its cache folder'
 	@echo 'tools/run CMD...        run any command in the environment'
 
@@ -26,6 +27,9 @@ lint: set-up
 
 bench: set-up
 	@set -e; for script in $(filter-out $(STUDIES:%=benchmarks/%.py),$(wildcard benchmarks/*.py)); do echo "$$script"; tools/run python3 "$$script"; done
+
+docs:
+	tools/docs
 
 clean-environment:
 	tools/setup --remove

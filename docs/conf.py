@@ -1,0 +1,52 @@
+"""How Sphinx makes the site; ``make docs`` calls it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from tools.site import gallery, lessons, reference, scenes  # noqa: E402
+
+project = "fem_lie"
+author = "the authors of fem_lie"
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_design"]
+exclude_patterns = ["scenes/grid.md", "_pages"]
+
+html_theme = "furo"
+html_title = "fem_lie"
+html_css_files = ["site.css"]
+html_static_path = ["_static"]
+html_extra_path = ["_pages"]
+html_show_sphinx = False
+html_show_copyright = False
+
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 4
+suppress_warnings = ["myst.header"]  # pages of tables begin where their heading belongs
+
+nb_execution_mode = "cache"
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_cache_path = str(HERE.parent / "results" / "lessons")
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+autodoc_type_aliases = {
+    name: name.rpartition(".")[2]
+    for name in ("npt.ArrayLike", "Array", "Indices", "Field", "History", "Sections", "Up")
+}
+python_use_unqualified_type_names = True
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+# Pages that are made from what the project has; none of them is kept under version control.
+gallery.write(HERE)
+lessons.write(HERE)
+reference.write(HERE)
+scenes.write(HERE)

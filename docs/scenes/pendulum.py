@@ -1,0 +1,16 @@
+"""A flexible double pendulum: two thin bars with hinges fall from rest."""
+
+import fem_lie as fl
+
+steel = fl.Material(E=5e8, nu=0.3, density=7800.0)
+bar = fl.Section.rectangle(0.02, 0.02, steel)
+upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
+lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4)
+scene = fl.Scene(gravity=(0, 0, -9.81))
+for body in (upper, lower):
+    scene.add(body)
+scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
+scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
+result = fl.GeneralisedAlpha().run(scene, duration=1.5, step=2e-3, save_every=10)
+result.picture("pendulum.png")
+result.page("pendulum.html")

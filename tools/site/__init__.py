@@ -1,0 +1,1 @@
+"""Pages of the site that are made of scripts, records and docstrings."""

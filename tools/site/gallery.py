@@ -1,0 +1,171 @@
+"""One page for each demo: what it says of itself, picture, last run beside its reference, code.
+
+Nothing is run: pictures, what was printed and records are those of ``docs/gallery``, which
+``tools/run python3 -m tools.site.gallery [NAME…]`` makes anew with the options of
+``tools/records.py``.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from PIL import Image
+
+from tools.records import HELPERS, SHORT
+
+ROOT = Path(__file__).parents[2]
+KEPT = ROOT / "docs" / "gallery"
+WIDTH = 900
+"""Of a picture on a page, in its dots."""
+
+GROUPS = {
+    "Beams and rods at rest": (
+        "rollup bend45 elastica twisted_beam branching_frame own_energy section_properties "
+        "stiff_energy rings catenary"
+    ),
+    "Shells": (
+        "hemisphere semi_cylinder linear_shells pulled_cylinder pinched_cylinder slit_annulus "
+        "cantilever_shear cantilever_moment laminate i_beam_shell"
+    ),
+    "Solids": "cooks_membrane solid_hub",
+    "Buckling and snapping": (
+        "euler_column deep_arch hinged_roof lateral_torsional spherical_cap bistable_strip "
+        "compressed_cylinder cylinder_knock_down"
+    ),
+    "Mechanisms": (
+        "four_bar double_four_bar bricard governor slider_crank truss_deployment rolling_disc "
+        "rod_in_box"
+    ),
+    "Motion": (
+        "double_pendulum heavy_top free_rigid_body rotating_beam flapping_plate tumbling_plate "
+        "wave_in_a_net pendulum_conservation variational_pendulum"
+    ),
+    "Studies": (
+        "local_frame_claims speed_against_error speed_against_error_shells order_four time_error "
+        "variable_step conservation_against_time"
+    ),
+}
+
+
+def demos() -> list[str]:
+    """Names of all demos."""
+    files = (ROOT / "demos").glob("*.py")
+    return sorted(file.stem for file in files if file.stem not in HELPERS)
+
+
+def grouped() -> dict[str, list[str]]:
+    """Names of all demos under their headings; what has none comes last."""
+    left = set(demos())
+    groups = {}
+    for heading, names in GROUPS.items():
+        groups[heading] = [name for name in names.split() if name in left]
+        left -= set(groups[heading])
+    return {**groups, "More": sorted(left)} if left else groups
+
+
+def said(name: str) -> tuple[str, str]:
+    """First line and rest of what a demo says of itself."""
+    source = (ROOT / "demos" / f"{name}.py").read_text(encoding="utf-8")
+    text = ast.get_docstring(ast.parse(source)) or ""
+    first, _, rest = text.partition("\n")
+    return first, rest.strip()
+
+
+def title(name: str) -> str:
+    """Of a page."""
+    words = name.replace("_", " ")
+    return words[0].upper() + words[1:]
+
+
+def page(name: str) -> str:
+    """A demo, in Markdown."""
+    first, rest = said(name)
+    options = " ".join(["", *SHORT.get(name, "").split()])
+    parts = [f"# {title(name)}", first, *_escaped(rest)]
+    parts += [f"![{first.rstrip('.')}]({file.name})" for file in pictures(name)]
+    output, record = KEPT / f"{name}.txt", KEPT / f"{name}.json"
+    if output.exists():
+        parts += ["## Last run", f"`tools/run python3 demos/{name}.py{options}`"]
+        parts += [f"```text\n{output.read_text(encoding='utf-8').rstrip()}\n```"]
+    if record.exists():
+        parts += [f":::{{dropdown}} Its record (`--json`)\n{table(record)}\n:::"]
+    parts += ["## Code", f"```{{literalinclude}} ../../demos/{name}.py\n:language: python\n```"]
+    return "\n\n".join(parts) + "\n"
+
+
+def _escaped(text: str) -> list[str]:
+    """Paragraphs of a docstring; what is indented in it is a command."""
+    return [part.replace("<", "\\<").replace("[", "\\[") for part in text.split("\n\n") if part]
+
+
+def table(record: Path) -> str:
+    """Numbers of a record that stand alone."""
+    found = json.loads(record.read_text(encoding="utf-8"))
+    alone = {key: value for key, value in found.items() if isinstance(value, int | float | str)}
+    rows = [f"| `{key}` | {_shown(value)} |" for key, value in alone.items()]
+    return "\n".join(["| | |", "|---|---|", *rows])
+
+
+def _shown(value: float | str) -> str:
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return "`" + text.replace("|", "\\|").replace("\n", " ")[:200] + "`"
+
+
+def pictures(name: str) -> list[Path]:
+    """That are kept of a demo, the first of which stands for it."""
+    others = set(demos()) - {name}
+    found = [KEPT / f"{name}.png", *sorted(KEPT.glob(f"{name}_*.png"))]
+    return [
+        file
+        for file in found
+        if file.exists()
+        and not any(file.stem.startswith(o) for o in others if o.startswith(f"{name}_"))
+    ]
+
+
+def write(docs: Path) -> None:
+    """All pages, and that which leads to them."""
+    parts = ["# Gallery", "Every demo: its code, its picture, and its last run."]
+    for heading, names in grouped().items():
+        cards = []
+        for name in names:
+            (docs / "gallery" / f"{name}.md").write_text(page(name), encoding="utf-8")
+            image = [f":img-top: {file.name}" for file in pictures(name)[:1]]
+            lines = [f":::{{grid-item-card}} {title(name)}", f":link: {name}", ":link-type: doc"]
+            cards.append("\n".join([*lines, *image, said(name)[0], ":::"]))
+        parts += [f"## {heading}", "\n".join(["::::{grid} 2 3 3 3", ":gutter: 2", *cards, "::::"])]
+        listed = "\n".join(names)
+        parts += [f"```{{toctree}}\n:hidden:\n\n{listed}\n```"]
+    (docs / "gallery" / "index.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def make(name: str) -> None:
+    """Run a demo, and keep its record, what it prints and its pictures."""
+    start, results = time.time(), ROOT / "results"
+    command = [sys.executable, f"demos/{name}.py", "--json", str(KEPT / f"{name}.json")]
+    command += SHORT.get(name, "").split()
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    told = done.stdout.replace(f"{ROOT}/", "")
+    (KEPT / f"{name}.txt").write_text(told, encoding="utf-8")
+    for file in sorted(results.glob("*.png")):
+        if file.stat().st_mtime >= start:
+            keep(file)
+
+
+def keep(file: Path) -> None:
+    """A picture at the size of a page, in 128 colours."""
+    picture = Image.open(file).convert("RGB")
+    if picture.width > WIDTH:
+        picture = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)))
+    picture.quantize(128).save(KEPT / file.name, optimize=True)
+
+
+if __name__ == "__main__":
+    for demo in sys.argv[1:] or demos():
+        print(demo, flush=True)
+        make(demo)
