@@ -95,6 +95,26 @@ def test_second_order_against_generalised_alpha(name):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
 
 
+@pytest.mark.parametrize("name", BODIES)
+def test_damping_of_mass_takes_what_it_says(name):
+    """Energy falls by the loss alone, momentum as that of a point under the trapezoidal rule."""
+    rate, step, steps = 0.8, 4e-3, 60
+    body = flung(BODIES[name]())
+    body.damping = fl.Damping(mass=rate)
+    scene = fl.Scene()
+    scene.add(body)
+    result = SCHEME.run(scene, duration=steps * step, step=step)
+    total, lost = result.kinetic + result.elastic, result.balance[:, 1]
+    assert np.abs(total + lost - total[0]).max() <= 1e-12 * total[0]
+    assert (np.diff(lost) > 0.0).all()
+    assert lost[-1] > 0.1 * total[0]
+    assert max(result.balance_error, result.momentum_error) <= 1e-12
+    assert result.angular_momentum_error <= 1e-12
+    kept = ((1.0 - 0.5 * rate * step) / (1.0 + 0.5 * rate * step)) ** np.arange(steps + 1)
+    error = np.abs(result.momentum - kept[:, np.newaxis] * result.momentum[0])
+    assert error.max() <= 1e-12 * np.abs(result.momentum[0]).max()
+
+
 def swinging() -> fl.Scene:
     """A cable on a pin in gravity, drawn by a force that comes and goes."""
     scene = fl.Scene(gravity=(0, 0, -9.81))

@@ -53,7 +53,6 @@ from fem_lie.solve.conserving.step.mean_forces import (
     unshrunk,
 )
 from fem_lie.solve.conserving.straight.rows import (
-    DIRECTIONS,
     NOTHING,
     PLACES,
     CellTable,
@@ -68,8 +67,6 @@ _THIN = 1e-12
 """Of the metric of rotations, about an axis along which all of a cell lies."""
 _SWEEPS = 3
 """That make good for it about the others."""
-_FEEL, _SEEN = 0.05, 1e-6
-"""Motions, in lengths of a cell, by which it is seen whether forces balance, and to what."""
 
 
 class Work(NamedTuple):
@@ -93,20 +90,22 @@ class Work(NamedTuple):
 
 
 @compiled
-def _memory(most: int) -> Work:
+def memory(most: int) -> Work:
+    """For cells of that many nodes."""
     halves = np.empty((4, most, 2, 3))
     A = np.empty((3, 3))
     return Work(halves[0], halves[1], halves[2], halves[3], np.empty((most, 4, 3)), A)
 
 
 @inlined
-def _part(work: Work, count: int) -> Work:
+def part_of(work: Work, count: int) -> Work:
+    """That of it which so many nodes take."""
     r, d, f, other, rows, A = work
     return Work(r[:count], d[:count], f[:count], other[:count], rows[:count], A)
 
 
 @compiled
-def _centre(cells: CellTable, e: int, halves: Array) -> Vector:
+def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
     """Take the mean of the places out of halves (k, 2, 3); returns it."""
     begin, count, centre = cells.first[e], 0, (0.0, 0.0, 0.0)
     for a in range(halves.shape[0]):
@@ -230,17 +229,17 @@ def add_elastic(
     """
     W, account, W1, done = energies
     repay, typical, unknown = factors
-    room, squares = _memory(largest_cell(cells.first)), 0.0
+    room, squares = memory(largest_cell(cells.first)), 0.0
     for e in range(W.shape[0]):
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
-        work = _part(room, count)
+        work = part_of(room, count)
         r, d, f = work.r, work.d, work.f
         _set_out(cells, e, nodes, work)
         W1[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
-        _centre(cells, e, r)
+        take_centre(cells, e, r)
         ω = (0.0, 0.0, 0.0)
         if cells.sees[e] < PLACES:
-            _centre(cells, e, d)
+            take_centre(cells, e, d)
         if cells.sees[e] == NOTHING:
             ω = _rotation(cells, e, work)
         _mean_forces(cells, e, nodes.H, ω, work)
@@ -275,68 +274,9 @@ def add_elastic(
 @compiled
 def energies_at(cells: CellTable, H: Array, rest: Array, W: Array) -> None:
     """Energies ``W`` (M,) of all cells at rows ``H``."""
-    room = _memory(largest_cell(cells.first))
+    room = memory(largest_cell(cells.first))
     for e in range(W.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
-        work = _part(room, cells.first[e + 1] - cells.first[e])
+        work = part_of(room, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.other)
         W[e] = energy_of(cells, e, H, work.other, work.rows)
-
-
-@compiled
-def measure_cells(cells: CellTable, H: Array, rest: Array) -> None:
-    """Find the weights of all cells, and what of space they see, at rows ``H``."""
-    room = _memory(largest_cell(cells.first))
-    for e in range(cells.first.shape[0] - 1):
-        here = slice(cells.first[e], cells.first[e + 1])
-        work = _part(room, cells.first[e + 1] - cells.first[e])
-        gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
-        _centre(cells, e, work.r)
-        _weigh(cells, e, work.r)
-        cells.sees[e] = _seen(cells, e, H, work)
-
-
-@inlined
-def _weigh(cells: CellTable, e: int, r: Array) -> None:
-    """1 for places; as much for a slope of the usual size as for a place at the usual distance."""
-    begin, far, long, places, slopes = cells.first[e], 0.0, 0.0, 0, 0
-    for a in range(r.shape[0]):
-        for k in range(2):
-            arm = load_row(r[a], k)
-            if k == 0 and has_place(cells.kinds[begin + a]):
-                far, places = far + dot(arm, arm), places + 1
-            elif dot(arm, arm) > 0.0:
-                long, slopes = long + dot(arm, arm), slopes + 1
-    share = far / places * slopes / long if slopes > 0 else 0.0
-    for a in range(r.shape[0]):
-        kind = cells.kinds[begin + a]
-        cells.weights[begin + a, 0] = 1.0 if has_place(kind) else share
-        cells.weights[begin + a, 1] = share
-
-
-@inlined
-def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
-    """What a cell sees: whether its forces, a little deformed, have a resultant or a moment."""
-    r, f, begin, phase, ρ2 = work.r, work.f, cells.first[e], 0.0, 0.0
-    for a in range(r.shape[0]):
-        for k in range(2):
-            ρ2 += cells.weights[begin + a, k] * dot(load_row(r[a], k), load_row(r[a], k))
-    for a in range(r.shape[0]):
-        for k in range(2):
-            weight = cells.weights[begin + a, k]
-            size = _FEEL * sqrt(ρ2 / (weight * r.shape[0])) if weight > 0.0 else 0.0
-            for j in range(3):
-                phase += 1.0
-                r[a, k, j] += size * np.cos(phase)
-    forces_of(cells, e, H, r, work.rows, f)
-    force, moment, sizes, moments = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
-    for a in range(r.shape[0]):
-        for k in range(2):
-            push, arm = load_row(f[a], k), load_row(r[a], k)
-            if k == 0 and has_place(cells.kinds[begin + a]):
-                force, sizes = plus(force, push), sizes + sqrt(dot(push, push))
-            moment = plus(moment, cross(arm, push))
-            moments += sqrt(dot(arm, arm) * dot(push, push))
-    if dot(force, force) > (_SEEN * sizes) ** 2:
-        return PLACES
-    return DIRECTIONS if dot(moment, moment) > (_SEEN * moments) ** 2 else NOTHING

@@ -17,6 +17,7 @@ from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.results import Result
 from fem_lie.solve.conserving.straight import step as steps
 from fem_lie.solve.conserving.straight.cells import energies_at
+from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.solve.conserving.straight.rows import gathered
 from fem_lie.solve.conserving.straight.scene import model_of
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
@@ -58,7 +59,7 @@ class StraightRun(Integration[Recorder]):
         self._changing, self._n = unknowns.time_dependent, n
         self.model = model_of(equations)
         cells = len(self.model.cells.calls)
-        self.s = steps.State(
+        self.s = State(
             H=equations.start.frames.copy(),
             rest=z((n, 4, 3)),
             V=z((n, 6)),
@@ -69,7 +70,7 @@ class StraightRun(Integration[Recorder]):
             books=z(TOTAL),
             told=z(4),
         )
-        self.this = steps.Step(
+        self.this = Step(
             step=z((n, 6)),
             mean=self.s.H[:n].copy(),
             end=self.s.H[:n].copy(),
@@ -167,17 +168,20 @@ class StraightRun(Integration[Recorder]):
         if still:
             this.step[:] = 0.0
         motion = float(np.abs(this.step.ravel() * self._measure).max(initial=0.0))
-        previous, ratio = np.inf, 1.0
+        previous, ratio, needed = np.inf, 1.0, 1
         for iteration in range(1, self._limit + 1):
             self._iterations += 1
             steps.residual(model, s, this, self.h)
-            if self._factors is None or decisions.before_iteration(iteration):
+            # at the last digits no matrix helps: they are told neither of late nor of many of these
+            fine = previous <= _STAGNANT
+            due = not fine and decisions.before_iteration(iteration)
+            if self._factors is None or due:
                 try:
                     self._factorise()
                 except SingularMatrixError:
                     return False
-            assert self._factors is not None
-            solve(self._factors.plain, this.r, self._y, self._x)
+            self._solve()
+            needed = needed if fine else iteration
             increment = float(np.abs(self._x * self._measure).max(initial=0.0))
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, motion = increment, max(motion, increment)
@@ -188,11 +192,16 @@ class StraightRun(Integration[Recorder]):
                 if not noise:
                     steps.correct(model, s, this, self._x)
                     steps.residual(model, s, this, self.h)
-                decisions.after_step(iteration)
+                decisions.after_step(needed)
                 return True
             steps.correct(model, s, this, self._x)
             previous = increment
         return False
+
+    def _solve(self) -> None:
+        """The correction, into ``_x``."""
+        assert self._factors is not None
+        solve(self._factors.plain, self.this.r, self._y, self._x)
 
     def _factorise(self) -> None:
         """With the matrix in the middle of the step."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.solve.conserving.straight.cells import measure_cells
+from fem_lie.solve.conserving.straight.measure import measure_cells
+from fem_lie.solve.conserving.straight.records import Model
 from fem_lie.solve.conserving.straight.rows import CellTable
-from fem_lie.solve.conserving.straight.step import Model
 from fem_lie.system.equations import Equations
 
 
@@ -24,8 +24,9 @@ def check(equations: Equations) -> None:
         ValueError: Says what there is.
     """
     unknowns, terms = equations.unknowns, equations.tables.terms
-    apart = [term.label for term in terms if term.tables is None or term.settles]
-    viscous = [f"viscous {term.label}" for term in terms if term.viscous]
+    known = [term for term in terms if term.rates is None]
+    apart = [term.label for term in known if term.tables is None or term.settles]
+    viscous = [f"viscous {term.label}" for term in known if term.viscous]
     reasons = {
         "frames (Beam, Shell, RigidBody)": bool((unknowns.kinds < SLOPE).any()),
         "joints, springs or drives": unknowns.m > 0 or unknowns.connections > 0,
@@ -54,6 +55,7 @@ def model_of(equations: Equations) -> Model:
         dead=known.loads.dead.copy(),
         conservative=known.conservative,
         following=known.loads.following.copy(),
+        damping=known.damping,
     )
 
 

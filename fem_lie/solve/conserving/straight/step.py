@@ -7,13 +7,12 @@ add, so that ``L`` is constant.
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
-from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, WORK
+from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
 from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight
 from fem_lie.lie.kinds.motion import from_local, to_local
@@ -27,95 +26,18 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.straight.cells import CellTable, Energies, Nodes, add_elastic
+from fem_lie.solve.conserving.straight.cells import Energies, Nodes, add_elastic
+from fem_lie.solve.conserving.straight.records import (
+    ENERGY,
+    LEAK,
+    LIMIT,
+    SQUARES,
+    Model,
+    State,
+    Step,
+)
 from fem_lie.solve.conserving.straight.rows import gathered, spread
 from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
-
-ENERGY, SQUARES, LEAK, LIMIT = 0, 1, 2, 3
-"""Of :attr:`State.told`."""
-
-
-class Model(NamedTuple):
-    """What does not change in a step.
-
-    Attributes:
-        cells: All cells.
-        kinds: Of the nodes, (n,).
-        inertia: Mass matrix.
-        held: Which unknowns are zero, (n, 6).
-        supported: Which of these from outside, (n, 6).
-        dead: Loads fixed in space in the middle of the step, (n, 4, 3); they may be changed.
-        conservative: Those of them that have a potential, (n, 4, 3).
-        following: Loads along the axes of the nodes, (n, 6); they may be changed.
-    """
-
-    cells: CellTable
-    kinds: Indices
-    inertia: Inertia
-    held: Flags
-    supported: Flags
-    dead: Array
-    conservative: Array
-    following: Array
-
-
-class State(NamedTuple):
-    """Start of a step; halves are along global axes.
-
-    Attributes:
-        H: Rows of all nodes, ground last, (n + 1, 4, 3).
-        rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
-        V: Rates of both halves, (n, 6).
-        trend: Half their change in the last step, per time, (n, 6).
-        carry: Forces left over by the last step, (n, 6).
-        W: Energies of the cells, (M,).
-        account: Work done on them, (M,).
-        books: See :mod:`fem_lie.bodies.balances`, (15,).
-        told: The scene's largest energy, the sum of ``|s|²`` of the last step, energy that came of
-            what steps left over, and how large a force that was in the last one, (4,).
-    """
-
-    H: Array
-    rest: Array
-    V: Array
-    trend: Array
-    carry: Array
-    W: Array
-    account: Array
-    books: Array
-    told: Array
-
-
-class Step(NamedTuple):
-    """One step.
-
-    Attributes:
-        step: Increments of both halves, (n, 6).
-        mean: Rows in the middle, (n, 4, 3).
-        end: At the end.
-        V1: Rates at the end, (n, 6).
-        W1: Energies at the end, (M,).
-        work: Done on the cells, (M,).
-        forces: Of the balance, both halves, (n, 6).
-        losses: In this step, as ``books``, (15,).
-        told: The sum of ``|s|²``, and the factor of forces beside, (2,).
-        r: What is wrong with the balance, along the axes in the middle, (6 n,).
-        q: For inertia, (2, n, 4, 3).
-    """
-
-    step: Array
-    mean: Array
-    end: Array
-    V1: Array
-    W1: Array
-    work: Array
-    forces: Array
-    losses: Array
-    told: Array
-    r: Array
-    q: Array
-
 
 _ULP = float(np.finfo(np.float64).eps)
 
@@ -180,6 +102,8 @@ def residual(model: Model, state: State, this: Step, h: float) -> None:
                 own = model.dead[i, k, j] - model.conservative[i, k, j]
                 this.losses[WORK] += own * (end[i, k, j] - state.H[i, k, j])
         add_dead(this.losses, BY_LOADS, 1.0, mean[i], model.dead[i])
+    if model.damping.indptr.shape[0] > 0:
+        _add_damping(model, this, h)
     gathered(kinds, q[1], forces)
     for i in range(n):
         for k in range(6):
@@ -187,6 +111,23 @@ def residual(model: Model, state: State, this: Step, h: float) -> None:
     _add_elastic(model, state, this)
     for i in range(n):
         _balance(i, model, this)
+
+
+@compiled
+def _add_damping(model: Model, this: Step, h: float) -> None:
+    """Add to rates of momenta ``q[1]`` what goes with mass, at the mean velocity of the step."""
+    D, f, rates = model.damping, np.empty_like(this.mean), np.empty_like(this.step)
+    for i in range(rates.shape[0]):
+        for k in range(6):
+            rates[i, k] = this.step[i, k] / h
+    spread(model.kinds, rates, this.q[0])
+    inertia.multiply(D.indptr, D.indices, D.blocks, this.q[0], f)
+    this.losses[DAMPING] += h * np.sum(this.q[0] * f)
+    for i in range(f.shape[0]):
+        add_dead(this.losses, BY_LOADS, -1.0, this.mean[i], f[i])
+        for k in range(4):
+            for j in range(3):
+                this.q[1, i, k, j] += f[i, k, j]
 
 
 @compiled
@@ -255,6 +196,7 @@ def accept(model: Model, state: State, this: Step, h: float) -> None:
     told[LEAK] += gain - this.told[1] * this.told[0]
     told[SQUARES], told[LIMIT] = this.told[0], sqrt(square)
     books[WORK] += losses[WORK]
+    books[DAMPING] += losses[DAMPING]
     for k in range(BY_LOADS, books.shape[0]):
         books[k] += h * losses[k]
     spread(kinds, state.V, this.q[0])
