@@ -139,7 +139,16 @@ def refuse_kink() -> None:
     fl.Line(beam, RADIUS).check()
 
 
+def refuse_curl() -> None:
+    """A ring as thick as it is wide: places on the axis nearest to others are not unique."""
+    beam = fl.Beam.curve(
+        lambda s: 0.01 * np.array([np.cos(5 * s), np.sin(5 * s), 0.0]), SECTION, cells=40
+    )
+    fl.Line(beam, RADIUS).check()
+
+
 REFUSED = {
+    "curl": (refuse_curl, "are not unique"),
     "impact": (lambda: crossing(fl.Impact()).check(), "two: lines touch by Penalty"),
     "overlap": (lambda: crossing(LAW, 0.018).check(), r"two: they overlap by 0.0019"),
     "itself": (refuse_self, "does not touch itself"),
@@ -156,3 +165,18 @@ def test_is_refused(name):
     make, message = REFUSED[name]
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_soft_penalties_are_told_of(caplog):
+    """With the name of the contact, how deep, and the stiffness; once."""
+    one, other = straight((-1, 0, 0.03), (1, 0, 0.03)), straight((0, -1, 0), (0, 1, 0))
+    one.move((0, 0, -1))
+    scene = fl.Scene()
+    scene.add(one)
+    scene.add(other)
+    scene.add(fl.Contact(fl.Line(one, RADIUS), fl.Line(other, RADIUS), fl.Penalty(1e3), name="two"))
+    with caplog.at_level("WARNING"):
+        fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.02, step=1e-3, progress=False)
+    (message,) = [m for m in caplog.messages if "overlap" in m]
+    assert message.startswith("two: overlap is")
+    assert message.endswith("of a radius (stiffness 1000): raise it")

@@ -159,7 +159,7 @@ class Contact:
                 "memory, and for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
                 "holds; give Penalty elsewhere"
             )
-        return PenaltyForces(self._meeting(nodes), self.law)
+        return PenaltyForces(self._meeting(nodes), self.law, self.label)
 
     @property
     def _lines(self) -> bool:

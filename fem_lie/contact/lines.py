@@ -22,6 +22,9 @@ from fem_lie.contact.surfaces import Piece, Surface, initial_frame
 _KINK = np.cos(np.radians(10.0))
 """Of the largest angle between e₁ at a node and the chord."""
 
+_CURVED = 0.9
+"""Of the largest radius over the radius of curvature: nearest places are not unique beyond."""
+
 
 @dataclass(frozen=True, eq=False)
 class Line(Surface):
@@ -65,10 +68,10 @@ class Line(Surface):
         return found
 
     def check(self) -> None:
-        """Refuse axes with kinks.
+        """Refuse axes with kinks, and axes that are curved more than what is round about them.
 
         Raises:
-            ValueError: Somewhere e₁ is not along the chord.
+            ValueError: Somewhere e₁ is not along the chord, or turns too much along an element.
         """
         for piece in self.pieces():
             (_, a), (_, b) = piece.owners
@@ -79,6 +82,13 @@ class Line(Surface):
                 raise ValueError(
                     f"{self.label}: e₁ of node {node} is more than 10° off the chord of an element "
                     "there; take more elements"
+                )
+            turn = 2.0 * float(np.arcsin(0.5 * np.linalg.norm(frames[1, 1] - frames[0, 1])))
+            if turn * self.radius > _CURVED * piece.length:
+                raise ValueError(
+                    f"{self.label}: between nodes {a} and {b} the axis has a radius of curvature "
+                    f"of {piece.length / turn:.3g}, and the line one of {self.radius:g}: places on "
+                    "it that are nearest are not unique"
                 )
 
 

@@ -30,7 +30,7 @@ from fem_lie.contact.curves import (
 from fem_lie.contact.curves import at as place_at
 from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.surfaces import Piece
-from fem_lie.contact.table import GROUND, Nodes, Side, empty_side, number_of
+from fem_lie.contact.table import GROUND, Nodes, Side, empty_side, least, number_of
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _GAUSS = 3
@@ -91,10 +91,12 @@ class Sides(ABC):
     Attributes:
         near: Who is near whom.
         on_ground: Whether a side is on ground.
+        radius: The least of what is round, infinite if nothing is.
     """
 
     near: NearPairs
     on_ground: bool
+    radius: float
 
     @abstractmethod
     def meet(self, H: Array) -> Meeting:
@@ -118,6 +120,7 @@ class Balls(Sides):
         self._a, self._b, self._flat = a, b, flat
         self.near = NearPairs(a, b, flat=flat, same=same)
         self.on_ground = bool((a.owners == GROUND).any() or (b.owners == GROUND).any())
+        self.radius = least(a.radii, b.radii)
         self._version = -1
 
     def meet(self, H: Array) -> Meeting:
@@ -148,6 +151,7 @@ class Lines(Sides):
         middles = _middles(a, self._a), _middles(b, self._b) if planes is None else planes
         self._planes, self.flat = middles[1], planes is not None
         self.near = NearPairs(*middles, flat=self.flat, same=False)
+        self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
         self._version = -1
 

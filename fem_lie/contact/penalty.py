@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,11 @@ from fem_lie.contact.table import GROUND, Side
 from fem_lie.forms.term import Pairs, Term
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
+
+_log = logging.getLogger(__name__)
+
+_DEEP = 0.1
+"""Part of the least radius: what overlaps by more is told of, once."""
 
 
 class Numbers(NamedTuple):
@@ -188,14 +194,15 @@ class PenaltyForces(Term):
 
     label = "contacts by penalty"
 
-    def __init__(self, sides: Sides, law: Penalty) -> None:
+    def __init__(self, sides: Sides, law: Penalty, name: str = "a contact") -> None:
         """Keep both sides.
 
         Args:
             sides: That touch.
             law: Stiffness and damping; of lines per length.
+            name: For messages.
         """
-        self._sides = sides
+        self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._law = Numbers(float(law.stiffness), float(law.damping), float(law.ramp))
         self.viscous = self.in_space = law.damping > 0.0
         self.on_ground = sides.on_ground
@@ -230,6 +237,13 @@ class PenaltyForces(Term):
         """See the base class."""
         _, found = self._measured(H, np.empty((0, 6)), viscous=False)
         deep = np.minimum(found[0], 0.0)
+        most = -float(deep.min(initial=0.0))
+        if most > self._allowed:
+            part, self._allowed = 100 * _DEEP * most / self._allowed, np.inf
+            k = self._law.k
+            _log.warning(
+                "%s: overlap is %.0f %% of a radius (stiffness %g): raise it", self._name, part, k
+            )
         return 0.5 * float(found[1] @ deep)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:

@@ -76,6 +76,11 @@ def empty_side(n: int) -> Side:
     )
 
 
+def least(*radii: Array) -> float:
+    """Of those of what is round; infinite if nothing is."""
+    return float(min(each[each > 0.0].min(initial=np.inf) for each in radii))
+
+
 def number_of(body: Body | None, node: int, nodes: Nodes) -> int:
     """Of a node among all, or of ground."""
     return GROUND if body is None else int(nodes(body)[node])
