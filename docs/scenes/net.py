@@ -4,12 +4,12 @@ import numpy as np
 
 import fem_lie as fl
 
-n = np.arange(9)
-points = np.array([(x / 8, y / 8, 0.0) for y in n for x in n])
-threads = [*(list(n + 9 * k) for k in n), *(list(9 * n + k) for k in n)]
+n = np.arange(7)
+points = np.array([(x / 6, y / 6, 0.0) for y in n for x in n])
+threads = [*(list(n + 7 * k) for k in n), *(list(7 * n + k) for k in n)]
 rope = fl.Section.circle(0.004, fl.Material(E=1e7, nu=0.3, density=1000.0))
 net = fl.Net(points, threads, rope)
-net.pin(*(net.node(corner) for corner in (0, 8, 72, 80)))
+net.pin(*(net.node(corner) for corner in (0, 6, 42, 48)))
 scene = fl.Scene(gravity=(0, 0, -9.81))
 scene.add(net)
 scheme = fl.Explicit()
