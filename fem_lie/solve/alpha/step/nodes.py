@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie.lie.kinds import all_from_local, move, to_group, to_local
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
@@ -155,7 +155,7 @@ def extrapolate(
         to_local(kinds[i], later[i], w, vdot[i], twist[i], rate)
 
 
-@compiled
+@uncounted
 def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
     H, H1, motion, kinds = state
@@ -168,7 +168,7 @@ def predict(scheme: PlainScheme, state: PlainState) -> float:
     return largest
 
 
-@compiled
+@uncounted
 def correct(
     scheme: PlainScheme,
     state: PlainState,
@@ -204,7 +204,7 @@ def correct(
     return largest
 
 
-@compiled
+@uncounted
 def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
     _, H1, motion, kinds = state
@@ -217,7 +217,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
 
 
-@compiled
+@uncounted
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
     H, H1, motion, kinds = state
@@ -225,4 +225,8 @@ def accept(scheme: PlainScheme, state: PlainState) -> None:
     p = Scheme(*scheme)
     for i in range(v.shape[0]):
         node.accept(p, kinds[i], v[i], vdot[i], a[i], H1[i], v1[i], vdot1[i])
-    H[:] = H1  # with the prescribed frames
+    # with the prescribed frames; slices of arrays that might overlap are copied
+    for i in range(H.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                H[i, k, j] = H1[i, k, j]
