@@ -31,6 +31,12 @@ class RigidBody(Body):
 
     Attributes:
         gram: Constant inertia matrix of (x, d₁, d₂, d₃), shape (4, 4).
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> wheel.turn((0, 0, 3), about=(0, 0, 0))
+        >>> wheel.velocities.round(12)
+        array([[0., 3., 0., 0., 0., 3.]])
     """
 
     group = Group.R3xSO3

@@ -41,13 +41,27 @@ class _Gliding(Joint):
 
 
 class Fixed(Joint):
-    """No relative motion."""
+    """No relative motion.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Fixed(fl.ground(), wheel.centre)
+        >>> joint.selection.shape[0]
+        6
+    """
 
     selection = rows(*_COINCIDE, *_NO_TURN)
 
 
 class Spherical(Joint):
-    """Common point."""
+    """Common point.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Spherical(fl.ground(), wheel.centre, at=(0, 0, 0))
+        >>> joint.selection.shape[0]
+        3
+    """
 
     selection = rows(*_COINCIDE)
 
@@ -57,6 +71,12 @@ class InPlane(Joint):
 
     Both coincide in the initial configuration. With ground as ``a``: no displacement of ``b`` along
     ``axis``.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.InPlane(fl.ground(), wheel.centre, axis=(0, 0, 1))
+        >>> joint.selection.shape[0]
+        1
     """
 
     selection = rows({2: 1.0})
@@ -64,7 +84,17 @@ class InPlane(Joint):
 
 
 class Revolute(_Turning):
-    """Common point and common axis e₃."""
+    """Common point and common axis e₃.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.centre, axis=(0, 0, 1)))
+        >>> _ = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
+        >>> len(scene.joints), len(scene.connections)
+        (1, 1)
+    """
 
     selection = rows(*_COINCIDE, *_SAME_AXIS)
 
@@ -74,7 +104,14 @@ class Revolute(_Turning):
 
 
 class Prismatic(_Gliding):
-    """Displacement along the common axis e₃ alone."""
+    """Displacement along the common axis e₃ alone.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Prismatic(fl.ground(), wheel.centre, axis=(1, 0, 0))
+        >>> len(joint.coordinates())
+        1
+    """
 
     selection = rows(*_ON_AXIS, *_NO_TURN)
 
@@ -84,7 +121,14 @@ class Prismatic(_Gliding):
 
 
 class Cylindrical(_Turning, _Gliding):
-    """Displacement along and rotation about the common axis e₃, each free."""
+    """Displacement along and rotation about the common axis e₃, each free.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Cylindrical(fl.ground(), wheel.centre, axis=(1, 0, 0))
+        >>> len(joint.coordinates())
+        2
+    """
 
     selection = rows(*_ON_AXIS, *_SAME_AXIS)
 
@@ -99,6 +143,12 @@ class Screw(_Turning, _Gliding):
 
     Attributes:
         pitch: Displacement of ``b`` per turn, positive for a right-handed thread.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Screw(fl.ground(), wheel.centre, axis=(1, 0, 0), pitch=0.01)
+        >>> joint.pitch
+        0.01
     """
 
     pitch: float = 0.0
@@ -146,6 +196,12 @@ class Planar(_WithSecondAxis, _Turning):
 
     Attributes:
         second: Direction of the first of the two displacements, fixed to ``a``; default: any.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Planar(fl.ground(), wheel.centre, second=(1, 0, 0))
+        >>> joint.selection.shape[0]
+        3
     """
 
     selection = rows({2: 1.0}, *_SAME_AXIS)
@@ -166,6 +222,12 @@ class Universal(_WithSecondAxis):
 
     Attributes:
         second: Direction of the axis that is fixed to ``b``, across ``axis``; default: any.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> joint = fl.Universal(fl.ground(), wheel.centre, second=(1, 0, 0))
+        >>> joint.selection.shape[0]
+        4
     """
 
     selection = rows(*_COINCIDE, {9: 1.0})
@@ -195,6 +257,15 @@ class Distance(Joint):
     Attributes:
         at: Place on ``a``'s side in the initial configuration; default: the point itself.
         to: Place on ``b``'s side; likewise.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.Distance(fl.ground(), wheel.centre, at=(0, 0, 0)))
+        >>> _ = scene.add(fl.Drive(joint.length))  # a massless rod
+        >>> len(scene.connections)
+        1
     """
 
     to: npt.ArrayLike | None = None

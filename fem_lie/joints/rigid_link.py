@@ -18,6 +18,19 @@ class RigidLink:
     Attributes:
         a: A point of a body.
         b: A point of this or another body, anywhere.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> for body in (beam, wheel):
+        ...     _ = scene.add(body)
+        ...
+        >>> _ = scene.add(fl.RigidLink(beam.end, wheel.centre))
+        >>> len(scene.links)
+        1
     """
 
     a: Point

@@ -18,6 +18,14 @@ class KnifeEdge(Joint):
 
     A skate, the blade of a sledge, a wheel far from its steering. In the frame of ``b`` it binds a
     constant component of the velocity. The place may change for ever: no position is bound.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.KnifeEdge(fl.ground(), wheel.centre, axis=(0, 1, 0)))
+        >>> len(scene.joints)
+        1
     """
 
     selection = rows()
@@ -42,6 +50,14 @@ class RollingDisc(Joint):
         axis: Of the disc.
         radius: Of the disc.
         normal: Of the plane, towards the disc.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.RollingDisc(fl.ground(), wheel.centre, axis=(0, 1, 0), radius=0.3))
+        >>> len(scene.joints)
+        1
     """
 
     radius: float = 0.0

@@ -32,6 +32,19 @@ class Sliding(Connection):
         at: Place of the joint in the initial configuration, on the axis; default: the point ``b``.
         travel: Arclength from the beam's start as a function of time; default: free.
         name: How errors and results call it; default: after what it joins.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> bead = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), position=(0.5, 0, 0))
+        >>> scene = fl.Scene()
+        >>> for body in (beam, bead):
+        ...     _ = scene.add(body)
+        ...
+        >>> _ = scene.add(fl.Sliding(beam, bead.centre))
+        >>> len(scene.connections)
+        1
     """
 
     beam: Beam
@@ -121,13 +134,41 @@ class Sliding(Connection):
 
 
 class Collar(Sliding):
-    """Slides along a beam and keeps its direction, free to spin about its axis."""
+    """Slides along a beam and keeps its direction, free to spin about its axis.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> bead = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), position=(0.5, 0, 0))
+        >>> scene = fl.Scene()
+        >>> for body in (beam, bead):
+        ...     _ = scene.add(body)
+        ...
+        >>> _ = scene.add(fl.Collar(beam, bead.centre))
+        >>> len(scene.connections)
+        1
+    """
 
     selection = rows(*_ON_LINE, {6: 1.0}, {9: 1.0})
 
 
 class Sleeve(Sliding):
-    """Slides along a beam and turns with its section: a prismatic joint on the axis."""
+    """Slides along a beam and turns with its section: a prismatic joint on the axis.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> bead = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), position=(0.5, 0, 0))
+        >>> scene = fl.Scene()
+        >>> for body in (beam, bead):
+        ...     _ = scene.add(body)
+        ...
+        >>> _ = scene.add(fl.Sleeve(beam, bead.centre))
+        >>> len(scene.connections)
+        1
+    """
 
     selection = rows(*_ON_LINE, {10: 0.5, 8: -0.5}, {5: 0.5, 9: -0.5}, {6: 0.5, 4: -0.5})
 

@@ -19,6 +19,15 @@ class Spring(Connection):
         damping: ``c``, the same times time.
         rest: ``q₀``; default: the value at the start.
         name: How errors and results call it; default: after its coordinate.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.Prismatic(fl.ground(), wheel.centre, axis=(1, 0, 0)))
+        >>> _ = scene.add(fl.Spring(joint.displacement, stiffness=1e3, damping=5.0))
+        >>> len(scene.connections)
+        1
     """
 
     coordinate: Coordinate
@@ -74,6 +83,15 @@ class Drive(Connection):
             :class:`~fem_lie.Table` says; at the start the coordinate's initial value. Default: that
             value.
         name: How errors and results call it; default: after its coordinate.
+
+    Example:
+        >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(wheel)
+        >>> joint = scene.add(fl.Revolute(fl.ground(), wheel.centre))
+        >>> motor = scene.add(fl.Drive(joint.angle, lambda t: 2.0 * t))
+        >>> len(scene.connections)
+        1
     """
 
     coordinate: Coordinate
@@ -134,6 +152,17 @@ class Gear(Connection):
         second: Coordinate of another joint.
         ratio: ``−d first / d second``.
         name: How errors and results call it; default: after its coordinates.
+
+    Example:
+        >>> scene = fl.Scene()
+        >>> wheels = [fl.RigidBody(1.0, (1, 1, 2), position=(x, 0, 0)) for x in (0, 3)]
+        >>> for wheel in wheels:
+        ...     _ = scene.add(wheel)
+        ...
+        >>> first, second = (scene.add(fl.Revolute(fl.ground(), w.centre)) for w in wheels)
+        >>> _ = scene.add(fl.Gear(first.angle, second.angle, ratio=2.0))
+        >>> len(scene.connections)
+        1
     """
 
     first: Coordinate

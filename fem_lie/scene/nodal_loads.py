@@ -30,6 +30,18 @@ class PointLoad(NodalLoad):
         moment: About axes fixed in space, or about those of the node's frame if following.
         following: Whether the load turns with the node's frame.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> _ = scene.add(fl.Clamp(beam.start))
+        >>> _ = scene.add(fl.PointLoad(beam.end, force=(0, 0, 1.0)))
+        >>> tip = fl.statics(scene).displacement(beam.end)[-1]
+        >>> bool(abs(tip[2] / (1 / 3 / tube.stiffness[4, 4]) - 1) < 1e-3)
+        True
     """
 
     point: Point
@@ -101,6 +113,16 @@ class LineLoad(NodalLoad):
         cells: Name of a group of cells; default: all.
         following: Whether the load turns with the nodes' frames.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> load = scene.add(fl.LineLoad(beam, force=(0, 0, -5.0)))
+        >>> len(scene.loads)
+        1
     """
 
     beam: Body

@@ -34,6 +34,16 @@ class PressureLoad(Load):
         direction: Local components of the push in the unloaded configuration, across the axis.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> load = scene.add(fl.PressureLoad(beam, 50.0))
+        >>> len(scene.loads)
+        1
     """
 
     beam: Beam
@@ -91,6 +101,16 @@ class SurfacePressure(Load):
             it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(plate)
+        >>> load = scene.add(fl.SurfacePressure(plate, 1e3))
+        >>> len(scene.loads)
+        1
     """
 
     shell: Shell | ThinShell

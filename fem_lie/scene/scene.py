@@ -61,6 +61,9 @@ class Scene:
         clamps: Points that are held.
         motions: Points that are moved as prescribed.
         family: Of the scenes made from it by :meth:`with_loads` and :meth:`with_drives`, if any.
+
+    Example:
+        >>> wheel = fl.Scene(gravity=(0, 0, -9.81)).add(fl.RigidBody(2.0, (0.1, 0.1, 0.2)))
     """
 
     def __init__(

@@ -25,6 +25,16 @@ class Eigenstrain(StrainLoad):
         strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> load = scene.add(fl.Eigenstrain(beam, (0, 0, 0, 0, 0.1, 0)))
+        >>> len(scene.loads)
+        1
     """
 
     beam: Beam
@@ -55,6 +65,16 @@ class Temperature(StrainLoad):
         gradient: Along e₂ and e₃, temperature per length.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> load = scene.add(fl.Temperature(beam, rise=50.0, expansion=1.2e-5))
+        >>> len(scene.loads)
+        1
     """
 
     beam: Beam
@@ -86,6 +106,16 @@ class PreStress(StrainLoad):
         resultant: (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> load = scene.add(fl.PreStress(beam, (1e3, 0, 0, 0, 0, 0)))
+        >>> len(scene.loads)
+        1
     """
 
     beam: Beam

@@ -16,7 +16,18 @@ _ORTHONORMAL = 1e-8  # rotations that are given with single precision are not
 
 @dataclass(frozen=True, eq=False)
 class Clamp:
-    """The point's frame does not move."""
+    """The point's frame does not move.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> _ = scene.add(fl.Clamp(beam.start))
+        >>> len(scene.clamps)
+        1
+    """
 
     point: Point
 
@@ -48,6 +59,19 @@ class PrescribedMotion:
         motion: Frame ``H(t)``, shape (4, 3) as in :mod:`fem_lie.lie`, twice differentiable; at the
             start it must be the point's initial frame. If its velocity or acceleration jumps,
             :class:`~fem_lie.Jumps` says when.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> def lifted(t):
+        ...     return np.array([(0, 0, 0.1 * t), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        ...
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(beam)
+        >>> _ = scene.add(fl.PrescribedMotion(beam.start, lifted))
+        >>> len(scene.motions)
+        1
     """
 
     point: Point

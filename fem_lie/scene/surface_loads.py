@@ -29,6 +29,11 @@ class EdgeLoad(NodalLoad):
         history: Factor as a function of time.
         following: Whether the load turns with the nodes' frames. Those of five parameters turn with
             the directors and not about them.
+
+    Example:
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
+        >>> load = fl.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
     """
 
     shell: Shell | ThinShell
@@ -185,6 +190,11 @@ class AreaLoad(SurfaceLoad):
         force: Three components per area, global, or a function of the unloaded place.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
+        >>> load = fl.AreaLoad(plate, (0, 0, -100.0))
     """
 
 
@@ -197,6 +207,11 @@ class VolumeLoad(SurfaceLoad):
         force: Three components per volume, global, or a function of the unloaded place.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
+        >>> load = fl.VolumeLoad(plate, (0, 0, -1e4))
     """
 
     def _factors(self) -> Array:
@@ -214,6 +229,11 @@ class MassLoad(SurfaceLoad):
         force: Three components per mass, global, or a function of the unloaded place.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
+        >>> load = fl.MassLoad(plate, (0, 0, -9.81))
     """
 
     def check(self) -> None:

@@ -45,6 +45,15 @@ class Beam(LineBody):
         chains: Smooth pieces of the lines, and arc length along them.
         standard: The element, unless another is given.
         springs: Whether it has springs between elements that do not bend by themselves.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> beam.frames.shape
+        (5, 4, 3)
+        >>> beam.end.position
+        array([1., 0., 0.])
     """
 
     standard: ClassVar[Formulation] = Geodesic()

@@ -42,6 +42,13 @@ class AncfBeam(SectionPoints):
         formulation: The element.
         warping: Stiffness against warping, or ``None``.
         damping: Of the motion in space.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> beam.frames.shape
+        (10, 4, 3)
     """
 
     def __init__(

@@ -33,6 +33,14 @@ class Cable(Threads):
     direction, too. Forces may act at nodes and along the cable, moments may not. That is so with
     :class:`~fem_lie.HermiteCable`; nodes of :class:`~fem_lie.DiscreteCable` are places, which
     :meth:`clamp`, :meth:`pin` and spherical joints hold.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> rope = fl.Cable.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> rope.pin(rope.start, rope.end)
+        >>> len(rope.frames)
+        5
     """
 
     def __init__(

@@ -30,6 +30,13 @@ class Rod(Beam):
     and what couples these. With :class:`~fem_lie.Kirchhoff`, the default, all nodes have frames.
     With :class:`~fem_lie.DiscreteRod`, which needs one smooth line that is not closed, both ends
     have; other nodes are places, that turn about the edge that follows them and about nothing else.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> rod = fl.Rod.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> type(rod.formulation).__name__
+        'Kirchhoff'
     """
 
     standard: ClassVar[Formulation] = Kirchhoff()

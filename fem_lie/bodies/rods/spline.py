@@ -33,6 +33,13 @@ class SplineCable(Threads):
     Its nodes are the knots, each with a place and a slope ``dr/du``, rows 0 and 1 of ``frames``;
     all else is as of :class:`~fem_lie.Cable`. A curve whose ends meet with one slope is closed.
     ``lengths`` are those of the parameter, whose mean speed is one.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> ring = fl.SplineCable.circle((0, 0, 0), 1.0, (0, 0, 1), tube, cells=8)
+        >>> len(ring.frames)
+        8
     """
 
     def __init__(

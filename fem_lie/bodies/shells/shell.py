@@ -63,6 +63,14 @@ class Shell(SupportedSurface):
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
         formulation: The element.
         parameters: As the user chose.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
+        >>> _ = plate.clamp("a=0")
+        >>> plate.connectivity.shape
+        (4, 4)
     """
 
     uncoupled = True

@@ -66,6 +66,10 @@ class Solid(SupportedSolid):
         formulation: The element.
         damping: Of its motion in space.
         rule: Integrals over the cells.
+
+    Example:
+        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3)
+        >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
     """
 
     def __init__(

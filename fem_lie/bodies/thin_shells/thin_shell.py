@@ -56,6 +56,10 @@ class ThinShell(HeldSurface):
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
         formulation: The element.
         damping: Of its motion in space.
+
+    Example:
+        >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.ThinShell(flat, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
     """
 
     compound = True

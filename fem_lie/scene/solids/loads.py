@@ -24,6 +24,15 @@ class FaceLoad(NodalLoad):
         face: Name of the face.
         force: Three components per area, global, or a function of the unloaded place.
         history: Factor as a function of time.
+
+    Example:
+        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(block)
+        >>> load = scene.add(fl.FaceLoad(block, "c=1", (0, 0, 1e3)))
+        >>> len(scene.loads)
+        1
     """
 
     solid: Solid
@@ -74,6 +83,15 @@ class FacePressure(Load):
         gradient: Increase of the pressure per length, at the current place, global components; with
             it the pressure is ``pressure + gradient · x``: hydrostatic pressure.
         history: Factor as a function of time.
+
+    Example:
+        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(block)
+        >>> load = scene.add(fl.FacePressure(block, "c=1", 1e3))
+        >>> len(scene.loads)
+        1
     """
 
     solid: Solid
@@ -123,6 +141,15 @@ class BulkLoad(NodalLoad):
         force: Three components per volume, global, or a function of the unloaded place.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
+
+    Example:
+        >>> rubber = fl.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+        >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(block)
+        >>> load = scene.add(fl.BulkLoad(block, (0, 0, -1e4)))
+        >>> len(scene.loads)
+        1
     """
 
     solid: Solid

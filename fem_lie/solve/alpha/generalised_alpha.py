@@ -46,6 +46,15 @@ class GeneralisedAlpha(Options, Integrator):
         components: In which components the iteration matrix is kept.
         index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
+
+    Example:
+        >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
+        >>> top.turn((0, 0, 2), about=top.centre)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(top)
+        >>> result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=1.0, step=0.01)
+        >>> bool(result.energy_error < 1e-9)
+        True
     """
 
     def _equations(self, scene: Scene) -> Equations:

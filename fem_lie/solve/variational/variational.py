@@ -62,6 +62,15 @@ class Variational(Integrator):
             iteration in each step over the largest motion in it.
         policy: When to factorise.
         max_iterations: More in one step are a failure.
+
+    Example:
+        >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
+        >>> top.turn((0, 0, 2), about=top.centre)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(top)
+        >>> result = fl.Variational().run(scene, duration=1.0, step=0.01)
+        >>> bool(result.angular_momentum_error < 1e-12)
+        True
     """
 
     tolerance: float = 0.0

@@ -1,0 +1,46 @@
+"""Examples in docstrings: all that goes into a scene has one, every integrator has, and all run."""
+
+import doctest
+import inspect
+
+import numpy as np
+
+import fem_lie as fl
+from fem_lie.contact.contact import Contact
+from fem_lie.joints.connection import Connection
+from fem_lie.joints.rigid_link import RigidLink
+from fem_lie.scene.nodal_loads import PointLoad
+from fem_lie.scene.supports import Clamp, PrescribedMotion
+from fem_lie.solve.motion.integrator import Integrator
+
+LOAD = next(base for base in PointLoad.__mro__ if base.__name__ == "Load")
+PUT_IN = (fl.Body, Connection, RigidLink, LOAD, Clamp, PrescribedMotion, Contact, Integrator)
+CLASSES = [thing for name in fl.__all__ if inspect.isclass(thing := getattr(fl, name))]
+WANTED = [
+    thing
+    for thing in [*CLASSES, fl.Scene]
+    if issubclass(thing, (*PUT_IN, fl.Scene)) and thing not in (fl.Body, fl.Joint)
+]
+
+
+def example(thing: type) -> doctest.DocTest:
+    text = inspect.cleandoc(thing.__doc__ or "")
+    return doctest.DocTestParser().get_doctest(
+        text, {"fl": fl, "np": np}, thing.__name__, inspect.getsourcefile(thing), 0
+    )
+
+
+def test_all_that_goes_into_a_scene_has_an_example():
+    without = sorted({thing.__name__ for thing in WANTED if not example(thing).examples})
+    assert len(WANTED) > 50
+    assert without == []
+
+
+def test_examples_run():
+    """All in one process: no start of a scheme is made twice."""
+    told: list[str] = []
+    runner = doctest.DocTestRunner(verbose=False)
+    for thing in CLASSES:
+        runner.run(example(thing), out=told.append)
+    assert runner.tries > 150
+    assert "".join(told) == ""
