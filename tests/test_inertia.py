@@ -12,8 +12,8 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.rigid import gram_from_rigid
 from fem_lie.forms import frames
+from fem_lie.lie.kinds import inertia
 from fem_lie.system import System
-from fem_lie.system.nodes import inertia
 
 seeds = st.integers(0, 2**32 - 1)
 

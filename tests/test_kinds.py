@@ -6,10 +6,10 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
-from fem_lie.lie.kinds import POINT, SLOPE, SURFACE, TRAITS, NodeKind
+from fem_lie.lie.kinds import POINT, SLOPE, SURFACE, TRAITS, NodeKind, inertia
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.system import System
-from fem_lie.system.nodes import inertia, numbering
+from fem_lie.system.nodes import numbering
 
 KINDS = {
     f"{group.name}, {parametrisation.name}": group + 2 * parametrisation

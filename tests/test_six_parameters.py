@@ -233,7 +233,7 @@ def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress(
     system = LoadSteps(
         scene, Rotation.of((0, 0, 0), (0, 0, 0)), Newton(1e-14, carried_stress=False), "six_"
     )
-    system.equations.set_time(1.0, 1.0)
+    system.equations.prescribed(1.0).act()
     increments = []
     while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
         system._iterate(1.0)

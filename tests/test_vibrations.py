@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 import fem_lie as fl
 from demos.rotating_beam import flapping
 from fem_lie import lie
+from fem_lie.lie.kinds import inertia
 from fem_lie.linear.spectrum import Pencil
 from fem_lie.system import System
 from fem_lie.system.instant import Instant
-from fem_lie.system.nodes import inertia
 from fem_lie.system.small_motions.steady import linearised
 from tests.random_scenes import HELD, random_scene
 from tests.scene_builder import build

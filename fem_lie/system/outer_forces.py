@@ -18,11 +18,10 @@ from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import push_all, wrench
+from fem_lie.lie.kinds import inertia, push_all, wrench
+from fem_lie.lie.kinds.inertia import PlainInertia
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import PlainInertia
 from fem_lie.system.nodes.loads import PlainLoads
 
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14

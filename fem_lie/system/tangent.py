@@ -10,14 +10,14 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Pairs, Term
+from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
 from fem_lie.system.constraints import Connections
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.lagging import let_lag
-from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, load_tangent, to_inertial
 from fem_lie.system.scales import Vectors
 from fem_lie.system.terms.all_terms import Terms

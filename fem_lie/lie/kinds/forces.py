@@ -1,6 +1,6 @@
 """Forces on one node of any kind, and its inertia: what ``q̇ = L v`` makes of them; compiled.
 
-Inertia is the same for all: with the constant matrix ``G`` of :mod:`fem_lie.system.nodes.inertia`
+Inertia is the same for all: with the constant matrix ``G`` of :mod:`fem_lie.lie.kinds.inertia`
 it is ``Lᵀ G (L a + L̇ v)``, where ``a`` is the rate of ``v``. Frames are asked for first.
 """
 

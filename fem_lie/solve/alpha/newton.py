@@ -49,7 +49,7 @@ class Newton(RunState):
             if carried:
                 h = np.empty_like(s.d)
                 twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
-                equations.carry(s.H1, h.ravel())
+                equations.memory.carry(s.H1, h.ravel())
             scale, spread, joined = self._sizes
             increment = correct(*self._plain, self.dx, scale, spread, joined, self.weights)
             ratio, remaining = estimate(increment, previous, ratio)

@@ -222,7 +222,7 @@ class Run(Newton):
         return count
 
     def _turn(self) -> None:
-        self.equations.turn_drills(self.s.H, self.s.motion, WRITTEN_LOCALLY)
+        self.equations.memory.turn_axes(self.s.H, self.s.motion, WRITTEN_LOCALLY)
 
     def _rescued(self) -> int:
         """The step that has failed with the kept matrix; returns all its iterations, or 0.
@@ -235,13 +235,13 @@ class Run(Newton):
         _log.info("step %d: kept matrix diverges, full iteration", self.index)
         self.weights[:] = self._first
         # the predicted end of the step may be far off: its stress is no start
-        self.equations.carry(self.s.H)
+        self.equations.memory.carry(self.s.H)
         count = self._iterate(EveryIteration().begin(bound=False), carried=True)
         return count + in_vain if count else 0
 
     def _close(self, end: float) -> None:
         """Remember what frames do not tell of the accepted step, and book it."""
-        self.equations.accept(self.s.H)
+        self.equations.memory.accept(self.s.H)
         self.books.add(self.h, end, *self._accepted)
 
     # --- results ---

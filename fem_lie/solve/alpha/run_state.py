@@ -89,7 +89,7 @@ class RunState(Integration[Recorder]):
         equations, p, s = self.equations, self.p, self.s
         check_velocities(equations, p.h)
         self.weights[:] = set_start(equations, self.solver, p, s)
-        equations.set_time(0.0)
+        equations.prescribed(0.0).act()
         self._find(self._accepted)
         self.scale[:] = self._fill(s.H, s.H, None, turned=False)
         self.books.open(0.0, *self._accepted)
@@ -137,8 +137,9 @@ class RunState(Integration[Recorder]):
     def _go_to_time(self, time: float) -> None:
         """Loads, targets and prescribed frames at the end of the step."""
         if self._changing:
-            self.equations.set_time(time)
-            self.s.H1[self._moving + 1 :] = self.equations.prescribed(time).frames
+            now = self.equations.prescribed(time)
+            now.act()
+            self.s.H1[self._moving + 1 :] = now.frames
 
     @property
     def _finest(self) -> float:
@@ -271,7 +272,7 @@ class RunState(Integration[Recorder]):
         self.numbers[:], self.counters[:] = kept["numbers"], kept["counters"]
         self.books.restore(kept)
         if equations.unknowns.time_dependent:
-            equations.set_time(self.index * self.h)
+            equations.prescribed(self.index * self.h).act()
         super().restore(kept)
         self.solver.factorise()
         counts = (int(x) for x in kept["counts"])

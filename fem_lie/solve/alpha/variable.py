@@ -119,7 +119,7 @@ class AlphaSteps(Run):
         self.weights[:] = set_start(equations, self._starter, self.p, s)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
-        equations.set_time(0.0)
+        equations.prescribed(0.0).act()
         self.books.open(0.0, s.H, s.twist1, s.rate1, self.weights)
         if not self._warm:
             self._warm_up()
@@ -176,7 +176,7 @@ class AlphaSteps(Run):
         v[: self._moving] = s.twist1
         v = allowed_velocities(equations, self._starter, s.H, v, time, self.h)
         self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
-        equations.set_time(time)
+        equations.prescribed(time).act()
 
     def calm(self, time: float, h: float) -> None:
         """Find accelerations anew."""

@@ -31,10 +31,10 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.forms.frames import pull
+from fem_lie.lie.kinds import inertia
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back
 from fem_lie.solve.motion.step_error import StepError, add_inertia_forces, largest
 from fem_lie.system.equations import Instant
-from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
@@ -96,7 +96,7 @@ class MeanError:
         """ρ, in the nodes' frames."""
         equations, twist = self._equations, self._twist
         if equations.unknowns.time_dependent:
-            equations.set_time(at.time)
+            equations.prescribed(at.time).act()
         twist[:] = 0.0
         pull(at.H, at.V, 1.0, twist)
         twist[:, 3:] *= 0.5

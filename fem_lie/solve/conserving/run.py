@@ -127,7 +127,7 @@ class Run(Steps):
             weights = self._end_weights()
         if self._changing:
             # drives are violated by what they are not at the end
-            self.equations.set_time(self._end)
+            self.equations.prescribed(self._end).act()
         self._filled.by_rates(history, s.H, s.V, weights, s.books)
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
@@ -182,7 +182,7 @@ class Run(Steps):
         self.counters[:], self.numbers[:] = kept["counters"], kept["numbers"]
         self.counts[:], self.told[:] = kept["counts"], kept["told"]
         if self._changing:
-            self.equations.set_time(max(self.index - 0.5, 0.0) * self.h)
+            self.equations.prescribed(max(self.index - 0.5, 0.0) * self.h).act()
             self.cells.pack()
             self._take_loads()
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])

@@ -12,6 +12,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.forms.frames import push
+from fem_lie.lie.kinds import inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
@@ -34,7 +35,6 @@ from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, Instant, Plan
-from fem_lie.system.nodes import inertia
 
 PREFIX = "fem_lie_dynamics_"
 
@@ -192,7 +192,7 @@ class RunState(Integration[History]):
 
     def _set_loads(self, time: float) -> None:
         """Forces of the loads at ``time``; strains without stress do work when they change."""
-        self.equations.set_time(time)
+        self.equations.prescribed(time).act()
         self._take_loads()
         self.model.pressure.across[:] = pieces_of(self.equations.tables.terms).across
         if self._strained:

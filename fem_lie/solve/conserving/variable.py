@@ -18,6 +18,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.forms.frames import push
+from fem_lie.lie.kinds import inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.linear.levels import Levels
@@ -37,7 +38,6 @@ from fem_lie.solve.motion.step_error import StepError
 from fem_lie.solve.motion.variable_steps import VariableSteps, side
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
-from fem_lie.system.nodes import inertia
 
 ORDER = 2
 _USUAL = 4
@@ -194,7 +194,7 @@ class ConservingSteps(Run):
     def saved(self) -> _Saved:
         """See the protocol."""
         s = State(*(array.copy() for array in self.s))
-        carried, fields = self.equations.saved(), self.cells.local_fields
+        carried, fields = self.equations.memory.saved(), self.cells.local_fields
         counts = self.counters.copy(), self.numbers.copy()
         return _Saved(s, *counts, carried, fields, self.rates, self.told.copy())
 
@@ -206,7 +206,7 @@ class ConservingSteps(Run):
             self.counters[counter] = state.counters[counter]
         self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
         self.numbers[corrections.MOTION] = state.numbers[corrections.MOTION]
-        self.equations.restore(state.carried)
+        self.equations.memory.restore(state.carried)
         self.cells.restore(state.fields)
         self.rates, self.told[:] = state.rates, state.told
 

@@ -224,14 +224,14 @@ class AsynchronousRun(Integration[Recorder]):
         """All that the next steps depend on."""
         kept = {name: value.copy() for name, value in self._arrays().items()}
         kept["counts"] = np.array([self._made, self._count])
-        return kept | self.equations.saved() | self.books.memory()
+        return kept | self.equations.memory.saved() | self.books.memory()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         for name, value in self._arrays().items():
             value[:] = kept[name]
         self._made, self._count = (int(count) for count in kept["counts"])
-        self.equations.restore(kept)
+        self.equations.memory.restore(kept)
         self.books.restore(kept)
 
 

@@ -144,7 +144,7 @@ class ExplicitRun(Integration[Recorder]):
         index = self.index
         last = min(history.next_stop(index), index + self._most)
         if self._changing:
-            self.equations.set_time((index + 1) * self.h)
+            self.equations.prescribed((index + 1) * self.h).act()
         how = self._how
         while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
             self.equations.residual(self._instant, self._none, self.r, self._forces)
@@ -183,13 +183,13 @@ class ExplicitRun(Integration[Recorder]):
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""
         kept = {name: getattr(self, name).copy() for name in self._STATE}
-        return kept | self.equations.saved() | self.books.memory()
+        return kept | self.equations.memory.saved() | self.books.memory()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         for name in self._STATE:
             getattr(self, name)[:] = kept[name]
-        self.equations.restore(kept)
+        self.equations.memory.restore(kept)
         self.books.restore(kept)
 
 

@@ -126,7 +126,7 @@ def accelerations(
     n, m = equations.unknowns.moving, equations.unknowns.m
     prescribed = equations.prescribed(time, step)
     v = _moved(equations, v, prescribed.velocities)
-    equations.set_time(time)
+    prescribed.act()
     H = np.concatenate([H[: n + 1], prescribed.frames])
     r, supports = solver.right_hand_side, equations.supports
     rate = np.zeros_like(v)

@@ -130,9 +130,9 @@ class Integration(ABC, Generic[Kept]):
         """All that the next steps depend on."""
         learned = self.decisions.memory()
         policy = {f"policy.{name}": value for name, value in learned.items()}
-        return self.equations.saved(matrix=True) | policy
+        return self.equations.memory.saved(matrix=True) | policy
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
-        self.equations.restore(kept)
+        self.equations.memory.restore(kept)
         self.decisions.restore({name: kept[f"policy.{name}"] for name in self.decisions.memory()})

@@ -9,9 +9,8 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
-from fem_lie.lie.kinds import pull_all
+from fem_lie.lie.kinds import inertia, pull_all
 from fem_lie.lie.tuples import dot, load
-from fem_lie.system.nodes import inertia
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations

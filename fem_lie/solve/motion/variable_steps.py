@@ -149,7 +149,7 @@ class VariableSteps:
                 if not iterations:
                     continue
                 index, time = index + 1, ended
-                stepper.equations.accept(stepper.frames)
+                stepper.equations.memory.accept(stepper.frames)
                 lands = time == control.next_event
                 self._keep(time, index, iterations, event=lands)
                 if lands:

@@ -20,10 +20,9 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import joint_table
-from fem_lie.lie.kinds import push_all, shown_all
+from fem_lie.lie.kinds import inertia, push_all, shown_all
 from fem_lie.results.record import Record
 from fem_lie.solve.recording.row_tables import Given, Kept, given_of, kept_of
-from fem_lie.system.nodes import inertia
 from fem_lie.system.nodes.attachment import expand_motion
 from fem_lie.system.nodes.element_turns import nearest
 from fem_lie.system.nodes.sums import report_rates

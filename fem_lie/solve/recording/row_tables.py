@@ -15,7 +15,7 @@ from fem_lie.forms.fixed_arrays import (
     numbers4,
 )
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.system.nodes import inertia
+from fem_lie.lie.kinds import inertia
 
 
 class Given(NamedTuple):

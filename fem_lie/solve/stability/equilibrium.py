@@ -53,7 +53,7 @@ class StableEquilibrium(SceneEquilibrium):
         """Make the tangent ready, and count its negative eigenvalues."""
         if not self._carried_stress:
             self._forces_known = False
-            self.equations.carry(self._H)
+            self.equations.memory.carry(self._H)
         super().factorise(factor)
 
     def solve_raw(self, b: Array) -> Array:
@@ -84,7 +84,7 @@ class StableEquilibrium(SceneEquilibrium):
     def _loose_motions(self) -> int:
         """Motions without strain that joints allow and nothing resists."""
         K, B = self.pencil()
-        parts = RigidParts(K, K, K, self.equations.rigid_motions(self._H, self.weight))
+        parts = RigidParts(K, K, K, self.equations.constraints(self._H).rigid_motions(self.weight))
         Z = parts.mechanisms(B)
         if not len(Z):
             return 0
@@ -160,7 +160,7 @@ class StableEquilibrium(SceneEquilibrium):
     def stress(self, dx: Array) -> None:
         """Carry the stress on along an increment, and multipliers, but leave the nodes."""
         self._forces_known = False
-        self.equations.carry(self._H, dx[: 6 * self._moving])
+        self.equations.memory.carry(self._H, dx[: 6 * self._moving])
         self._multipliers += self._scale * dx[6 * self._moving :]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:

@@ -131,7 +131,7 @@ class SceneEquilibrium:
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
         self._solver = DirectSolver(equations.matrix, prefix, methods(equations))
-        equations.carry(self._H)
+        equations.memory.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known = False
         self._scratch = np.empty(unknowns.size)
@@ -145,10 +145,9 @@ class SceneEquilibrium:
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the present state."""
         equations = self.equations
-        equations.set_time(0.0, 0.0)
+        equations.prescribed(0.0).act(0.0)
         equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
-        equations.set_time(1.0, 1.0)
-        self._load[: 6 * self._moving] = equations.loads(self._H)
+        self._load[: 6 * self._moving] = equations.prescribed(1.0).loads(self._H)
         self._forces_known = True
         return self._internal.copy(), self._load.copy()
 
@@ -173,7 +172,7 @@ class SceneEquilibrium:
     def _find(self, factor: float) -> None:
         """The forces of the present state, of which those of nodes may be known."""
         given, known = (self._scale, self._scratch, self._found), self._forces_known
-        self.equations.set_time(factor, factor)
+        self.equations.prescribed(factor).act(factor)
         self.equations.residual(self._now, *given, carried=True, known=known)
 
     def solve(self, b: Array) -> Array:
@@ -198,7 +197,7 @@ class SceneEquilibrium:
     def reactions(self, state: _State, factor: float) -> Array:
         """Of supports in a state that is restored, see :class:`~.report.Report`."""
         self.restore(state)
-        self.equations.set_time(factor, factor)
+        self.equations.prescribed(factor).act(factor)
         return self.equations.report(*self._now).reactions
 
     def joint_forces(self, state: _State) -> Array:
@@ -231,14 +230,14 @@ class SceneEquilibrium:
 
     def state(self) -> _State:
         """A copy of the present state; angles of joints are counted on from here."""
-        self.equations.accept(self._H)
-        return _State(self._H.copy(), self._multipliers.copy(), self.equations.saved())
+        self.equations.memory.accept(self._H)
+        return _State(self._H.copy(), self._multipliers.copy(), self.equations.memory.saved())
 
     def restore(self, state: _State) -> None:
         """Return to a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
-        self.equations.restore(state.saved)
+        self.equations.memory.restore(state.saved)
 
 
 def _result(

@@ -25,7 +25,7 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
     """
     unknowns = equations.unknowns
     if carried:
-        equations.carry(H, -x[: 6 * unknowns.moving])
+        equations.memory.carry(H, -x[: 6 * unknowns.moving])
     largest = advance(unknowns.kinds, H, x, unknowns.held, unknowns.uncoupled, unknowns.length)
-    equations.turn_drills(H)
+    equations.memory.turn_axes(H)
     return largest

@@ -53,7 +53,7 @@ class LoadSteps:
         self.residual: float = 0.0
         self.last: float = 0.0
         self._folded = ""
-        equations.carry(self.H)
+        equations.memory.carry(self.H)
         now = Instant(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
         self._found = equations.residual(now, self._scale, self._r, carried=True)
@@ -143,8 +143,9 @@ class LoadSteps:
         """Go to the load factor and keep that state; if it fails, stay at the old one."""
         equations = self.equations
         H, multipliers = self.H.copy(), self.multipliers.copy()
-        equations.set_time(factor, factor)
-        self.H[self._moving + 1 :] = equations.prescribed(factor).frames
+        now = equations.prescribed(factor)
+        now.act(factor)
+        self.H[self._moving + 1 :] = now.frames
         previous = np.inf
         self.iterations, self._folded = 0, ""
         while self.iterations < self._options.max_iterations:
@@ -171,12 +172,12 @@ class LoadSteps:
                 self._reactions.append(told.reactions)
                 self._counts.append(self.iterations)
                 self._pivots.append(self._negative_pivots(factor))
-                equations.accept(self.H)
+                equations.memory.accept(self.H)
                 return True
             previous = self.last
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
-        equations.carry(H)
+        equations.memory.carry(H)
         return False
 
     def _negative_pivots(self, factor: float) -> int:
@@ -191,7 +192,7 @@ class LoadSteps:
         """Residual and matrix of the present state."""
         equations, H, zero = self.equations, self.H, self._zero
         if not self._options.carried_stress:
-            equations.carry(H)
+            equations.memory.carry(H)
         # centrifugal forces grow as the loads do
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = Instant(H, v, zero, self.multipliers)

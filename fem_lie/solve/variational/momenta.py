@@ -12,6 +12,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.kinds import inertia
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -27,7 +28,6 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.solve.conserving.step.cayley import half, span
 from fem_lie.solve.conserving.step.joints import add_joints
-from fem_lie.system.nodes import inertia
 
 
 @compiled

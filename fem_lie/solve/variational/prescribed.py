@@ -26,15 +26,15 @@ def prescribe(
             are set; results.
     """
     n, (driven, twists) = equations.unknowns.moving, given
-    middle, end = start + 0.5 * h, start + h
+    end, between = start + h, equations.prescribed(start + 0.5 * h, h)
     if equations.unknowns.driven:
         at = [equations.prescribed(time).targets for time in (start, end)]
         driven[:] = at[1] - at[0]
     if len(H) > n + 1:
         delta, mean, last, half_way = rows
-        after, between = equations.prescribed(end), equations.prescribed(middle, h)
+        after = equations.prescribed(end)
         delta[n + 1 :] = after.frames - H[n + 1 :]
         mean[n + 1 :] = 0.5 * (after.frames + H[n + 1 :])
         last[n + 1 :], half_way[n + 1 :] = after.frames, between.frames
         twists[n + 1 :] = between.velocities
-    equations.set_time(middle)
+    between.act()

@@ -111,7 +111,7 @@ class VariationalRun(RunState):
         ahead = 2.0 * self.weights - self.earlier if self.index else self.weights.copy()
         self.earlier[:] = self.weights
         self._made += 1
-        self.equations.accept(self.H)
+        self.equations.memory.accept(self.H)
         if not self.books.empty:
             self._book(ahead)
 
@@ -119,7 +119,7 @@ class VariationalRun(RunState):
         """By the trapezoidal rule, with velocities along a line through the last two steps."""
         time = self.index * self.h
         if self._changing:
-            self.equations.set_time(time)
+            self.equations.prescribed(time).act()
         twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
         self.books.add(self.h, time, self.H, twists[: self._n], rates, weights)
 

@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.forms.frames import push
 from fem_lie.joints.equations.table import joint_table
+from fem_lie.lie.kinds import inertia
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import ROTATION
@@ -19,7 +20,6 @@ from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.ends import Ends
 from fem_lie.system.equations import Equations, Instant, Plan
-from fem_lie.system.nodes import inertia
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array, Flags
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system import outer_forces
 from fem_lie.system.balance.held_forces import HeldForces
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.outer_forces import LOADS, LOSS, POWER, REACTIONS, PlainScene, add_local
 from fem_lie.system.system import System
 

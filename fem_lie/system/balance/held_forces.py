@@ -14,8 +14,8 @@ from fem_lie._jit import compiled
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import wrenches
 from fem_lie.lie.kinds import acceleration, pull
+from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion, multiply_row
 from fem_lie.system.instant import Instant
-from fem_lie.system.nodes.inertia import PlainInertia, PlainMotion, multiply_row
 from fem_lie.system.nodes.loads import PlainLoads
 from fem_lie.system.nodes.sums import add_moments
 from fem_lie.system.system import System

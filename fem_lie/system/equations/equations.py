@@ -7,12 +7,11 @@ them, and a solver may use nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.bordered import KKT
@@ -23,14 +22,13 @@ from fem_lie.system.balance.books import Books
 from fem_lie.system.equations.at_rest import fill_at_rest
 from fem_lie.system.equations.constraints_at import ConstraintsAt
 from fem_lie.system.equations.contents import contents
+from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import Report
 from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.sums import load_vector
 from fem_lie.system.small_motions.linear import SmallMotions
-from fem_lie.system.small_motions.rigid_motions import rigid_motions
 from fem_lie.system.small_motions.steady import fill_steady
 from fem_lie.system.system import System
 
@@ -46,6 +44,7 @@ class Equations:
         matrix: What :meth:`fill` fills.
         supports: Nodes whose unknowns are along axes fixed in space, and the way there and back.
         info: Bodies and joints, for results.
+        memory: What neither states nor the time tell.
     """
 
     def __init__(
@@ -80,13 +79,13 @@ class Equations:
         # of springs in compiled sums these know themselves
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.settles for term in self._terms)
-        self._connections = self._system.connections
         self.unknowns = Unknowns.of(self._system)
         self.start = Start(self._system.frames, self._system.velocities)
         self.tables = Tables.of(self._system)
         self.matrix: KKT = self._system.kkt
         self.supports: Supports = self._system.supports
         self.info: SceneInfo = self._info()
+        self.memory = Memory(self._system, self._terms)
         self._still = np.zeros((self.unknowns.moving, 6))
 
     def _info(self) -> SceneInfo:
@@ -103,16 +102,8 @@ class Equations:
 
     # --- time ---
 
-    def set_time(self, time: float, factor: float = 1.0) -> None:
-        """Loads and targets of ``time``; loads without history, and gravity, times ``factor``.
-
-        Raises:
-            ValueError: A history, motion or drive is not finite.
-        """
-        self._system.set_time(time, factor)
-
     def prescribed(self, time: float, step: float = np.inf) -> Prescribed:
-        """What drives and motions do at ``time``; rates by differences over ``step``."""
+        """What drives, motions and loads do at ``time``; rates by differences over ``step``."""
         return Prescribed(self._system, time, step)
 
     # --- residual and matrix ---
@@ -153,16 +144,6 @@ class Equations:
         self._system.residual(state, scale, r, found, per_increment=per_increment)
         return found
 
-    def loads(self, H: Array) -> Array:
-        """Loads of the present time on the nodes at frames ``H``, in their unknowns, (6 n,)."""
-        system, forces = self._system, np.zeros((self.unknowns.moving, 6))
-        loads = system.loads
-        load_vector(system.kinds, H, loads.dead, loads.moment, loads.following, forces)
-        forces += system.terms.of_loads(H)
-        system.supports.turn(H, forces)
-        forces[system.held] = 0.0
-        return forces.ravel()
-
     def fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
         """Derivative of :meth:`residual`, into :attr:`matrix`; not factorised.
 
@@ -190,68 +171,8 @@ class Equations:
         return system.fill_matrix(state, system.room() if forces is None else forces, plan)
 
     def constraints(self, H: Array) -> ConstraintsAt:
-        """The constraints at frames ``H``: Jacobian and rates."""
+        """The constraints at frames ``H``: Jacobian and rates, and what they leave rigid bodies."""
         return ConstraintsAt(self._system, H)
-
-    # --- what a state carries on ---
-
-    def carry(self, H: Array, h: Array | None = None) -> None:
-        """Carry the stress on along the increment ``h`` (6 n,) made from frames ``H``.
-
-        Without an increment: begin at these frames with the true one.
-        """
-        if h is None:
-            self._terms.reset_stress(H)
-        else:
-            self._terms.carry(H, h)
-
-    def saved(self, *, matrix: bool = False) -> dict[str, Array]:
-        """All that what comes depends on but the state and the time; ``matrix``: that, too."""
-        saved = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
-        saved["joints"] = self._connections.memory
-        if matrix:
-            saved |= {"matrix": self.matrix.csr[0], "blocks": self._system.tangent.A}
-            saved |= {"row pointers": self.matrix.indptr, "columns": self.matrix.indices}
-            saved |= {f"seen.{k}": term.seen.copy() for k, term in enumerate(self._terms)}
-        return saved
-
-    def restore(self, saved: Mapping[str, Array]) -> None:
-        """Be as when :meth:`saved` was called."""
-        self._connections.memory = saved["joints"]
-        count = sum(name.startswith("carried.") for name in saved)
-        self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
-        if "matrix" in saved:
-            for k, term in enumerate(self._terms):
-                term.see_again(saved[f"seen.{k}"])
-            pattern = saved["row pointers"], saved["columns"]
-            self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
-            self._system.tangent.A[:], self.matrix.csr[0][:] = saved["blocks"], saved["matrix"]
-            self.matrix.matrix.stateIncrease()
-            self.matrix.matrix.assemble()
-
-    def accept(self, H: Array) -> None:
-        """Go on from here: joints count their turns.
-
-        Raises:
-            ValueError: Something slid off its beam.
-        """
-        self._connections.accept(H)
-
-    def turn_drills(
-        self, H: Array, motion: Array | None = None, written_locally: Flags | None = None
-    ) -> None:
-        """Turn axes that follow a mid-surface or what is around them, and what is written in them.
-
-        Args:
-            H: Frames of all rows.
-            motion: Velocities, accelerations and the like, shape (k, n, 6); default: none.
-            written_locally: Which of them have components in the frames on any group, (k,).
-        """
-        for carried in self._system.carried:
-            if motion is None or written_locally is None:
-                carried.turn(H)
-            else:
-                carried.turn_motion(H, motion, self.unknowns.kinds, written_locally)
 
     # --- what is told of a state ---
 
@@ -282,10 +203,6 @@ class Equations:
     def small_motions(self, rotation: Rotation) -> SmallMotions:
         """The linear equations beside the initial frames, in a frame that turns."""
         return SmallMotions(self._system, rotation)
-
-    def rigid_motions(self, H: Array, weight: Array) -> list[Any]:
-        """See :func:`~fem_lie.system.small_motions.rigid_motions.rigid_motions`."""
-        return rigid_motions(self._system, H, weight)
 
     def contents(self) -> list[tuple[str, Any, str]]:
         """All that they depend on but functions of time: name, value, what errors call it."""

@@ -1,4 +1,4 @@
-"""What drives and prescribed motions do at a time."""
+"""What drives, prescribed motions and loads do at a time."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.system.nodes.sums import load_vector
 from fem_lie.system.system import System
 
 
 class Prescribed:
-    """Places of prescribed motions and targets of constraints at one time, found when asked for.
+    """Places of prescribed motions, targets of constraints and loads, found when asked for.
 
     Rates are differences over later times, none beyond the next jump: what is prescribed need not
     be defined before.
@@ -27,6 +28,32 @@ class Prescribed:
             step: Over which rates are differences.
         """
         self._system, self._time, self._step = system, time, step
+
+    def act(self, factor: float = 1.0) -> None:
+        """Let loads and targets of this time act from now on.
+
+        Args:
+            factor: Of loads without history, and of gravity.
+
+        Raises:
+            ValueError: A history, motion or drive is not finite.
+        """
+        self._system.set_time(self._time, factor)
+
+    def loads(self, H: Array) -> Array:
+        """Loads, which act from now on, at frames ``H``, in the unknowns of the nodes, (6 n,).
+
+        Raises:
+            ValueError: A history is not finite.
+        """
+        self.act()
+        system, forces = self._system, np.zeros((self._system.count, 6))
+        loads = system.loads
+        load_vector(system.kinds, H, loads.dead, loads.moment, loads.following, forces)
+        forces += system.terms.of_loads(H)
+        system.supports.turn(H, forces)
+        forces[system.held] = 0.0
+        return forces.ravel()
 
     @cached_property
     def frames(self) -> Array:

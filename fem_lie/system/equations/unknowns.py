@@ -11,10 +11,10 @@ from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.carried_axes import PlainSurroundings
+from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe, symmetry
 from fem_lie.system.balance.acting import supported
-from fem_lie.system.nodes.inertia import Inertia, turning_of
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.system import System
 
@@ -135,7 +135,7 @@ class Tables(NamedTuple):
         offset: Its frame in that of its leader, (N, 4, 3).
         inertia: Mass matrix on (x, d₁, d₂, d₃).
         turning: Angular velocities of rates of directors, see
-            :func:`~fem_lie.system.nodes.inertia.turning_of`, (n, 3, 3, 3).
+            :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
         damping: Damping that goes with mass, likewise; empty without.
         loads: At the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).

@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.system.nodes.inertia import Inertia, multiply
+from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
 

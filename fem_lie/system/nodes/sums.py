@@ -13,10 +13,9 @@ from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import pull_all, pull_derivative, push_all, tangent, turn
-from fem_lie.system.nodes import inertia
+from fem_lie.lie.kinds import inertia, pull_all, pull_derivative, push_all, tangent, turn
+from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.attachment import expand
-from fem_lie.system.nodes.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.loads import PlainLoads
 
 PlainFollowing: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]

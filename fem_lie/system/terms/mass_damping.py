@@ -7,9 +7,8 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.term import Pairs, Term
-from fem_lie.lie.kinds import at_rest, pull_derivative
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.lie.kinds import at_rest, inertia, pull_derivative
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.nodes.sums import add_mass_damping
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from fem_lie._arrays import Indices
 from fem_lie.contact.contact import Contact
 from fem_lie.forms.term import Term
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.followed import Followed

@@ -6,6 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds import inertia
 from fem_lie.lie.motions import to_local
 from fem_lie.lie.tuples import (
     cross,
@@ -36,7 +37,6 @@ from fem_lie.solve.alpha.step.free_records import (
     State,
 )
 from fem_lie.solve.alpha.step.node import Scheme
-from fem_lie.system.nodes import inertia
 
 
 @inlined

@@ -12,6 +12,8 @@ from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import unwrap
+from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -36,8 +38,6 @@ from fem_lie.solve.conserving.step.dissipation import (
     remember,
 )
 from fem_lie.solve.conserving.step.records import Scheme, State, Step, solution_of, span_of
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
 
 

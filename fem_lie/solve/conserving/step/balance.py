@@ -10,6 +10,8 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
+from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -45,8 +47,6 @@ from fem_lie.solve.conserving.step.records import (
     solution_of,
     span_of,
 )
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
 
 

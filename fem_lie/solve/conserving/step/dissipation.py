@@ -42,6 +42,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -57,8 +59,6 @@ from fem_lie.lie.tuples import (
 from fem_lie.solve.conserving.step.cayley import mean_of
 from fem_lie.solve.conserving.step.mean_forces import solve_symmetric
 from fem_lie.solve.conserving.step.records import Products
-from fem_lie.system.nodes import inertia
-from fem_lie.system.nodes.inertia import Inertia
 
 MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
 """Places in the array of lagged numbers: β, the share of elastic forces that is filtered, whether

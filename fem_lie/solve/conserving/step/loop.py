@@ -14,6 +14,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -76,7 +77,6 @@ from fem_lie.solve.conserving.step.records import (
     solution_of,
     span_of,
 )
-from fem_lie.system.nodes.inertia import Inertia
 
 DONE, MATRIX, FAILED, LOST = 0, 1, 2, 3
 _ULP = 4.0 * float(np.finfo(np.float64).eps)

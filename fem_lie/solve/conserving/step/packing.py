@@ -19,8 +19,8 @@ from fem_lie.forms.fixed_arrays import (
     numbers3,
     numbers4,
 )
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.step.records import Leaders, Legs, Model, Pieces, Scheme, State, Step
-from fem_lie.system.nodes.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
 
 PackedModel: TypeAlias = tuple[Indices, Flags, Flags, tuple[bool, bool], tuple[float, float, float]]

@@ -12,7 +12,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
-from fem_lie.system.nodes.inertia import Inertia
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.system.nodes.loads import Loads
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.straight.rows import CellTable
-from fem_lie.system.nodes.inertia import Inertia
 
 ENERGY, SQUARES, LEAK, LIMIT = 0, 1, 2, 3
 """Of :attr:`State.told`."""

@@ -129,7 +129,7 @@ class StraightRun(Integration[Recorder]):
         s.account[:] = s.W
 
     def _set_time(self, time: float) -> None:
-        self.equations.set_time(time)
+        self.equations.prescribed(time).act()
         loads = self.equations.tables.loads
         self.model.dead[:], self.model.following[:] = loads.dead, loads.following
 
@@ -145,7 +145,7 @@ class StraightRun(Integration[Recorder]):
             s = self.s
             steps.accept(self.model, s, self.this, self.h)
             self._rates[1], self._rates[0] = self._rates[0], 2.0 * s.trend
-            self.equations.turn_drills(s.H)
+            self.equations.memory.turn_axes(s.H)
             self._made += 1
         return made
 

@@ -13,6 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
+from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.forces import wrench
 from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight
 from fem_lie.lie.kinds.motion import from_local, to_local
@@ -37,7 +38,6 @@ from fem_lie.solve.conserving.straight.records import (
     Step,
 )
 from fem_lie.solve.conserving.straight.rows import gathered, spread
-from fem_lie.system.nodes import inertia
 
 _ULP = float(np.finfo(np.float64).eps)
 

@@ -18,7 +18,9 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import directors
-from fem_lie.lie.kinds import SLOPE, acceleration, acceleration_derivatives, pull, push_all
+from fem_lie.lie.kinds.all_nodes import push_all
+from fem_lie.lie.kinds.forces import acceleration, acceleration_derivatives, pull
+from fem_lie.lie.kinds.kind import SLOPE
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""

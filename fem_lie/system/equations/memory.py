@@ -1,0 +1,83 @@
+"""What equations remember beside a state: carried stress, turns of joints, axes that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags
+from fem_lie.system.system import System
+from fem_lie.system.terms.all_terms import Terms
+
+
+class Memory:
+    """What neither states nor the time tell; the solver says when it goes on."""
+
+    def __init__(self, system: System, terms: Terms) -> None:
+        """Of a system.
+
+        Args:
+            system: The equations.
+            terms: Those that carry something.
+        """
+        self._system, self._terms, self._connections = system, terms, system.connections
+
+    def carry(self, H: Array, h: Array | None = None) -> None:
+        """Carry the stress on along the increment ``h`` (6 n,) made from frames ``H``.
+
+        Without an increment: begin at these frames with the true one.
+        """
+        if h is None:
+            self._terms.reset_stress(H)
+        else:
+            self._terms.carry(H, h)
+
+    def accept(self, H: Array) -> None:
+        """Go on from here: joints count their turns.
+
+        Raises:
+            ValueError: Something slid off its beam.
+        """
+        self._connections.accept(H)
+
+    def turn_axes(
+        self, H: Array, motion: Array | None = None, written_locally: Flags | None = None
+    ) -> None:
+        """Turn axes that follow a mid-surface or what is around them, and what is written in them.
+
+        Args:
+            H: Frames of all rows.
+            motion: Velocities, accelerations and the like, shape (k, n, 6); default: none.
+            written_locally: Which of them have components in the frames on any group, (k,).
+        """
+        for carried in self._system.carried:
+            if motion is None or written_locally is None:
+                carried.turn(H)
+            else:
+                carried.turn_motion(H, motion, self._system.kinds, written_locally)
+
+    def saved(self, *, matrix: bool = False) -> dict[str, Array]:
+        """All that what comes depends on but the state and the time; ``matrix``: that, too."""
+        saved = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
+        saved["joints"] = self._connections.memory
+        if matrix:
+            kkt = self._system.kkt
+            saved |= {"matrix": kkt.csr[0], "blocks": self._system.tangent.A}
+            saved |= {"row pointers": kkt.indptr, "columns": kkt.indices}
+            saved |= {f"seen.{k}": term.seen.copy() for k, term in enumerate(self._terms)}
+        return saved
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """Be as when :meth:`saved` was called."""
+        self._connections.memory = saved["joints"]
+        count = sum(name.startswith("carried.") for name in saved)
+        self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
+        if "matrix" in saved:
+            for k, term in enumerate(self._terms):
+                term.see_again(saved[f"seen.{k}"])
+            pattern, kkt = (saved["row pointers"], saved["columns"]), self._system.kkt
+            self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
+            self._system.tangent.A[:], kkt.csr[0][:] = saved["blocks"], saved["matrix"]
+            kkt.matrix.stateIncrease()
+            kkt.matrix.assemble()
