@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from math import log
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,15 @@ _log = logging.getLogger(__name__)
 _PREFIX = "fem_lie_dynamics_"
 _STAGNANT, _FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
 """Increments below the first, over those of the model, that do not fall by the second are noise."""
+_SHARE = 0.25
+"""Of the cost of a matrix, what a step that converges may go on for instead."""
+
+
+def _lags(decisions: Decisions, increment: float, ratio: float) -> bool:
+    """Whether at its rate the step goes on for longer than a matrix takes, where that counts."""
+    if decisions.rule is None or not decisions.rule.asks or ratio >= 1.0:
+        return True
+    return log(_STAGNANT / increment) < _SHARE * decisions.rule.cost * log(ratio)
 
 
 class StraightRun(Integration[Recorder]):
@@ -174,7 +184,8 @@ class StraightRun(Integration[Recorder]):
             steps.residual(model, s, this, self.h)
             # at the last digits no matrix helps: they are told neither of late nor of many of these
             fine = previous <= _STAGNANT
-            due = not fine and decisions.before_iteration(iteration)
+            asked = iteration == 1 or (not fine and _lags(decisions, previous, ratio))
+            due = asked and decisions.before_iteration(iteration)
             if self._factors is None or due:
                 try:
                     self._factorise()
