@@ -1,5 +1,9 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
+from fem_lie.adapt.goals import GoalError, PointDisplacement, goal_error
+from fem_lie.adapt.loop import Adapted, adapt
+from fem_lie.adapt.refinement import refine
+from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.orientation import Twisted
@@ -83,6 +87,7 @@ from fem_lie.joints import (
 from fem_lie.joints.histories import Jumps, Table
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.curves import curve, polyline, straight
 from fem_lie.mesh.gmsh_lines import read_curve
 from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
@@ -173,6 +178,7 @@ __all__ = [
     "MITC4_PLUS",
     "MITC6",
     "MITC9",
+    "Adapted",
     "AdaptiveStep",
     "AncfBeam",
     "AncfElement",
@@ -230,6 +236,7 @@ __all__ = [
     "Gear",
     "GeneralisedAlpha",
     "Geodesic",
+    "GoalError",
     "Group",
     "HellingerReissner",
     "HermiteCable",
@@ -275,6 +282,7 @@ __all__ = [
     "Plane",
     "Ply",
     "Point",
+    "PointDisplacement",
     "PointLoad",
     "Policy",
     "PreStress",
@@ -309,6 +317,7 @@ __all__ = [
     "SolidFormulation",
     "SolidMaterial",
     "SolidStresses",
+    "SpaceError",
     "Sphere",
     "Spherical",
     "SplineCable",
@@ -335,32 +344,39 @@ __all__ = [
     "VolumeLoad",
     "VolumeMesh",
     "Warping",
+    "adapt",
     "block",
     "branch",
     "brick",
     "bspline_patch",
     "buckling",
     "contact_forces",
+    "curve",
     "director_strains",
     "follow_loads",
     "follow_path",
     "from_dolfinx",
+    "goal_error",
     "gram_from_rigid",
     "ground",
     "imperfect",
     "local_frame_forms",
+    "polyline",
     "read_curve",
     "read_gmsh",
     "read_gmsh_surface",
     "read_gmsh_volume",
+    "refine",
     "resultant_colours",
     "resultant_series",
     "resultants",
     "section_forces",
     "smooth_patch",
     "solid_stresses",
+    "space_error",
     "spline_patch",
     "statics",
+    "straight",
     "surface",
     "surface_from_dolfinx",
     "thin_resultants",

@@ -169,6 +169,23 @@ def create_surface_mesh(
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element)
 
 
+def refined(
+    mesh: dolfinx.mesh.Mesh, cells: npt.NDArray[np.int32]
+) -> tuple[dolfinx.mesh.Mesh, npt.NDArray[np.int32]]:
+    """A mesh of simplices with these cells cut, and the cell that each of its cells is a part of.
+
+    DOLFINx gives parents in the order in which it made the cells, before it gave them numbers.
+    """
+    topology, dim = mesh.topology, mesh.topology.dim
+    topology.create_entities(1)
+    topology.create_connectivity(dim, 1)
+    topology.create_connectivity(1, dim)
+    edges = dolfinx.mesh.compute_incident_entities(topology, cells, dim, 1)
+    option = dolfinx.mesh.RefinementOption.parent_cell
+    fine, parents, _ = dolfinx.mesh.refine(mesh, edges, option=option)
+    return fine, parents[fine.topology.original_cell_index]
+
+
 def gmsh_order(cell: str, nodes: int) -> npt.NDArray[np.int64]:
     """Where DOLFINx's nodes of a cell stand among gmsh's, shape (nodes,)."""
     kind = dolfinx.cpp.mesh.to_type(cell)

@@ -74,6 +74,7 @@ MAY_IMPORT = {
     "solve.statics": {"solve"},
     "solve.stability": {"solve.statics"},
     "solve.recording": {"solve"},
+    "adapt": {"solve.statics"},
     "solve.motion": {"solve.recording"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},
     "solve.alpha": {"solve.alpha.step"},

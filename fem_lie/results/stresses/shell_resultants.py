@@ -74,12 +74,15 @@ def resultant_series(
     result: States,
     shell: Shell,
     *,
+    steps: Sequence[int] | None = None,
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
 ) -> list[Resultants]:
-    """Those of all states of a result; see :func:`resultants`."""
+    """Those of several states of a result, by default of all; see :func:`resultants`."""
     require_states(result)
-    return _of_states(result, shell, range(len(result.frames)), along, kink_angle)
+    count = len(result.frames)
+    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    return _of_states(result, shell, chosen, along, kink_angle)
 
 
 def resultant_colours(

@@ -116,7 +116,7 @@ class StressPlaces:
         normals = unit(groups.mean(mesh.normals))
         if along is None:
             asked, asked_at_nodes = section, at_nodes
-            shared = axes_along(normals, _mean_direction(groups, at_nodes[:, :, 0]))
+            shared = axes_along(normals, _mean_direction(groups, normals, at_nodes[:, :, 0]))
         else:
             asked = axes_along(unit(across), _directions(along, points.places(x)))
             nodal = _directions(along, mesh.points)
@@ -152,9 +152,10 @@ def _directions(along: Along, places: Array) -> Array:
     return np.reshape(found, places.shape)
 
 
-def _mean_direction(groups: SharedValues, directions: Array) -> Array:
-    """Mean of unit vectors over patches, one of them where they cancel."""
+def _mean_direction(groups: SharedValues, normals: Array, directions: Array) -> Array:
+    """Mean of unit vectors over patches, across their normals; one of them where they cancel."""
     mean = groups.mean(directions)
+    mean -= np.einsum("pj,pj->p", mean, normals)[:, np.newaxis] * normals
     _, first = np.unique(groups.number, return_index=True)
     weak = np.linalg.norm(mean, axis=1) < 0.1
     mean[weak] = directions.reshape(-1, 3)[first[weak]]

@@ -129,6 +129,10 @@ class SmallMotions:
         parts = self._parts(K) if self._system.elastic.pairs else None
         return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], parts)
 
+    def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Tangent of the free unknowns in units of energy, and the Jacobian of constraints."""
+        return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
+
     def _parts(self, K: sp.csr_matrix) -> RigidParts:
         """What elements do, and what else there is."""
         system, kkt = self._system, self._system.kkt

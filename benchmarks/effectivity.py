@@ -1,0 +1,260 @@
+"""Estimated over true error in space, mesh by mesh, of beams and shells: 1 is exact.
+
+``tools/run python3 -m benchmarks.effectivity [--case NAME ...]``
+
+Meshes are nested. The true stress is the one recovered on the finest, of which an estimated error
+stands in the last line of each case; the true error of another mesh is the norm of the difference,
+integrated over the cells of the finest.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+import fem_lie as fl
+from demos import hemisphere, linear_shells, pulled_cylinder
+from fem_lie.adapt.space_error import fields_of
+from fem_lie.adapt.stress_fields import StressFields
+from fem_lie.results.stresses.nodal_values import CellPoints
+from fem_lie.results.stresses.shell_stress import integration
+
+Row = tuple[str, int, float, float]
+"""Mesh, unknowns, true relative error, effectivity."""
+
+
+# --- shells ---------------------------------------------------------------------------------------
+
+
+class ShellCase(NamedTuple):
+    """A shell on quadrilaterals that are nested.
+
+    Attributes:
+        build: From the number of cells along a side to its scene.
+        solve: From that to its equilibrium.
+        meshes: Numbers of cells, each a divisor of the last.
+        places: From its mesh and that number, nodes in units of cells, shape (n, 2).
+    """
+
+    build: Callable[[int], fl.Scene]
+    solve: Callable[[fl.Scene], fl.StaticResult]
+    meshes: tuple[int, ...]
+    places: Callable[[fl.SurfaceMesh, int], np.ndarray]
+
+
+class Solved(NamedTuple):
+    """Stress on a mesh; corners of cells in units of the mesh, shape (m, 4, 2)."""
+
+    shell: fl.Shell
+    fields: StressFields
+    corners: np.ndarray
+
+    @classmethod
+    def of(cls, case: ShellCase, count: int) -> Solved:
+        """Solve a case on a mesh."""
+        scene = case.build(count)
+        (shell,) = scene.bodies
+        (fields,) = fields_of(case.solve(scene), shell, scene)
+        return cls(shell, fields, case.places(shell.mesh, count)[shell.mesh.cells])
+
+
+def _grid(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
+    along = len(mesh.points) // (count + 1)
+    return np.stack(np.divmod(np.arange(len(mesh.points)), along), axis=1)
+
+
+def _plane(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
+    return np.rint(mesh.points[:, :2] * count).astype(int)
+
+
+def shell_rows(case: ShellCase) -> list[Row]:
+    """Errors on all meshes but the finest."""
+    *meshes, finest = case.meshes
+    fine = Solved.of(case, finest)
+    norm = fine.fields.energy(fine.fields.recovered).sum()
+    rows = []
+    for count in meshes:
+        coarse = Solved.of(case, count)
+        true = fine.fields.recovered - _own(coarse, fine, finest // count)
+        error = fine.fields.energy(true).sum()
+        estimate = coarse.fields.energy(coarse.fields.missing).sum()
+        unknowns = 6 * len(coarse.shell.frames)
+        rows.append((f"{count}", unknowns, np.sqrt(error / norm), np.sqrt(estimate / error)))
+    return rows
+
+
+def _own(coarse: Solved, fine: Solved, ratio: int) -> np.ndarray:
+    """Stress of the coarse cells at the points of the fine ones, shape (m, q, 8)."""
+    rule, _ = integration(fine.shell)
+    points = CellPoints.of(fine.shell.own_mesh, rule)
+    low = coarse.corners.min(axis=1)
+    number = {tuple(corner): i for i, corner in enumerate(low.tolist())}
+    cells = np.array([number[tuple(c)] for c in (fine.corners.min(axis=1) // ratio).tolist()])
+    at = np.einsum("qk,mkj->mqj", points.shapes, fine.corners) / ratio
+    p = coarse.corners[cells].astype(float)
+    axes = np.stack([p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]], axis=1)
+    x, y = np.moveaxis(np.einsum("mqj,mij->mqi", at - p[:, np.newaxis, 0], axes), 2, 0)
+    shapes = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=2)
+    inverse = np.linalg.pinv(points.shapes)
+    corners = np.einsum("kq,mqb->mkb", inverse, coarse.fields.own)
+    return np.einsum("mqk,mkb->mqb", shapes, corners[cells])
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+
+def hole(count: int) -> fl.Scene:
+    """A quarter of a square sheet of 2 x 2 with a hole of radius 0.5, pulled along x."""
+
+    def place(a: float, b: float) -> np.ndarray:
+        angle = a * np.pi / 2
+        along = np.array([np.cos(angle), np.sin(angle), 0.0])
+        return 0.5 * (1 - b) * along + b * along / np.abs(along).max()
+
+    mesh = fl.surface(place, (count, count))
+    rim = mesh.curve("b=1")
+    right = rim[(mesh.points[rim, 0] > 1 - 1e-9).all(axis=1)]
+    mesh = replace(mesh, curves={**mesh.curves, "right": right})
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.05, fl.Material(1e6, 0.3, 1.0)), name="sheet")
+    shell.symmetry("a=0", (0, 1, 0))
+    shell.symmetry("a=1", (1, 0, 0))
+    for name in ("a=0", "a=1", "b=0", "b=1"):
+        shell.guide(name, (0, 0, 1))
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.EdgeLoad(shell, "right", force=(1.0, 0, 0)))
+    return scene
+
+
+def l_plate(count: int) -> fl.Scene:
+    """An L of three unit squares, of thickness 0.1, clamped all around, under pressure."""
+    number: dict[tuple[int, int], int] = {}
+    cells = []
+    for i in range(2 * count):
+        for j in range(2 * count):
+            if i < count or j < count:
+                corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+                cells.append([number.setdefault(c, len(number)) for c in corners])
+    points = np.column_stack([np.array(list(number)) / count, np.zeros(len(number))])
+    sides = np.array(cells)[:, [[0, 1], [0, 2], [1, 3], [2, 3]]].reshape(-1, 2)
+    edges, met = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    mesh = fl.SurfaceMesh.from_cells(
+        points, cells, "quadrilateral", curves={"rim": edges[met == 1]}
+    )
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0)), name="plate")
+    shell.clamp("rim")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.SurfacePressure(shell, 0.01))
+    return scene
+
+
+def _half(scene: fl.Scene) -> fl.StaticResult:
+    return fl.follow_loads(scene, [0.5])
+
+
+SHELLS = {
+    "Scordelis-Lo roof": ShellCase(
+        lambda n: linear_shells.scordelis_lo(n, fl.HellingerReissner()),
+        lambda scene: fl.follow_loads(scene, [linear_shells.SMALL]),
+        (8, 16, 32, 96),
+        _grid,
+    ),
+    "hemisphere, t = 0.04": ShellCase(
+        lambda n: hemisphere.pinched(0.04, hemisphere.quarter(n)),
+        fl.follow_loads,
+        (16, 32, 48, 96),
+        _grid,
+    ),
+    "hemisphere, t = 0.01": ShellCase(
+        lambda n: hemisphere.pinched(0.01, hemisphere.quarter(n)),
+        fl.follow_loads,
+        (16, 32, 48, 96),
+        _grid,
+    ),
+    "pulled cylinder, half load": ShellCase(
+        lambda n: pulled_cylinder.cylinder(n, n), _half, (16, 32, 48, 96), _grid
+    ),
+    "plate with a hole": ShellCase(hole, fl.statics, (8, 16, 32, 128), _grid),
+    "L-plate": ShellCase(l_plate, fl.statics, (8, 16, 32, 96), _plane),
+}
+
+
+# --- beams ----------------------------------------------------------------------------------------
+
+FORMULATIONS = {
+    "geodesic": fl.Geodesic(),
+    "director 1": fl.Director(1),
+    "director 2": fl.Director(2),
+}
+CELLS, FINEST = (8, 16, 32, 64), 1024
+
+
+def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> StressFields:
+    """An eighth of a circle of radius 100, clamped, under a force at its tip."""
+    section = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e7 / 12, 1e7 / 12, 1e7 / 12])
+    scene = fl.Scene()
+
+    def place(s: float) -> np.ndarray:
+        angle = s * np.pi / 4
+        return 100 * np.array([np.sin(angle), 1 - np.cos(angle), 0.0])
+
+    beam = scene.add(
+        fl.Beam.curve(place, section, cells=cells, formulation=formulation, name="arc")
+    )
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], force=force))
+    (fields,) = fields_of(fl.statics(scene, load_steps=3), beam, scene)
+    return fields
+
+
+BEAMS = {"curved cantilever": (0.0, 20.0, 0.0), "45 degree bend": (0.0, 0.0, 600.0)}
+
+
+def beam_rows(formulation: fl.Formulation, force: Sequence[float]) -> list[Row]:
+    """Errors on all meshes but the finest."""
+    fine = arc(FINEST, formulation, force)
+    norm = fine.energy(fine.recovered).sum()
+    rows = []
+    for cells in CELLS:
+        coarse, ratio = arc(cells, formulation, force), FINEST // cells
+        q = fine.own.shape[1]
+        x, _ = np.polynomial.legendre.leggauss(q)
+        at = (0.5 * (1 + x) + np.arange(ratio)[:, np.newaxis]).ravel() / ratio
+        own = np.vander(at, q) @ np.linalg.inv(np.vander(0.5 * (1 + x), q))
+        true = fine.recovered - np.einsum("aq,mqb->mab", own, coarse.own).reshape(fine.own.shape)
+        error = fine.energy(true).sum()
+        estimate = coarse.energy(coarse.missing).sum()
+        unknowns = 6 * cells * (1 if q == 2 else 2)
+        rows.append((f"{cells}", unknowns, np.sqrt(error / norm), np.sqrt(estimate / error)))
+    return rows
+
+
+def main() -> None:
+    """Print tables in Markdown."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    names = [*BEAMS, *SHELLS]
+    parser.add_argument("--case", nargs="+", choices=names, default=names, metavar="NAME")
+    given = parser.parse_args()
+    print("| scene | element | cells | unknowns | true error | estimated over true |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for name in given.case:
+        if name in BEAMS:
+            tables = {k: beam_rows(f, BEAMS[name]) for k, f in FORMULATIONS.items()}
+        else:
+            tables = {"HR": shell_rows(SHELLS[name])}
+        for element, rows in tables.items():
+            for cells, unknowns, error, ratio in rows:
+                print(
+                    f"| {name} | {element} | {cells} | {unknowns} | {100 * error:.3g} % | "
+                    f"{ratio:.3f} |",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,195 @@
+"""Solve, estimate and refine until the error is as small as was asked for.
+
+A scene is a function of its mesh::
+
+    def plate(mesh):                       # a scene on any mesh
+        scene = fl.Scene()
+        shell = scene.add(fl.Shell(mesh, section, name="plate"))
+        ...
+        return scene
+
+    found = fl.adapt(plate, mesh, tolerance=0.02)
+    print(found)                           # unknowns and error of each mesh
+    found.result.picture("plate.png")
+
+Refinement makes a scene anew: names of points, curves and groups are there on each mesh, and loads,
+sections, directors and imperfections that are functions are evaluated on it, so that nothing has to
+be carried over and nothing is known by number.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance, positive, whole
+from fem_lie.adapt.goals import GoalError, PointDisplacement, goal_error
+from fem_lie.adapt.refinement import Onto, Refinable, refine
+from fem_lie.adapt.space_error import Estimated, SpaceError, space_error
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import require_scene
+from fem_lie.solve.statics.follow import follow_loads
+
+_log = logging.getLogger("fem_lie")
+
+Solve = Callable[[Scene], StaticResult]
+Estimate = SpaceError | GoalError
+
+
+@dataclass(frozen=True, eq=False)
+class Adapted(Generic[Refinable]):
+    """What :func:`adapt` has found.
+
+    Attributes:
+        mesh: The last one.
+        scene: On it.
+        result: Its equilibrium.
+        error: The estimate for it.
+        unknowns: Six for each node of each mesh, shape (k,).
+        relative: Estimated relative error on each mesh, shape (k,).
+        meshes: All of them.
+    """
+
+    mesh: Refinable
+    scene: Scene
+    result: StaticResult
+    error: Estimate
+    unknowns: Array
+    relative: Array
+    meshes: tuple[Refinable, ...]
+
+    @property
+    def rate(self) -> float:
+        """Exponent of the error in the unknowns, from the first mesh to the last."""
+        if len(self.unknowns) < 2:
+            return float("nan")
+        growth = np.log(self.unknowns[-1] / self.unknowns[0])
+        return float(np.log(self.relative[-1] / self.relative[0]) / growth)
+
+    def __str__(self) -> str:
+        """A line for each mesh."""
+        rows = zip(self.unknowns, self.relative, strict=True)
+        return "\n".join(f"{int(n):8d} unknowns, error {100 * e:.3g} %" for n, e in rows)
+
+
+def adapt(
+    build: Callable[[Refinable], Scene],
+    mesh: Refinable,
+    *,
+    tolerance: float,
+    goal: PointDisplacement | None = None,
+    body: str | None = None,
+    solve: Solve = follow_loads,
+    part: float = 0.5,
+    most: int = 200_000,
+    onto: Onto | None = None,
+) -> Adapted[Refinable]:
+    """Refine a mesh where the error is made, until it is below a tolerance.
+
+    Each mesh is solved from the start. The elements that are cut are the fewest that have a part of
+    the square of the error, which is what gives the best possible order (R. Stevenson, Found.
+    Comput. Math. 7 (2007) 245).
+
+    Args:
+        build: From a mesh to a scene with a beam or shell on it.
+        mesh: To begin with: lines, or triangles of first degree.
+        tolerance: Of the relative error, in the energy norm or of the goal.
+        goal: What has to be accurate; default: the stress, in the energy norm.
+        body: Name of the beam or shell on the mesh; default: the only one there is.
+        solve: From a scene to its equilibrium; default:
+            :func:`~fem_lie.solve.statics.follow.follow_loads`.
+        part: Of the square of the error that the elements to be cut have.
+        most: Unknowns; more are not solved for.
+        onto: The true line or surface, for new points.
+
+    Raises:
+        ValueError: Bad arguments, a mesh that cannot be refined, or a scene without a beam or shell
+            on it, before anything is solved.
+        ConvergenceError: The tolerance was not reached with so many unknowns, or not in statics;
+            its ``result`` is the :class:`Adapted` of the last mesh that was solved, if any.
+    """
+    _check(build, mesh, tolerance, goal, solve, part, onto)
+    whole(most, "most")
+    refine(mesh, np.arange(0), onto=onto)
+    history: list[tuple[int, float]] = []
+    meshes: list[Refinable] = []
+    found: Adapted[Refinable] | None = None
+    while True:
+        scene = build(mesh)
+        require_scene(scene)
+        chosen = _named(scene, body, mesh)
+        count = 6 * sum(len(b.frames) for b in scene.bodies)
+        if count > most:
+            raise ConvergenceError(
+                f"an error of {tolerance:g} needs more than {most} unknowns"
+                + (
+                    f": it is {found.relative[-1]:.2g} with {found.unknowns[-1]:.0f}"
+                    if found
+                    else ""
+                ),
+                found,
+            )
+        result = solve(scene)
+        error: Estimate = (
+            space_error(result, chosen, scene)
+            if goal is None
+            else goal_error(result, [chosen], scene, goal)
+        )
+        history.append((count, error.relative))
+        meshes.append(mesh)
+        unknowns, relative = np.array(history, dtype=np.float64).T
+        found = Adapted(mesh, scene, result, error, unknowns, relative, tuple(meshes))
+        _log.info("%d unknowns: %s", count, error)
+        if error.relative <= tolerance:
+            return found
+        mesh = refine(mesh, error.worst(part), onto=onto)
+
+
+def _check(
+    build: object,
+    mesh: object,
+    tolerance: float,
+    goal: object,
+    solve: object,
+    part: float,
+    onto: object,
+) -> None:
+    instance(build, Callable, "build", "a function from a mesh to a Scene")
+    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    positive(tolerance, "tolerance")
+    instance(goal, PointDisplacement | None, "goal", "a PointDisplacement or None")
+    instance(solve, Callable, "solve", "a function from a Scene to its equilibrium")
+    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    if not 0.0 < positive(part, "part") <= 1.0:
+        raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
+
+
+def _named(scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh) -> Estimated:
+    """The beam or shell that is refined.
+
+    Raises:
+        ValueError: There is none, or several and no name, or it has other elements than the mesh.
+    """
+    bodies = [body for body in scene.bodies if isinstance(body, Estimated)]
+    known = ", ".join(repr(body.name) for body in bodies) or "none"
+    chosen = [body for body in bodies if name in (None, body.name)]
+    if len(chosen) != 1:
+        wanted = "one beam or shell, or body=..." if name is None else f"a beam or shell {name!r}"
+        raise ValueError(f"build must make {wanted}; it made {known}")
+    (body,) = chosen
+    own = len(body.elements if isinstance(body, Beam) else body.mesh.cells)
+    if own != len(mesh.cells):
+        raise ValueError(
+            f"{body.label} must be on the mesh that build is given, of {len(mesh.cells)} cells; it "
+            f"has {own}"
+        )
+    return body

@@ -1,0 +1,182 @@
+"""Meshes with some elements cut in two or more; names stay with what they are names of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from fem_lie import _compat, lie
+from fem_lie._arrays import Array, Indices, indices_of, instance, vector
+from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.shapes import cell_normals
+from fem_lie.mesh.surfaces import SurfaceMesh
+
+Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh)
+Onto = Callable[[Array], npt.ArrayLike]
+"""From a place (3,) near the true line or surface to the place on it."""
+
+_SAME_PLACE = 1e-9  # of the length of the shortest edge
+
+
+def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -> Refinable:
+    """Cut cells, and of surfaces those beside them that have to be cut, too.
+
+    Lines are cut in the middle of the arc between the tangents at both ends. Triangles are cut by
+    DOLFINx, after A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each marked one in
+    four, and as few neighbours as leave no node on an edge. Points keep their numbers, new ones
+    come behind them; groups, curves and named points are those of before, cut as the cells are.
+
+    Args:
+        mesh: Lines, or triangles of first degree.
+        cells: Which ones to cut.
+        onto: The true line or surface, for new points; default: the middles of arcs and edges.
+
+    Raises:
+        ValueError: There is no such cell, or the mesh has others than lines and triangles of first
+            degree.
+    """
+    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    marked = np.unique(indices_of(np.atleast_1d(cells), len(mesh.cells), "cells"))
+    if isinstance(mesh, LineMesh):
+        return _refined_lines(mesh, marked, onto)
+    if mesh.cell != "triangle" or mesh.degree != 1:
+        raise ValueError(
+            f"triangles of degree 1 can be refined, got {mesh.cell}s of degree {mesh.degree}"
+        )
+    return _refined_surface(mesh, marked, onto) if len(marked) else mesh
+
+
+# --- lines ---
+
+
+def _refined_lines(mesh: LineMesh, marked: Indices, onto: Onto | None) -> LineMesh:
+    n, m, new = len(mesh.points), len(mesh.cells), len(marked)
+    place, tangent = _arc_middles(mesh, marked)
+    cells, tangents = np.concatenate([mesh.cells, mesh.cells[marked]]), mesh.tangents
+    tangents = np.concatenate([tangents, tangents[marked]])
+    behind, middle = m + np.arange(new), n + np.arange(new)
+    cells[marked, 1], cells[behind, 0] = middle, middle
+    tangents[marked, 1], tangents[behind, 0] = tangent, tangent
+    # in the order of the line: the second half of a cell follows the first
+    order = np.argsort(np.concatenate([np.arange(m), marked + 0.5]), kind="stable")
+    parents = np.concatenate([np.arange(m), marked])[order]
+    return LineMesh(
+        np.concatenate([mesh.points, _moved(place, onto)]),
+        cells[order],
+        tangents[order],
+        _children(mesh.groups, parents),
+        dict(mesh.named_points),
+    )
+
+
+def _arc_middles(mesh: LineMesh, marked: Indices) -> tuple[Array, Array]:
+    """Places and tangents in the middle of cells, on the geodesic between frames of the ends.
+
+    The second frame is the first, turned by the smallest rotation from tangent to tangent: on
+    circles the geodesic is the circle.
+    """
+    a, b = (mesh.points[mesh.cells[marked, i]] for i in (0, 1))
+    t, u = mesh.tangents[marked, 0], mesh.tangents[marked, 1]
+    axis = np.cross(t, u)
+    sine = np.linalg.norm(axis, axis=1, keepdims=True)
+    angle = np.arctan2(sine, np.einsum("mj,mj->m", t, u)[:, np.newaxis])
+    turn = axis * np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0)
+    half = lie.so3_exp(0.5 * turn)
+    first = np.concatenate([a[:, np.newaxis], np.broadcast_to(np.eye(3), (len(a), 3, 3))], axis=1)
+    second = np.concatenate([b[:, np.newaxis], np.swapaxes(lie.so3_exp(turn), 1, 2)], axis=1)
+    middle = lie.se3_retract(first, 0.5 * lie.se3_relative(first, second))
+    return middle[:, 0], np.einsum("mij,mj->mi", half, t)
+
+
+# --- triangles ---
+
+
+def _refined_surface(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
+    cells, parents, cut = _cut_triangles(mesh, marked)
+    middles = mesh.points[cut].mean(axis=1)
+    points = np.concatenate([mesh.points, _moved(middles, onto)])
+    # those of the parent, between its corners in the middle
+    weights = _weights(mesh.cells[parents], cells, cut, len(mesh.points))
+    normals = np.einsum("mki,mij->mkj", weights, mesh.normals[parents])
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    before = np.concatenate([mesh.points, middles])
+    across = np.einsum("mkj,mkj->mk", cell_normals(before, cells, mesh.cell), normals)
+    turned = across[:, 0] < 0
+    cells[turned] = cells[turned][:, ::-1]
+    normals[turned] = normals[turned][:, ::-1]
+    return SurfaceMesh(
+        points,
+        cells,
+        mesh.cell,
+        normals,
+        _children(mesh.groups, parents),
+        {name: _cut_edges(edges, cut, len(mesh.points)) for name, edges in mesh.curves.items()},
+        dict(mesh.named_points),
+    )
+
+
+def _cut_triangles(mesh: SurfaceMesh, marked: Indices) -> tuple[Indices, Indices, Indices]:
+    """New cells (m, 3), the cell that each is a part of (m,), and the edges (e, 2) that are cut.
+
+    New points have the numbers behind the old ones, in the order of these edges.
+    """
+    given = _compat.create_surface_mesh(mesh.points, mesh.cells, mesh.cell, 1)
+    which = np.argsort(given.topology.original_cell_index)[marked]
+    fine, parents = _compat.refined(given, which.astype(np.int32))
+    n, x = len(mesh.points), fine.geometry.x
+    edges = np.unique(
+        np.sort(mesh.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0
+    )
+    ends = mesh.points[edges]
+    known = np.concatenate([mesh.points, ends.mean(axis=1)])
+    far, found = cKDTree(known).query(x)
+    shortest = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min())
+    if far.max() > _SAME_PLACE * shortest:
+        raise RuntimeError(f"a new point is {far.max():g} off the middles of all edges")
+    cut = np.unique(found[found >= n])
+    number = np.concatenate([np.arange(n), np.full(len(edges), -1)])
+    number[cut] = n + np.arange(len(cut))
+    cells = number[found][_compat.geometry_dofmap(fine)]
+    own = given.topology.original_cell_index[parents]
+    return cells.astype(np.int64), own.astype(np.int64), edges[cut - n]
+
+
+def _weights(parents: Indices, cells: Indices, cut: Indices, old: int) -> Array:
+    """Of the corners of a parent in the normals at the nodes of its parts, shape (m, 3, 3)."""
+    new = cells >= old
+    ends = cut[np.where(new, cells - old, 0)]
+    ends = np.where(new[..., np.newaxis], ends, cells[..., np.newaxis])
+    same = ends[..., np.newaxis] == parents[:, np.newaxis, np.newaxis]
+    return np.asarray(same.mean(axis=2))
+
+
+def _cut_edges(edges: Indices, cut: Indices, old: int) -> Indices:
+    """Edges (e, 2), those with a new point in two, one behind the other."""
+    pairs = np.concatenate([np.sort(cut, axis=1), np.sort(edges, axis=1)])
+    _, kind = np.unique(pairs, axis=0, return_inverse=True)
+    middle = np.full(kind.max(initial=-1) + 1, -1)
+    middle[kind[: len(cut)]] = old + np.arange(len(cut))
+    new = middle[kind[len(cut) :]]
+    halves = np.stack([edges[:, 0], new, new, edges[:, 1]], axis=1).reshape(-1, 2, 2)
+    whole = new < 0
+    halves[whole, 0] = edges[whole]
+    kept = np.column_stack([np.ones(len(edges), dtype=np.bool_), ~whole])
+    return np.asarray(halves[kept], dtype=np.int64)
+
+
+# --- both ---
+
+
+def _children(groups: Mapping[str, Indices], parents: Indices) -> dict[str, Indices]:
+    return {name: np.flatnonzero(np.isin(parents, cells)) for name, cells in groups.items()}
+
+
+def _moved(places: Array, onto: Onto | None) -> Array:
+    if onto is None:
+        return places
+    return np.array([vector(onto(x), 3, f"onto at {x}") for x in places]).reshape(-1, 3)

@@ -1,0 +1,41 @@
+"""Two stress fields on the elements of a body, and the energy of their difference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class StressFields:
+    """Stress at q points of each of m elements, b components in local frames.
+
+    Attributes:
+        own: Of the elements, shape (m, q, b).
+        recovered: Of higher order, shape (m, q, b).
+        weights: Length or area of each point, shape (m, q).
+        compliance: ``D⁻¹`` of each element, shape (m, b, b).
+    """
+
+    own: Array
+    recovered: Array
+    weights: Array
+    compliance: Array
+
+    def energy(self, stress: Array) -> Array:
+        """``∫ σ · D⁻¹ σ`` of each element, shape (m,): twice its elastic energy."""
+        return self.work(stress, stress)
+
+    def work(self, a: Array, b: Array) -> Array:
+        """``∫ σ_a · D⁻¹ σ_b`` of each element, shape (m,)."""
+        return np.asarray(
+            np.einsum("mqi,mij,mqj,mq->m", a, self.compliance, b, self.weights, optimize=True)
+        )
+
+    @property
+    def missing(self) -> Array:
+        """Recovered stress less that of the elements, shape (m, q, b)."""
+        return self.recovered - self.own

@@ -1,0 +1,21 @@
+// Three unit squares around a corner, in triangles; a point within the square at the end of one leg.
+DefineConstant[ size = 0.25 ];
+Point(1) = {0, 0, 0, size};
+Point(2) = {2, 0, 0, size};
+Point(3) = {2, 1, 0, size};
+Point(4) = {1, 1, 0, size};
+Point(5) = {1, 2, 0, size};
+Point(6) = {0, 2, 0, size};
+Point(7) = {0.5, 0.5, 0, size};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 5};
+Line(5) = {5, 6};
+Line(6) = {6, 1};
+Curve Loop(1) = {1, 2, 3, 4, 5, 6};
+Plane Surface(1) = {1};
+Point{7} In Surface{1};
+Physical Surface("plate") = {1};
+Physical Curve("rim") = {1, 2, 3, 4, 5, 6};
+Physical Point("middle") = {7};

@@ -1,0 +1,304 @@
+"""Error in space: what is estimated is the error, and meshes are refined where it is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks import effectivity
+from demos import adaptive_shell
+
+SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
+PLAIN = fl.Geodesic(bending_flexibility=False)
+ELEMENTS = [fl.Geodesic(), PLAIN, fl.Director(1), fl.Director(2)]
+
+
+def cantilever(mesh, formulation=PLAIN, force=(0, 2e3, 3e4)):
+    """Clamped at its start, bent far."""
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, SECTION, formulation=formulation, name="beam"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], force=force))
+    return scene
+
+
+def sheet(mesh):
+    """A square in its plane, held at one side, with a pull that grows along the other."""
+    scene = fl.Scene()
+    section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
+    shell = scene.add(fl.Shell(mesh, section, name="sheet"))
+    shell.clamp("a=0")
+    scene.add(fl.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 1e-3)))
+    return scene
+
+
+def square(cells, cell="triangle"):
+    return fl.surface(lambda a, b: (a, b, 0.0), (cells, cells), cell=cell)
+
+
+# --- the estimate ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("formulation", ELEMENTS, ids=repr)
+@pytest.mark.parametrize("force", effectivity.BEAMS.values(), ids=list(effectivity.BEAMS))
+def test_of_beams_it_is_the_error(formulation, force, monkeypatch):
+    monkeypatch.setattr(effectivity, "FINEST", 128)
+    monkeypatch.setattr(effectivity, "CELLS", (8, 16))
+    rows = effectivity.beam_rows(formulation, force)
+    assert all(0.95 < ratio < 1.05 for *_, ratio in rows)
+    assert rows[1][2] < 0.55 * rows[0][2]
+
+
+def test_of_shells_it_is_near_the_error():
+    case = effectivity.SHELLS["plate with a hole"]
+    for *_, error, ratio in effectivity.shell_rows(case._replace(meshes=(8, 16, 48))):
+        assert error < 0.2
+        assert 0.8 < ratio < 1.25
+
+
+def test_nothing_is_wrong_with_what_is_constant():
+    """Pure bending is in the element; a rigid motion adds nothing."""
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=5, name="beam"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], moment=(0, 1e5, 0), following=True))
+    found = fl.space_error(fl.statics(scene, load_steps=4), beam, scene)
+    assert found.relative < 1e-8
+    assert found.energy == pytest.approx(1e10 * 10 / 2e6, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e3])
+def test_it_has_the_unit_of_energy(size):
+    """Constant curvature for a linear one: ``F² h³ / 12 EI`` in each element, in any unit."""
+    force, length, cells = 20.0, 10 * size, 6
+    D = np.array([1e7, 5e6, 5e6, 1e6, 2e6, 1e6]) * [1, 1, 1, size**2, size**2, size**2]
+    scene = fl.Scene()
+    section = fl.Section.from_stiffness(D)
+    beam = fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=cells, name="beam")
+    scene.add(beam)
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], force=(0, 0, force)))
+    found = fl.space_error(fl.statics(scene), beam, scene)
+    expected = force**2 * (length / cells) ** 3 / (12 * D[4])
+    np.testing.assert_allclose(found.squares, expected, rtol=1e-4)
+
+
+def test_it_holds_in_motion():
+    """A pendulum: at each time the error is that of bending, and halves with the elements."""
+    found = []
+    for cells in (8, 16):
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        section = fl.Section.rectangle(0.05, 0.05, fl.Material(1e7, 0.3, 1e3))
+        rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, name="rod"))
+        scene.add(fl.Revolute(fl.ground(), rod["start"], axis=(0, 1, 0)))
+        result = fl.GeneralisedAlpha().run(scene, duration=0.3, step=2e-3)
+        found.append([fl.space_error(result, rod, scene, step).relative for step in (80, 150)])
+    assert (np.array(found[1]) < 0.6 * np.array(found[0])).all()
+
+
+# --- goals ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("force", [1e2, 3e4])
+def test_the_error_of_a_goal_has_size_and_sign(force):
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    found = {}
+    for cells in (8, 128):
+        scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), cells), force=(0, 0, force))
+        result = fl.statics(scene, load_steps=3)
+        found[cells] = fl.goal_error(result, scene.bodies, scene, goal)
+    error = found[128].value + found[128].estimate - found[8].value
+    assert found[8].estimate == pytest.approx(error, rel=0.03)
+    assert found[8].relative >= abs(found[8].estimate) / (found[8].value + found[8].estimate)
+
+
+def test_a_goal_behind_a_joint():
+    """A frame of two beams: where one ends a joint holds the next, and the dual goes through it."""
+    goal, found = fl.PointDisplacement("b.end", (0, 0, 1)), {}
+    for cells in (4, 64):
+        scene = fl.Scene()
+        line = fl.straight((0, 0, 0), (10, 0, 0), cells), fl.straight((10, 0, 0), (15, 0, 0), cells)
+        a, b = (
+            scene.add(fl.Beam(m, SECTION, formulation=PLAIN, name=n)) for m, n in zip(line, "ab")
+        )
+        scene.add(fl.Clamp(a["start"]))
+        scene.add(fl.Fixed(a["end"], b["start"]))
+        scene.add(fl.PointLoad(b["end"], force=(0, 0, 5e3)))
+        result = fl.statics(scene, load_steps=2)
+        found[cells] = fl.goal_error(result, [a, b], scene, goal)
+    error = found[64].value + found[64].estimate - found[4].value
+    assert found[4].estimate == pytest.approx(error, rel=0.03)
+
+
+# --- refinement -----------------------------------------------------------------------------------
+
+
+def test_arcs_stay_arcs():
+    mesh = fl.curve(lambda s: (np.cos(s), np.sin(s), 0.0), 4)
+    mesh = fl.refine(fl.refine(mesh, [1, 2]), [0, 3])
+    assert len(mesh.cells) == 8
+    np.testing.assert_allclose(np.linalg.norm(mesh.points, axis=1), 1.0, atol=1e-12)
+    across = np.einsum("mkj,mkj->mk", mesh.tangents, mesh.points[mesh.cells])
+    np.testing.assert_allclose(across, 0.0, atol=1e-11)
+    # along the line, one after the other
+    assert (mesh.cells[1:, 0] == mesh.cells[:-1, 1]).all()
+
+
+def test_names_and_area_survive():
+    mesh = fl.surface(lambda a, b: (a, b, 0.2 * a * b), (4, 3), cell="triangle")
+    mesh = replace(mesh, groups={"left": np.arange(8)})
+    fine, rng = mesh, np.random.default_rng(5)
+    for _ in range(5):
+        fine = fl.refine(fine, rng.choice(len(fine.cells), 6, replace=False))
+
+    def area(m, cells=slice(None)):
+        x = m.points[m.cells[cells]]
+        return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum() / 2
+
+    def length(m, name):
+        x = m.points[m.curves[name]]
+        return np.linalg.norm(x[:, 1] - x[:, 0], axis=1).sum()
+
+    assert len(fine.cells) > 2 * len(mesh.cells)
+    assert area(fine) == pytest.approx(area(mesh), rel=1e-12)
+    assert area(fine, fine.groups["left"]) == pytest.approx(area(mesh, mesh.groups["left"]))
+    for name in mesh.curves:
+        assert length(fine, name) == pytest.approx(length(mesh, name), rel=1e-12)
+    for name, points in mesh.named_points.items():
+        np.testing.assert_array_equal(fine.points[fine.named_points[name]], mesh.points[points])
+    sides = np.sort(fine.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, met = np.unique(sides, axis=0, return_counts=True)
+    assert met.max() == 2
+    assert (met == 1).sum() == sum(len(edges) for edges in fine.curves.values()), "no hanging node"
+
+
+def test_new_points_lie_on_the_true_surface():
+    mesh = adaptive_shell.eighth()
+    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_shell.on_cylinder)
+    radius = np.hypot(*fine.points[:, 1:].T)
+    np.testing.assert_allclose(radius, adaptive_shell.RADIUS, rtol=1e-12)
+
+
+# --- the loop -------------------------------------------------------------------------------------
+
+
+def test_a_line_is_refined_where_it_bends():
+    found = fl.adapt(
+        cantilever,
+        fl.straight((0, 0, 0), (10, 0, 0), 4),
+        tolerance=0.02,
+        solve=lambda scene: fl.statics(scene, load_steps=2),
+    )
+    assert found.error.relative <= 0.02
+    assert (np.diff(found.unknowns) > 0).all()
+    assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
+
+
+def test_a_tip_is_as_accurate_as_was_asked_for():
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    found = fl.adapt(
+        cantilever,
+        fl.straight((0, 0, 0), (10, 0, 0), 4),
+        tolerance=1e-3,
+        goal=goal,
+        solve=lambda scene: fl.statics(scene, load_steps=2),
+    )
+    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 128), fl.Director(2))
+    true = goal.value(fl.statics(scene, load_steps=2))
+    assert abs(found.error.value / true - 1) < 1e-3
+    assert found.error.estimate == pytest.approx(true - found.error.value, rel=0.5)
+
+
+def test_too_many_unknowns_end_it_with_what_there_is():
+    with pytest.raises(fl.ConvergenceError, match="needs more than 300 unknowns") as caught:
+        fl.adapt(cantilever, fl.straight((0, 0, 0), (10, 0, 0), 4), tolerance=1e-3, most=300)
+    assert caught.value.result.unknowns[-1] <= 300
+
+
+def test_pictures(tmp_path):
+    scene = sheet(square(4))
+    shell = scene.bodies[0]
+    result = fl.statics(scene)
+    fl.space_error(result, shell, scene).picture(tmp_path / "shell.png")
+    goal = fl.PointDisplacement("sheet.11", (0, 0, 1))
+    fl.goal_error(result, [shell], scene, goal).picture(tmp_path / "goal.png")
+    line = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4))
+    beam = line.bodies[0]
+    fl.space_error(fl.statics(line, load_steps=2), beam, line).picture(tmp_path / "beam.png")
+    assert all(path.stat().st_size > 5000 for path in tmp_path.glob("*.png"))
+    assert len(list(tmp_path.glob("*.png"))) == 3
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+
+def never(mesh):
+    pytest.fail("something was solved")
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
+def test_a_tolerance_that_is_none(tolerance):
+    with pytest.raises(ValueError, match="tolerance"):
+        fl.adapt(never, square(2), tolerance=tolerance)
+
+
+@pytest.mark.parametrize("part", [0.0, 1.5])
+def test_a_part_that_is_none(part):
+    with pytest.raises(ValueError, match="part"):
+        fl.adapt(never, square(2), tolerance=0.1, part=part)
+
+
+def test_meshes_that_cannot_be_refined():
+    with pytest.raises(
+        ValueError, match=r"triangles of degree 1 .* got quadrilaterals of degree 1"
+    ):
+        fl.adapt(never, square(2, "quadrilateral"), tolerance=0.1)
+    with pytest.raises(TypeError, match="mesh"):
+        fl.adapt(never, "plate", tolerance=0.1)
+    with pytest.raises(ValueError, match="cells"):
+        fl.refine(square(2), [99])
+
+
+def test_goals_that_are_none():
+    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4))
+    result = fl.statics(scene, load_steps=2)
+    with pytest.raises(ValueError, match="middle"):
+        fl.goal_error(result, scene.bodies, scene, fl.PointDisplacement("beam.middle", (0, 0, 1)))
+    with pytest.raises(ValueError, match="along"):
+        fl.PointDisplacement("beam.end", (0, 0, 0))
+    bowed = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4), fl.Geodesic())
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    with pytest.raises(ValueError, match="bending_flexibility=False"):
+        fl.goal_error(fl.statics(bowed, load_steps=2), bowed.bodies, bowed, goal)
+
+
+def test_bodies_without_an_estimate():
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), name="stone"))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.01, step=0.01)
+    with pytest.raises(ValueError, match="Beams and Shells"):
+        fl.space_error(result, body, scene)
+    other = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4)).bodies[0]
+    with pytest.raises(ValueError, match="not in the scene"):
+        fl.space_error(result, other, scene)
+
+
+def test_a_scene_without_a_body_on_the_mesh():
+    def twice(mesh):
+        scene = cantilever(mesh)
+        scene.add(fl.Beam(fl.straight((0, 5, 0), (1, 5, 0), 2), SECTION, name="other"))
+        return scene
+
+    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    with pytest.raises(ValueError, match="'beam', 'other'"):
+        fl.adapt(twice, line, tolerance=0.1)
+    with pytest.raises(ValueError, match="must be on the mesh"):
+        fl.adapt(twice, line, tolerance=0.1, body="other")
+
+
+def test_demo():
+    record = adaptive_shell.main(tolerance=0.04, pictures=False)
+    assert abs(record["error"]) < 0.04
+    assert 2 / 3 < record["effectivity"] < 1.5
+    assert record["unknowns"] < 0.7 * record["unknowns_uniform"]
