@@ -120,7 +120,8 @@ def test_a_goal_behind_a_joint():
         scene = fl.Scene()
         line = fl.straight((0, 0, 0), (10, 0, 0), cells), fl.straight((10, 0, 0), (15, 0, 0), cells)
         a, b = (
-            scene.add(fl.Beam(m, SECTION, formulation=PLAIN, name=n)) for m, n in zip(line, "ab")
+            scene.add(fl.Beam(m, SECTION, formulation=PLAIN, name=n))
+            for m, n in zip(line, "ab", strict=True)
         )
         scene.add(fl.Clamp(a["start"]))
         scene.add(fl.Fixed(a["end"], b["start"]))
