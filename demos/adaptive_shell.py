@@ -165,7 +165,7 @@ def main(case: str = "l_plate", tolerance: float = 0.01, pictures: bool = True) 
     print("{unknowns:.0f} unknowns, {unknowns_uniform:.0f} with equal triangles".format(**record))
     if pictures:
         RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / f"adaptive_{case}.png"
+        picture = RESULTS / f"adaptive_shell_{case}.png"
         found.error.picture(picture)
         print(f"picture: {picture}")
     return record
