@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie.system.equations import Instant
 from tests.test_composed import flying, resumed_as_whole
 from tests.test_energy_momentum import bars, plate
 from tests.test_solids import brick
@@ -187,3 +188,17 @@ def test_no_stable_step():
 def test_steps_that_change():
     with pytest.raises(ValueError, match=r"constant steps.* got AdaptiveStep"):
         SCHEME.run(net()[0], duration=0.1, step=fl.AdaptiveStep(1e-4))
+
+
+def test_forces_in_the_loop_are_those_of_the_equations():
+    """The loop sums cells by itself, in the same order."""
+    scene, _ = net()
+    equations = SCHEME._equations(scene)
+    run = SCHEME._integration(equations, 0.5 * SCHEME.stable_step(scene))
+    run.start()
+    n = equations.unknowns.moving
+    rest, none, r = np.zeros((n, 6)), np.zeros(0), np.zeros(6 * n)
+    equations.residual(Instant(run.H, rest, rest, none), none, r)
+    r[equations.unknowns.held.ravel()] = 0.0
+    assert np.abs(r).max() > 0.0
+    np.testing.assert_array_equal(run.r, r)

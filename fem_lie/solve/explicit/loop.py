@@ -14,6 +14,7 @@ from fem_lie.lie.kinds import wrench
 from fem_lie.lie.tuples import load_row
 from fem_lie.lie.wrenches import add_wrench
 from fem_lie.solve.explicit.nodes import Masses, PlainMasses, drift, kick, twists
+from fem_lie.solve.explicit.single_cells import add_all
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -63,10 +64,12 @@ class Packed(NamedTuple):
         held: Which of it is zero.
         supports: Nodes that are held from outside, and which of their unknowns, as numbers.
         reaction: Force and moment of these about the origin, (6,).
-        forces: Of the residual, see :func:`~fem_lie.system.nodes.sums.residual`.
+        forces: Of the residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
         books: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
         booked: What they have summed up.
         counters: See :data:`STEP`.
+        rows: Of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        nodes: Of these.
     """
 
     masses: Masses
@@ -83,6 +86,8 @@ class Packed(NamedTuple):
     books: Indices
     booked: Array
     counters: Indices
+    rows: Indices
+    nodes: Indices
 
     @property
     def arrays(self) -> list[Any]:
@@ -120,6 +125,8 @@ def _packed(table: Indices) -> Packed:
         integers2(table, 17),
         numbers1(table, 18),
         integers1(table, 19),
+        integers2(table, 20),
+        integers1(table, 21),
     )
 
 
@@ -144,6 +151,7 @@ def weigh(table: Indices, held: bool) -> None:
     this = _packed(table)
     rest, none = this.rest, this.none
     residual(this.H, rest, rest, none, none, this.r, this.forces)
+    add_all(this.H, this.rows, this.nodes, this.r)
     if held:
         nodes, unknowns = this.supports
         reactions(this.masses.kinds, this.H, this.r, nodes, unknowns, this.reaction)

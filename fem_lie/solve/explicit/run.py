@@ -25,6 +25,9 @@ _AT_A_TIME = 20_000_000
 """Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
+_NO_CELLS: Indices = np.empty((0, 9), dtype=np.int64)
+_CELLS = slice(10, 12)
+"""In the table of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and their nodes."""
 
 
 class ExplicitRun(Integration[Recorder]):
@@ -59,6 +62,9 @@ class ExplicitRun(Integration[Recorder]):
         self._summed = known.in_one_sum and table is not None
         self._supported = len(supports) > 0
         self.counters = np.zeros(2, dtype=np.int64)
+        others = _NOWHERE if table is None else table.copy()
+        # the loop sums cells by itself
+        others[_CELLS, 1] = 0
         packed = loop.Packed(
             masses,
             self.H,
@@ -70,12 +76,16 @@ class ExplicitRun(Integration[Recorder]):
             np.flatnonzero(unknowns.held),
             (supports, known.supported[supports].astype(np.int64)),
             self.reaction,
-            _NOWHERE if table is None else table,
+            others,
             books.table,
             books.total,
             self.counters,
+            _NO_CELLS,
+            _NO_CELLS[:, 0].copy(),
         )
         self._packed = FixedArrays(packed.arrays)
+        if table is not None:
+            self._packed.table[-2:] = table[_CELLS]
 
     @property
     def _booked(self) -> bool:

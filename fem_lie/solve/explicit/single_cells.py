@@ -1,4 +1,4 @@
-"""Forces of one cell of a sum: for schemes that treat every cell by itself."""
+"""Forces of cells that leave their data alone: of one by itself, and of all in a sum."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numba
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.stack import stack
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
 KERNEL, CELLS, NODES, FIRST, WEIGHTS, WIDTH, CONSTANTS, PLACES, EXTENT = range(9)
@@ -56,3 +57,28 @@ def cell_forces(
     x = pointer(row[PLACES] + 8 * row[EXTENT] * e)
     call_kernel(row[KERNEL], place, data, pointer(row[CONSTANTS]), x)
     return first
+
+
+@compiled
+def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
+    """Add the forces of all cells to a residual.
+
+    With many cells most of the time would be spent on writing frames to the data of each, which
+    then go back to memory: here they are written to one place, over and over.
+
+    Args:
+        H: Frames of the nodes, shape (≥ n, 4, 3).
+        rows: Of the table.
+        nodes: Of the table.
+        r: Shape (6 n,), updated.
+    """
+    width, most = room_for(rows)
+    data, place = stack(width), stack(most)
+    values = numba.carray(place, (most,))
+    for f in range(rows.shape[0]):
+        count = rows[f, NODES]
+        for e in range(rows[f, CELLS]):
+            first = cell_forces(H, rows[f], nodes, e, data, place)
+            for i in range(count):
+                for k in range(6):
+                    r[6 * nodes[first + i] + k] += values[6 * i + k]
