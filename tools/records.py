@@ -101,7 +101,8 @@ def compare(before: Path, after: Path) -> None:
 def _same(one: Any, other: Any) -> bool:
     """Whether two numbers agree, relative to the larger or, below 1, to 1."""
     if isinstance(one, float | int) and isinstance(other, float | int):
-        return one == other or abs(one - other) <= TOLERANCE * max(abs(one), abs(other), 1.0)
+        same = one == other or (one != one and other != other)  # or none in both
+        return same or abs(one - other) <= TOLERANCE * max(abs(one), abs(other), 1.0)
     return bool(one == other)
 
 

@@ -77,7 +77,8 @@ def main() -> None:
     for key, which in found.items():
         print(f"{key}: {len(which)}")
         if named:
-            print(*(f"    {each}" for each in which), sep="\n")
+            for each in which:
+                print(f"    {each}")
     rooms = {file.parent for file in PACKAGE.rglob("*.py")}
     files = {room: len([f for f in room.glob("*.py") if f.stem != "__init__"]) for room in rooms}
     largest = max(files, key=lambda room: files[room])
