@@ -222,7 +222,7 @@ def kirchhoff_rod(comm=MPI.COMM_SELF) -> Model:
     ends = q.frames[q.function.function_space.dofmap.list]
     relative = lie.se3_relative(ends[:, 0], ends[:, 1])
     d, length = (cellwise(mesh, a) for a in (relative, np.linalg.norm(relative[:, :3], axis=1)))
-    energy = rod_energy(d, length, ufl.as_matrix(D.tolist()))
+    energy = rod_energy(d, length, cellwise(mesh, np.tile(D, (len(ends), 1, 1))))
     forms = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
     return Model(q, forms, energy, d)
 

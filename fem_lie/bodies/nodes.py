@@ -59,6 +59,15 @@ class Nodes(Loadable):
         """What each of them is, shape (n,), where a point is several nodes; default: all alike."""
         return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
 
+    @property
+    def goes_straight(self) -> bool:
+        """Whether statics moves its frames, too, by ``x + R u``, ``R exp(η)``.
+
+        The places of its other nodes move along straight lines; what a large rotation would take
+        the frame of an end aside is more than the edges beside it are long.
+        """
+        return False
+
     def follower(self) -> Follower | None:
         """What turns the axes of its nodes where a state is accepted, if they do not themselves."""
         return None

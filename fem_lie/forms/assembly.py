@@ -58,7 +58,7 @@ class Assembly(BodyTerm):
         cells = frames.function.function_space.dofmap.list
         super().__init__(cells, order, cell_order)
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
-        self._residual = CellForm(forms.residual, kernels.residual_kernel, cells)
+        self._residual = CellForm(forms.residual, forms.residual_kernel, cells)
         self._energy = CellForm(forms.energy, kernels.energy_kernel, cells)
         self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells)
         self._unknowns = forms.increment.function_space.dofmap.bs

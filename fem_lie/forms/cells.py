@@ -116,7 +116,7 @@ class Cells:
         forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
         packed: list[_Form | None] = [
             _Form(forms.energy, kernels.energy_kernel, forms.local),
-            _Form(forms.residual, kernels.residual_kernel, forms.local),
+            _Form(forms.residual, forms.residual_kernel, forms.local),
             None,
             None,
         ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import basix.ufl
 import ufl
@@ -12,6 +13,19 @@ from ufl.core.expr import Expr
 from ufl.variable import Variable
 
 from fem_lie import _compat
+
+
+class Forces(NamedTuple):
+    """What makes the forces on the nodes of a cell.
+
+    Attributes:
+        kernel: Of UFCx's signature. Behind the rows of the nodes is room for the coordinates, where
+            a map computes them, then what it reads.
+        reads: What that is, without the state.
+    """
+
+    kernel: Any
+    reads: Sequence[fem.Function] = ()
 
 
 @dataclass(frozen=True)
@@ -29,6 +43,7 @@ class StrainEnergy:
             depends on ``y`` by it alone. Derivatives then go by the chain rule, ``ε'(z) z'(y)``,
             instead of being written out in ``y``: the compiled tangent of an intricate ``ε(z)``
             with a simple ``z(y)`` shrinks by an order of magnitude.
+        forces: In closed form, where those that are derived from ``strain`` cost more.
     """
 
     strain: Expr
@@ -37,6 +52,7 @@ class StrainEnergy:
     weight: Expr | float = 1.0
     viscosity: Expr | None = None
     through: Variable | None = None
+    forces: Forces | None = None
 
     def change(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
         """``ε'(y) dy``."""

@@ -24,13 +24,14 @@ points.)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
 from fem_lie._arrays import Array
-from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.wrapping import CompiledForm, Wrapping, packed_size
@@ -45,6 +46,7 @@ class LocalFrameForms:
     Attributes:
         energy: Functional, rank 0.
         residual: Forces and moments in the nodal frames, rank 1, on the space of ``increment``.
+        residual_kernel: What stands behind it.
         tangent: Its derivative with respect to local-frame increments, rank 2.
         increment: Function ``h`` read by :meth:`carry`: translation, rotation in nodal frames.
         local: The element-local fields ``s``, or ``None``.
@@ -59,6 +61,7 @@ class LocalFrameForms:
 
     energy: fem.Form
     residual: fem.Form
+    residual_kernel: Any
     tangent: fem.Form
     viscous: fem.Form | None = None
     viscous_tangent: fem.Form | None = None
@@ -127,7 +130,7 @@ class LocalFrameForms:
             CompiledForm(energy),
             [condensed, CompiledForm(rows), own],
             [stiffness, force, coupling, own],
-            [z],
+            Forces(kernels.residual_kernel, [z]),
         )
         extra = [self.increment, dy]
         self._carry = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
@@ -142,10 +145,12 @@ class LocalFrameForms:
         variation, weight, dx = energy.change(y, test), energy.weight, energy.dx
         stiffness = energy.stiffness(self.stress, moduli, y, test, trial)
         carried = CompiledForm(weight * ufl.inner(self.stress, variation) * dx)
+        derived = energy.forces is None
         self._wrap(
             CompiledForm(energy.form()),
-            [CompiledForm(weight * ufl.inner(sigma, variation) * dx)],
+            [CompiledForm(weight * ufl.inner(sigma, variation) * dx) if derived else carried],
             [CompiledForm(weight * stiffness * dx), carried],
+            energy.forces,
         )
         if energy.viscosity is not None:
             self._build_viscous(energy, y)
@@ -184,12 +189,14 @@ class LocalFrameForms:
         energy: CompiledForm,
         residual: Sequence[CompiledForm],
         tangent: Sequence[CompiledForm],
-        extra: Sequence[fem.Function] = (),
+        forces: Forces | None = None,
     ) -> None:
+        forces = Forces(kernels.residual_kernel) if forces is None else forces
         V, form = self.increment.function_space, self._wrapping.form
         self._stored = energy
         self.energy = form(kernels.energy_kernel, [], [energy])
-        self.residual = form(kernels.residual_kernel, [V], residual, extra)
+        self.residual_kernel = forces.kernel
+        self.residual = form(forces.kernel, [V], residual, forces.reads)
         self.tangent = form(kernels.tangent_kernel, [V, V], tangent)
 
     @property

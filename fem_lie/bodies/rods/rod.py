@@ -17,7 +17,8 @@ from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.nodes import Follower
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
-from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
+from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners
+from fem_lie.elements.rods.edges import edge_axes
 from fem_lie.elements.rods.kirchhoff import Kirchhoff
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh
@@ -87,6 +88,11 @@ class Rod(Beam):
             joined = Corners(*(np.concatenate(column) for column in zip(*found, strict=True)))
             assembly.beside.append(CornerSprings(joined, assembly.count))
         return assembly
+
+    @property
+    def goes_straight(self) -> bool:
+        """Those of edges do, whose places within do."""
+        return self._corners is not None
 
     @property
     def corners(self) -> Corners | None:

@@ -22,12 +22,12 @@ import ufl
 from fem_lie._arrays import Array, Indices, vector
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
 from fem_lie.elements.rods.corners import Corners
+from fem_lie.elements.rods.edges import edge_axes
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.grip import Grip
 
-_OPPOSITE = 1e-12  # 1 + cosine: there is no smallest rotation to the opposite direction
 _CENTRED = 1e-9  # relative, as sections that are meant to be held at their centre
 
 
@@ -158,15 +158,3 @@ def _laid(rows: Array, nodes: Indices) -> Array:
     twist = np.arctan2(Q[:, 2, 1] - Q[:, 1, 2], Q[:, 1, 1] + Q[:, 2, 2])
     bends = (Q[:, 0, 2] - Q[:, 2, 0]) / X, (Q[:, 1, 0] - Q[:, 0, 1]) / X
     return np.stack([twist, *bends], axis=1)
-
-
-def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
-    """Axes of edges from nodes to nodes, or of nodes themselves, shape (k, 3, 3): as rows."""
-    D, beside = rows[a, 1], rows[a, 2]
-    way = rows[b, 0] - rows[a, 0]
-    way = np.where((a == b)[:, np.newaxis], D, way)
-    t = way / np.linalg.norm(way, axis=1, keepdims=True)
-    near = 1 + np.einsum("ki,ki->k", D, t)
-    along = np.einsum("ki,ki->k", beside, t) / np.maximum(near, _OPPOSITE)
-    second = beside - along[:, np.newaxis] * (D + t)
-    return np.stack([t, second, np.cross(t, second)], axis=1)

@@ -35,7 +35,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise, present_values
 from fem_lie.elements.beams.geodesic import GEODESIC, smooth_inertia
-from fem_lie.forms.energy import StrainEnergy
+from fem_lie.elements.rods.kirchhoff_forces import force_kernel
+from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.geodesic import on_geodesic
@@ -88,16 +89,16 @@ class Kirchhoff(Formulation):
 
 def rod_energy(
     d: fem.Function,
-    length: Expr,
-    stiffness: Expr,
-    eigenstrain: Expr | None = None,
+    length: fem.Function,
+    stiffness: fem.Function,
+    eigenstrain: fem.Function | None = None,
     viscosity: Expr | None = None,
 ) -> StrainEnergy:
     """``½ ∫ ε·Dε ds`` of every element; as they are now they are unloaded.
 
     Args:
         d: Relative motion of both ends, unloaded, shape ``(6,)``, a DG0 function.
-        length: Arc length, unstretched.
+        length: Arc length, unstretched, a DG0 function as the next two.
         stiffness: Of the section, shape ``(6, 6)``.
         eigenstrain: Strain without stress, shape ``(6,)``; default: none.
         viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
@@ -107,14 +108,18 @@ def rod_energy(
     along.x.array[along.function_space.dofmap.list] = [-0.5, 0.5]
     z = ufl.variable(d)
     strain = rod_strains(z, length, along)
-    change = strain - present_values(strain, mesh, _POINTS)
+    unloaded = present_values(strain, mesh, _POINTS)
+    if eigenstrain is None:
+        cells = mesh.topology.index_map(mesh.topology.dim)
+        eigenstrain = cellwise(mesh, np.zeros((cells.size_local + cells.num_ghosts, 6)))
     return StrainEnergy(
-        strain=change if eigenstrain is None else change - eigenstrain,
+        strain=strain - unloaded - eigenstrain,
         law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
         dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": _POINTS}),
         weight=length / ufl.CellVolume(mesh),
         viscosity=viscosity,
         through=z,
+        forces=Forces(force_kernel, [length, stiffness, eigenstrain, unloaded]),
     )
 
 

@@ -49,6 +49,7 @@ from fem_lie.lie.kinds.all_nodes import (
     turn_all,
     turn_all_back,
     twists,
+    write_in_new_axes,
 )
 from fem_lie.lie.kinds.forces import (
     acceleration,
@@ -138,4 +139,5 @@ __all__ = [
     "turn_back",
     "twists",
     "wrench",
+    "write_in_new_axes",
 ]

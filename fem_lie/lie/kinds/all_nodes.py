@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
 from fem_lie.lie.kinds.forces import pull, push
-from fem_lie.lie.kinds.kind import axes, set_axes
+from fem_lie.lie.kinds.kind import SLOPE, axes, set_axes
 from fem_lie.lie.kinds.motion import (
     bend,
     follow,
@@ -23,7 +24,17 @@ from fem_lie.lie.kinds.motion import (
     turn,
     turn_back,
 )
-from fem_lie.lie.tuples import load_row, store_rows
+from fem_lie.lie.tuples import (
+    load,
+    load_frame,
+    load_row,
+    plus,
+    rotate,
+    rotate_back,
+    store,
+    store_row,
+    store_rows,
+)
 
 
 @compiled
@@ -34,6 +45,39 @@ def all_axes(kinds: Indices, H: Array) -> Array:
         d1, d2, d3 = axes(kinds[i], H[i])
         store_rows(out[i], 0, d1, d2, d3)
     return out
+
+
+@compiled
+def write_in_new_axes(
+    kinds: Indices, nodes: Indices, before: Array, after: Array, local: Flags, motion: Array
+) -> None:
+    """Write in the axes of some nodes what was written in those they had.
+
+    Args:
+        kinds: Of all nodes, shape (n,).
+        nodes: Which, shape (m,).
+        before: Their rows as they were, shape (m, 4, 3).
+        after: As they are, likewise.
+        local: Which of ``motion`` have components in the axes of nodes of any kind, shape (k,);
+            others have global ones, but for what of frames is in their axes.
+        motion: Velocities, accelerations and the like, changed, shape (k, n, 6).
+    """
+    for m in range(nodes.shape[0]):
+        i = nodes[m]
+        kind = kinds[i]
+        frame = kind < SLOPE
+        old, new = axes(kind, before[m]), axes(kind, after[m])
+        for k in range(motion.shape[0]):
+            for half in range(2):
+                # of frames all is in them, but for the translations of those on R³×SO(3)
+                if local[k] or (frame and (half == 1 or kind & 1 == 0)):
+                    moved = rotate_back(
+                        new[0],
+                        new[1],
+                        new[2],
+                        rotate(old[0], old[1], old[2], load(motion[k, i], 3 * half)),
+                    )
+                    store(motion[k, i], 3 * half, moved)
 
 
 @compiled
@@ -145,13 +189,31 @@ def pull_all(kinds: Indices, H: Array, f: Array, sign: float, r: Array) -> None:
         pull(kinds[i], H[i], f[i], sign, r[6 * i : 6 * i + 6])
 
 
+@inlined
+def _go_straight(H: Array, h: Array) -> None:
+    """Move a frame by ``x + R u``, ``R exp(η)``; the first half of ``h`` is lost."""
+    x, d1, d2, d3 = load_frame(H)
+    moved = plus(x, rotate(d1, d2, d3, load(h, 0)))
+    store(h, 0, (0.0, 0.0, 0.0))
+    lie.retract(H, h, H)
+    lie.reorthonormalise(H)
+    store_row(H, 0, moved)
+
+
 @compiled
 def advance(
-    kinds: Indices, H: Array, dx: Array, held: Flags, uncoupled: Flags, size: float
+    kinds: Indices,
+    H: Array,
+    dx: Array,
+    held: Flags,
+    uncoupled: Flags,
+    straight: Flags,
+    size: float,
 ) -> float:
     """Move the nodes by ``−dx`` in their axes; returns the largest increment over ``size``.
 
-    Frames by ``H exp(−dx)``, or where they are uncoupled by :func:`fem_lie.lie.motions.retract`.
+    Frames by ``H exp(−dx)``, or where they are uncoupled by :func:`fem_lie.lie.motions.retract`, or
+    where they go straight by ``x + R u``, ``R exp(η)``.
     """
     largest, h = 0.0, np.empty((1, 6))
     for i in range(held.shape[0]):
@@ -163,6 +225,8 @@ def advance(
                     largest = step
             if uncoupled[i]:
                 motions.retract(H[i : i + 1], h)
+            elif straight[i] and kinds[i] < SLOPE:
+                _go_straight(H[i], h[0])
             else:
                 follow(kinds[i], H[i], h[0], H[i])
                 settle(kinds[i], H[i])

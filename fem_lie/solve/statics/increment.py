@@ -26,6 +26,7 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
     unknowns = equations.unknowns
     if carried:
         equations.memory.carry(H, -x[: 6 * unknowns.moving])
-    largest = advance(unknowns.kinds, H, x, unknowns.held, unknowns.uncoupled, unknowns.length)
+    ways = unknowns.held, unknowns.uncoupled, unknowns.straight
+    largest = advance(unknowns.kinds, H, x, *ways, unknowns.length)
     equations.memory.turn_axes(H)
     return largest

@@ -30,7 +30,8 @@ class Unknowns(NamedTuple):
         kinds: What each node is, (n,), see :mod:`fem_lie.lie.kinds`.
         held: Which unknowns of the nodes are zero, (n, 6).
         supported: Nodes that something holds, (s,), of which reactions are told.
-        uncoupled: Which nodes move by ``x + R u`` in statics, (n,).
+        uncoupled: Which nodes move by ``x + R u`` in statics, tilted and then drilled, (n,).
+        straight: Which of the others do, turned at once, (n,).
         angular: Which constraints are angles, (m,).
         joined: Which of them are one vector with the one before, (m,).
         vectors: The constraints of the vector of each, (m, w); beyond its end any.
@@ -59,6 +60,7 @@ class Unknowns(NamedTuple):
     held: Flags
     supported: Indices
     uncoupled: Flags
+    straight: Flags
     angular: Flags
     joined: Flags
     vectors: Indices
@@ -93,6 +95,7 @@ class Unknowns(NamedTuple):
             held=system.held,
             supported=system.supported,
             uncoupled=system.uncoupled,
+            straight=numbering.straight,
             angular=connections.angular,
             joined=connections.joined,
             vectors=system.tangent.vectors.others,

@@ -22,7 +22,7 @@ from fem_lie.lie.carried_axes import (
     find_unturned,
     turn_axes,
 )
-from fem_lie.lie.kinds import NodeKind, all_axes, on_r3
+from fem_lie.lie.kinds import NodeKind, write_in_new_axes
 from fem_lie.system.nodes.numbering import Numbering
 
 _NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
@@ -122,19 +122,10 @@ class FollowingAxes:
     def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
         """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
         for nodes, follower, kept in self._parts:
-            rows, own = H[nodes], kinds[nodes]
-            before = all_axes(own, rows)
-            rows = _followed(follower, kept, rows)
-            turn = all_axes(own, rows) @ before.transpose(0, 2, 1)
-            H[nodes] = rows
-            # of frames all is in them, but for the translations of those on R³×SO(3)
-            frames = own < NodeKind.SLOPE
-            own_axes = np.stack([frames & ~on_r3(own), frames], axis=1)
-            for k, written in enumerate(local):
-                halves = motion[k, nodes].reshape(-1, 2, 3)
-                turned = np.einsum("nij,naj->nai", turn, halves)
-                which = (own_axes | written)[:, :, np.newaxis]
-                motion[k, nodes] = np.where(which, turned, halves).reshape(-1, 6)
+            before = H[nodes]
+            after = _followed(follower, kept, before)
+            write_in_new_axes(kinds, nodes, before, after, local, motion)
+            H[nodes] = after
 
 
 def _followed(follower: Follower, kept: Flags, rows: Array) -> Array:

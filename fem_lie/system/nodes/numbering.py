@@ -38,7 +38,8 @@ class Numbering:
         absent: Which of them are not there, of nodes with fewer; they are held, too.
         supported: Leaders that something holds but that they do not drill, in increasing order.
         supports: Axes fixed in space of the leaders' translations, nan if local, (count, 3, 3).
-        uncoupled: Which leaders move by ``x + R u`` in statics, shape (count,).
+        uncoupled: Which leaders move by ``x + R u`` in statics, tilted and then drilled, (count,).
+        straight: Which of the others do, turned at once, shape (count,).
     """
 
     def __init__(
@@ -85,12 +86,13 @@ class Numbering:
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
+        straight = np.empty(self.total, dtype=bool)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
             groups[nodes], kinds[nodes] = body.group, body.node_kinds
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
-            own[nodes] = body.held.any(axis=1)
+            own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
             held[nodes, 5] |= not self.drills[body]
             supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
@@ -110,6 +112,7 @@ class Numbering:
         self.supported: Indices = np.unique(self.attachment.leader[own])
         self.uncoupled = np.zeros(self.count, dtype=bool)
         np.logical_or.at(self.uncoupled, self.attachment.leader, uncoupled)
+        self.straight: Flags = straight[self.attachment.leaders]
         self.supports = supports[self.attachment.leaders]
         self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a kind does not have couple with nothing in the matrix
