@@ -344,9 +344,9 @@ def test_increment_that_is_nan_anywhere_is_seen():
     dx = np.full(12, 1e-3)
     dx[2] = np.nan
     held = np.zeros((2, 6), dtype=bool)
-    for uncoupled in (np.zeros(2, dtype=bool), np.ones(2, dtype=bool)):
-        kinds = np.zeros(2, dtype=np.int64)
-        assert np.isnan(advance(kinds, lie.se3_exp(np.zeros((2, 6))), dx, held, uncoupled, 1.0))
+    for uncoupled, straight in np.array([[0, 0], [0, 1], [1, 0]], dtype=bool):
+        kinds, ways = np.zeros(2, dtype=np.int64), (np.full(2, uncoupled), np.full(2, straight))
+        assert np.isnan(advance(kinds, lie.se3_exp(np.zeros((2, 6))), dx, held, *ways, 1.0))
 
 
 def test_singular_structure_is_reported():
