@@ -24,6 +24,9 @@ The element can be chosen by --element:
 - discrete has places alone, with springs between its edges, and is of second order,
 - spline is a parabola as long as it, cut at even steps of its parameter, which is not arc length;
   slack as the next, as nothing pulls it straight at the start,
+- rod is Kirchhoff's, whose nodes have frames: laid like the cable, a hundredth too long, which a
+  strain without stress takes back. Stretch varies along an element here, and is constant in it: of
+  second order,
 - ancf is a beam of places and three slopes, without residual bending flexibility, which lets
   sections turn freely where there is hardly any bending stiffness. Its stress is linear in
   Green's strain, so that at strains of half a percent its limit is 9e-5 away,
@@ -50,8 +53,11 @@ from fem_lie.pictures.diagrams import COLOURS
 RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, SPAN, RISE, WEIGHT, STRETCH = 10.0, 8.0, 1.0, 10.0, 1e4
 GRAVITY = 10.0  # a mass of one per length
+LONGER = 1.01
+Cable = fl.AncfBeam | fl.Cable | fl.SplineCable | fl.Rod
 ELEMENTS: dict[str, fl.Formulation | fl.AncfElement] = {
     "cable": fl.HermiteCable(),
+    "rod": fl.Kirchhoff(),
     "slack": fl.HermiteCable(slack=1e-4),
     "discrete": fl.DiscreteCable(),
     "spline": fl.IsogeometricCable(slack=1e-4),
@@ -90,36 +96,43 @@ def parabola(longer: float) -> Any:
     return lambda s: place(depth, np.asarray(s))
 
 
-def section(stiffness: float) -> fl.Section:
+def section(stiffness: float, longer: float = 1.0) -> fl.Section:
+    """Per length of a line that is so many times as long as the cable."""
     bending = 1e-10 * STRETCH * LENGTH**2
-    return fl.Section.from_stiffness([stiffness] * 3 + [bending] * 3, mass=1.0)
+    return fl.Section.from_stiffness([longer * stiffness] * 3 + [bending] * 3, mass=1.0 / longer)
 
 
-def laid(element: str, elements: int) -> fl.AncfBeam | fl.Cable | fl.SplineCable:
+def laid(element: str, elements: int) -> Cable:
     """The cable at the start."""
     made, own = ELEMENTS[element], section(STRETCH)
     if isinstance(made, fl.IsogeometricCable):
         place, s = parabola(1.0), np.linspace(0, 1, elements + 1)
         rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
         return fl.SplineCable(s, place(s), rates, own, formulation=made, name="cable")
-    start = parabola(1.01) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
+    start = parabola(LONGER) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
     mesh = curve(start, elements)
     if isinstance(made, fl.AncfElement):
         return fl.AncfBeam(mesh, own, length=LENGTH, formulation=made, name="cable")
+    if isinstance(made, fl.Kirchhoff):
+        return fl.Rod(mesh, section(STRETCH, LONGER), formulation=made, name="cable")
     return fl.Cable(mesh, own, length=LENGTH, formulation=made, name="cable")
 
 
-def hang(
-    element: str, elements: int
-) -> tuple[dict[str, Any], fl.StaticResult, fl.AncfBeam | fl.Cable | fl.SplineCable]:
+def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, Cable]:
     """Both ends held; a record of numbers, and the equilibrium."""
     cable = laid(element, elements)
     scene = fl.Scene(gravity=(0, -GRAVITY, 0))
     scene.add(cable)
-    cable.pin(cable.start, cable.end)
+    s = np.concatenate([[0.0], np.cumsum(cable.consistent_shares()[1].sum(axis=1))])
+    if isinstance(cable, fl.Rod):
+        s *= LENGTH / s[-1]
+        scene.add(fl.Eigenstrain(cable, (1 / LONGER - 1, 0, 0, 0, 0, 0)))
+        cable.held[[0, -1], :3] = True
+        cable.held[0, 3] = True  # it would turn about itself
+    else:
+        cable.pin(cable.start, cable.end)
     result = fl.statics(scene)
     places, H, V = catenary()
-    s = np.concatenate([[0.0], np.cumsum(cable.consistent_shares()[1].sum(axis=1))])
     error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - places(s), axis=1).max()
     force = result.reactions[-1][0, :2]
     record = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from demos import bend45, rings
+from demos import bend45, catenary, rings
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
 
@@ -98,6 +98,13 @@ def test_closed_forces_are_those_of_the_energy(turn):
     np.testing.assert_allclose(
         forces[assembly.order], numeric, rtol=0, atol=1e-7 * np.abs(forces).max()
     )
+
+
+def test_a_rod_with_next_to_no_bending_is_the_catenary():
+    """Stretch varies along it, and is constant in an element: of second order."""
+    (coarse, _, _), (fine, _, _) = (catenary.hang("rod", n) for n in (8, 16))
+    assert fine["sag_error"] < 2e-5 and coarse["sag_error"] / fine["sag_error"] > 3.3
+    assert fine["iterations"] <= 5 and not fine["failed_iterations"]
 
 
 def test_helix_and_rings_buckle_at_their_closed_forms():
