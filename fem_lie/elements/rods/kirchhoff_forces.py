@@ -48,7 +48,7 @@ _F = tuple(1.0 / factorial(k) for k in range(18))
 _LENGTH, _D, _EIGENSTRAIN, _PRESENT = 30, 31, 67, 73
 """Where numbers of a cell are, behind the rows of both nodes and their relative motion."""
 
-_Bar: TypeAlias = tuple[Vector, Vector, Vector, float]
+_Bar: TypeAlias = tuple[tuple[Vector, Vector, Vector, Vector], float]
 
 
 @inlined
