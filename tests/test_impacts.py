@@ -332,3 +332,42 @@ def test_results_come_back_from_a_file(tmp_path):
     loaded = fl.Result.load(tmp_path / "impacts.h5")
     for name, values in vars(result.contacts).items():
         np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
+
+
+def rolling_pile(friction: float = 0.4) -> fl.Scene:
+    """Balls that fall on each other in a box, spin, rub and bounce."""
+    rng = np.random.default_rng(3)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    places = 0.22 * np.stack(np.meshgrid(*3 * [np.arange(2)], indexing="ij"), -1).reshape(-1, 3)
+    places -= (0.11, 0.11, 0.2)
+    law = fl.Impact(friction, 0.3)
+    balls = [fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), tuple(place)) for place in places]
+    for each in balls:
+        each.move(rng.normal(size=3))
+        each.turn(rng.normal(size=3), each.centre)
+        scene.add(each)
+    surface = fl.Vertices([each.centre for each in balls], RADIUS)
+    scene.add(fl.Contact(surface, surface, law))
+    walls = fl.Box(fl.ground(), (0.8, 0.8, 0.8), inside=True)
+    scene.add(fl.Contact(surface, walls, law))
+    return scene
+
+
+@pytest.mark.parametrize("every", [40, 110, 160])
+def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
+    """From among impacts, in the middle of sliding, and where most sticks or rolls."""
+    options, file = {"duration": 0.6, "step": 2e-3, "progress": False}, tmp_path / "run.h5"
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    whole = scheme.run(rolling_pile(), **options)
+    scheme.run(rolling_pile(), **options, file=file, checkpoint_every=every)
+    resumed = scheme.resume(rolling_pile(), file, progress=False)
+    loaded = fl.Result.load(file)
+    assert whole.contacts.friction_loss[every * (300 // every) - 1 :].max() > 0.0
+    for name in ("frames", "velocities", "balance", "impulses", "iterations"):
+        for other in (resumed, loaded):
+            np.testing.assert_array_equal(getattr(other, name), getattr(whole, name))
+    for name, values in vars(whole.contacts).items():
+        np.testing.assert_array_equal(getattr(resumed.contacts, name), values)
+        np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
+    with pytest.raises(ValueError, match="belongs to another scene"):
+        scheme.resume(rolling_pile(0.5), file, progress=False)

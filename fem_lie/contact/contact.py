@@ -164,8 +164,8 @@ class Contact:
         """
         if not isinstance(self.law, Penalty):
             raise ValueError(
-                f"{self.label}: Impact is for GeneralisedAlpha with constant steps and results in "
-                "memory, and for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
+                f"{self.label}: Impact is for GeneralisedAlpha with constant steps, and "
+                "for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
                 "holds; give Penalty elsewhere"
             )
         return PenaltyForces(self._meeting(nodes), self.law, self.label)

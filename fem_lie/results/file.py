@@ -111,6 +111,17 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
             file.attrs.modify(name, float(numbers[name]))
 
 
+def add_contacts(path: Path, contacts: ContactSteps) -> None:
+    """Put what contacts did into a file made by :func:`create`."""
+    import h5py
+
+    with h5py.File(path, "r+") as file:
+        if "contacts" in file:
+            del file["contacts"]
+        for field in fields(contacts):
+            file[f"contacts/{field.name}"] = getattr(contacts, field.name)
+
+
 def _write_info(file: Any, info: SceneInfo) -> None:
     file.attrs["mass"] = info.mass
     for i, body in enumerate(info.bodies):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +17,15 @@ from fem_lie.contact.table import Nodes, Side
 
 def _joined(sides: Sequence[Side]) -> Side:
     return Side(*(np.concatenate(parts) for parts in zip(*sides, strict=True)))
+
+
+def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
+    """All of them, of records in it, too."""
+    for each in record:
+        if isinstance(each, tuple):
+            yield from _arrays(each)
+        elif isinstance(each, np.ndarray):
+            yield each
 
 
 class Touching:
@@ -92,6 +101,20 @@ class Touching:
         keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs))
         _, here, there = np.intersect1d(keys, old, return_indices=True)
         self.work.impulses[here] = impulses[there]
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
+        return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for k, each in enumerate(self._near):
+            each.see_again(kept[f"near.{k}"])
+        self._versions = tuple(each.version for each in self._near)
+        self._set()
+        for k, values in enumerate(_arrays(self.work)):
+            values[...] = kept[f"work.{k}"]
 
     @property
     def arm(self) -> float:

@@ -10,6 +10,7 @@ Iterations are those of the body that takes most in a step; factorisations count
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +40,7 @@ from fem_lie.solve.alpha.step.free_records import (
 from fem_lie.solve.alpha.step.free_records import Options as Iteration
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
@@ -157,33 +159,55 @@ class Run:
         s.a[:] = s.vdot - self.p.shift / ahead * (later - s.vdot)
         free_steps.start_books(loads, amplitude[0], s.H, twists, s.rates)
 
-    def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
-        """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
+    def integrate(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
+    ) -> Result:
+        """All steps, or those after a checkpoint; see :meth:`fem_lie.GeneralisedAlpha.run`."""
         # energies and momenta are made of velocities
         saving = replace(saving, also=Record.VELOCITIES)
-        history = History(self.equations.info, steps, self.p.h, saving, progress)
-        self.start()
-        history.frames[0], history.velocities[0] = self.s.H, self._twists
-        start = np.zeros(1, dtype=np.int64)
-        self._keep(history, start, start)
-        failed, count, factorisations = np.zeros(3), 0, 0
+        history = History(self.equations.info, steps, self.p.h, saving, progress, store)
+        failed, index, count, factorisations = np.zeros(3), 0, 0, 0
+        if store is not None and store.memory:
+            self.restore(store.memory)
+            index, count, factorisations = (int(number) for number in store.memory["counts"])
+        else:
+            self.start()
+            history.frames[0], history.velocities[0] = self.s.H, self._twists
+            start = np.zeros(1, dtype=np.int64)
+            self._keep(history, start, start)
         self._advance(history, range(1, 1), failed)  # compilation is not integration
-        watch = Stopwatch()
+        watch = Stopwatch(history.seconds)
         chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
         chunk = min(chunk, history.room or chunk)
         with history:
-            for first in range(1, steps + 1, chunk):
-                wanted = range(first, min(first + chunk, steps + 1))
+            while index < steps:
+                end = min(index + chunk, steps)
+                if store is not None:
+                    end = min(end, (index // store.every + 1) * store.every)
+                wanted = range(index + 1, end + 1)
                 if history.room:
                     history.make_room(len(wanted))
-                last, count, made = self._advance(history, wanted, failed, count)
+                index, count, made = self._advance(history, wanted, failed, count)
                 factorisations += made
-                if last and history.show:
-                    history.update_bar(last, count)
-                if last < wanted[-1]:
+                if index and history.show:
+                    history.update_bar(index, count)
+                if index < wanted[-1]:
                     result = history.result(factorisations, watch.seconds)
-                    raise ConvergenceError(self._failure(last + 1, steps, failed), result)
+                    raise ConvergenceError(self._failure(index + 1, steps, failed), result)
+                if history.checkpoint_due(index):
+                    history.seconds = watch.seconds
+                    counts = {"counts": np.array([index, count, factorisations])}
+                    history.write_checkpoint(index, self.memory() | counts)
         return history.result(factorisations, watch.seconds)
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        return {f"bodies.{name}": values for name, values in self.s._asdict().items()}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name, values in self.s._asdict().items():
+            values[...] = kept[f"bodies.{name}"]
 
     def _advance(
         self, history: History, wanted: range, failed: Array, before: int = 0

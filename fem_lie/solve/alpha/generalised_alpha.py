@@ -85,3 +85,11 @@ class GeneralisedAlpha(Options, Integrator):
             return None
         _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
         return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)
+
+    def _alone(self, scene: Scene) -> impacts.Alone | None:
+        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
+        return (
+            impacts.Alone(self, scene)
+            if exponential and impacts.applies(scene, self.policy)
+            else None
+        )

@@ -7,9 +7,11 @@ without contacts.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from fem_lie._arrays import Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie.contact.impact.records import (
     CONTACTS,
     FRICTION,
@@ -32,8 +34,11 @@ from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step.free_records import Kept, Plan
 from fem_lie.solve.alpha.step.impact_steps import STALE, UNSETTLED, Contacts, advance
 from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations
 
 _TOLERANCE = 1e-9
 """Residual of the cones; where it is not reached it is told, see :class:`ContactSteps`."""
@@ -46,6 +51,27 @@ def applies(scene: Scene, policy: Policy) -> bool:
     return (
         bool(by_impacts) and all(by_impacts) and flat and free_bodies.held_by_nothing(scene, policy)
     )
+
+
+class Alone:
+    """Runs whose results go to files.
+
+    Attributes:
+        fingerprint: Of the scene and its contacts.
+    """
+
+    def __init__(self, options: Options, scene: Scene) -> None:
+        """Of a scene that :func:`applies`."""
+        self._options, self._scene = options, scene
+        equations = Equations(scene.without_contacts(), dynamics=True)
+        nodes = equations.unknowns.bodies.__getitem__
+        also = [(contact.contents(nodes), contact.label) for contact in scene.contacts]
+        self.fingerprint = Fingerprint(equations, options, also)
+
+    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
+        """All steps that a file and its checkpoint leave to be made."""
+        steps, step, saving = store.plan
+        return Run(self._options, self._scene, step).integrate(steps, saving, progress, store)
 
 
 class Run(free_bodies.Run):
@@ -69,10 +95,12 @@ class Run(free_bodies.Run):
         )
         self._unsettled = 0
 
-    def integrate(self, steps: int, saving: Saving, progress: bool | None) -> Result:
-        """All steps; see :meth:`fem_lie.GeneralisedAlpha.run`."""
+    def integrate(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
+    ) -> Result:
+        """All steps, or those after a checkpoint; see :meth:`fem_lie.GeneralisedAlpha.run`."""
         self._contacts = self._contacts._replace(told=np.zeros((steps, TOLD)))
-        result = super().integrate(steps, saving, progress)
+        result = super().integrate(steps, saving, progress, store)
         told = self._contacts.told
         found = ContactSteps(
             times=self.p.h * np.arange(1, steps + 1, dtype=np.float64),
@@ -83,7 +111,22 @@ class Run(free_bodies.Run):
             impact_loss=-told[:, IMPACT],
             friction_loss=-told[:, FRICTION],
         )
+        if store is not None:
+            store.add_contacts(found)
         return Result(**vars(result) | {"contacts": found})
+
+    def memory(self) -> dict[str, Array]:
+        """See the base class."""
+        own = {"contacts.sum": self._contacts.sum, "contacts.booked": self._contacts.booked}
+        own["contacts.told"] = self._contacts.told
+        return super().memory() | self._touching.memory() | own
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the base class."""
+        super().restore(kept)
+        self._touching.restore(kept)
+        for name in ("sum", "booked", "told"):
+            getattr(self._contacts, name)[...] = kept[f"contacts.{name}"]
 
     def _advance(
         self, history: History, wanted: range, failed: np.ndarray, before: int = 0

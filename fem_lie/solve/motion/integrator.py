@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,19 @@ from fem_lie.solve.recording.checkpoints import Checkpoints, Plan, require_files
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
+
+
+class Alone(Protocol):
+    """Runs to files of a scene of which there are no equations as a whole.
+
+    Attributes:
+        fingerprint: Of the scene.
+    """
+
+    fingerprint: Fingerprint
+
+    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
+        """All steps that are left."""
 
 
 class Integrator(ABC):
@@ -96,10 +109,12 @@ class Integrator(ABC):
             result = self._compiled(scene, steps, step, saving, progress)
             if result is not None:
                 return result
+        every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
+        plan = Plan(steps, step, saving)
+        if file is not None and (alone := self._alone(scene)) is not None:
+            return alone.integrate(Checkpoints(file, every, plan, alone.fingerprint), progress)
         equations, store = self._equations(scene), None
         if file is not None:
-            every = max(1, steps // 100) if checkpoint_every is None else checkpoint_every
-            plan = Plan(steps, step, saving)
             store = Checkpoints(file, every, plan, Fingerprint(equations, self))
         run = self._integration(equations, step)
         return run.integrate(run.history(steps, saving, progress, store))
@@ -124,6 +139,8 @@ class Integrator(ABC):
         """
         require_scene(scene)
         require_files(Path(file))
+        if (alone := self._alone(scene)) is not None:
+            return alone.integrate(Checkpoints.resume(file, alone.fingerprint), progress)
         equations = self._equations(scene)
         store = Checkpoints.resume(file, Fingerprint(equations, self))
         steps, step, saving = store.plan
@@ -155,6 +172,10 @@ class Integrator(ABC):
         self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
     ) -> Result | None:
         """The result for a scene that needs no matrix, if the scheme has a loop for such."""
+        return None
+
+    def _alone(self, scene: Scene) -> Alone | None:
+        """What makes runs to files by itself, if the scheme has it for such a scene."""
         return None
 
 

@@ -26,6 +26,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import file as results_file
 from fem_lie.results.record import Record
 from fem_lie.results.rows import ResultRows, write_all
+from fem_lie.results.steps import ContactSteps
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
 
@@ -205,6 +206,11 @@ class Checkpoints:
         """Say in the file what the run took."""
         with self._writing("counts and seconds of the run cannot be written"):
             results_file.finish(self._path, numbers)
+
+    def add_contacts(self, contacts: ContactSteps) -> None:
+        """Put what contacts by impacts did in each step into the file."""
+        with self._writing("what contacts did cannot be written"):
+            results_file.add_contacts(self._path, contacts)
 
 
 _NAMED = 6

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,12 +31,15 @@ class Fingerprint:
         parts: Text or digest of each part of scene and scheme, by its place there.
     """
 
-    def __init__(self, equations: Equations, scheme: Any) -> None:
+    def __init__(
+        self, equations: Equations, scheme: Any, contacts: Sequence[tuple[object, str]] = ()
+    ) -> None:
         """Take it of the equations as they are at the start.
 
         Args:
             equations: Those from which nothing was computed yet.
             scheme: Its options are attributes.
+            contacts: Contents and names of those that are in no equations.
         """
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
@@ -46,6 +49,8 @@ class Fingerprint:
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
         self._add_scene(scene)
+        for k, (contents, label) in enumerate(contacts, start=1):
+            self._add(f"contact {k}", contents, label)
         self._sums = len(self.parts)
         for name, value, shown in equations.contents():
             self._add(name, value, shown)
