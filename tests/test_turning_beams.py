@@ -10,8 +10,8 @@ import pytest
 import fem_lie as fl
 from demos.rotating_beam import angle
 from fem_lie import lie
-from fem_lie.solve.conserving.step import mean_forces
-from fem_lie.solve.conserving.step.cayley import span
+from fem_lie.solve.conserving.between import mean_forces
+from fem_lie.solve.conserving.between.cayley import span
 from tests.random_scenes import CONSERVING, STEP, random_scene
 from tests.scene_builder import build
 
@@ -43,12 +43,12 @@ def work(H: np.ndarray, step: np.ndarray, F: np.ndarray, director: bool) -> floa
     rows = np.zeros((4, len(H), 4, 3))
     delta, mean, end, middle = rows
     span(H, step, delta, mean, end, middle)
-    nodes, A = np.arange(len(H)), np.empty((3, 3))
+    nodes = np.arange(len(H))
     f, s, Ms = np.empty((3, len(H), 6))
     path = mean_forces.Path(mean, delta, step)
-    fit = mean_forces.metric_and_fit(nodes, director, path, A)
+    fit = mean_forces.metric_and_fit(nodes, director, path)
     ends = mean_forces.Ends(H, end, F, F)
-    mean_forces.mean_forces(nodes, director, ends, mean, fit, A, f)
+    mean_forces.mean_forces(nodes, director, ends, mean, fit, f)
     mean_forces.deformation(nodes, director, path, fit, s, Ms)
     return float(np.sum(f * s))
 

@@ -18,12 +18,13 @@ from dolfinx import fem
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
-from fem_lie._jit.stack import stack
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.body_term import BodyTerm
+from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.forms.kernels import in_local_frames as kernels
-from fem_lie.forms.kernels.addresses import call_kernel, pointer
+from fem_lie.forms.kernels.addresses import call_kernel, integer_pointer, pointer
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
 
@@ -40,6 +41,7 @@ class CellTable(NamedTuple):
         x: Address of the coordinates of the cell, shape (M,).
         n_s: Number of local fields, shape (M,).
         unknowns: Per node, five or six, shape (M,).
+        shares: Whether forces find the coordinates of which the energy is made, 0 or 1, shape (M,).
         first: First place of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells, in the numbering of all nodes.
     """
@@ -51,6 +53,7 @@ class CellTable(NamedTuple):
     x: Indices
     n_s: Indices
     unknowns: Indices
+    shares: Indices
     first: Indices
     nodes: Indices
 
@@ -114,8 +117,14 @@ class Cells:
         assert isinstance(assembly, Assembly)
         forms, count = assembly.forms, len(assembly.cells)
         forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
+        # forces that are written by hand leave no coordinates behind
+        shares = forms.residual_kernel is kernels.residual_kernel
         packed: list[_Form | None] = [
-            _Form(forms.energy, kernels.energy_kernel, forms.local),
+            _Form(
+                forms.energy,
+                kernels.energy_again_kernel if shares else kernels.energy_kernel,
+                forms.local,
+            ),
             _Form(forms.residual, forms.residual_kernel, forms.local),
             None,
             None,
@@ -140,6 +149,7 @@ class Cells:
             "x": x.ctypes.data + steps * x[0].size,
             "n_s": np.full(count, 0 if forms.local is None else forms.local_size),
             "unknowns": np.full(count, forms.increment.function_space.dofmap.bs),
+            "shares": np.full(count, int(shares)),
             "nodes": start + assembly.cells.astype(np.int64),
         }
 
@@ -185,11 +195,12 @@ _EMPTY: dict[str, Indices] = {
         ("x", (0,)),
         ("n_s", (0,)),
         ("unknowns", (0,)),
+        ("shares", (0,)),
     )
 }
 
 
-@compiled
+@uncounted
 def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
     """Frames ``H + more`` of a cell, seen from its first node: energies do not feel where it is."""
     at, origin = 0, nodes[0]
@@ -205,35 +216,55 @@ def _frames_into(H: Array, more: Array, nodes: Indices, w: Array) -> None:
                 at += 1
 
 
-@compiled
+@inlined
+def _header(c: int) -> Indices:
+    """See :mod:`fem_lie.forms.kernels.in_local_frames`."""
+    return numba.carray(integer_pointer(c), (kernels.HEADER_SIZE,))
+
+
+@uncounted
+def _take_coordinates(w: Indices, c: Indices) -> None:
+    """Those of a cell from the forces, of which the last change of local fields changes nothing."""
+    given, taken = _header(c[RESIDUAL]), _header(c[ENERGY])
+    count = given[kernels.N_Y]
+    source = vector_at(pointer(w[RESIDUAL] + 8 * given[kernels.AT_Y]), count)
+    target = vector_at(pointer(w[ENERGY] + 8 * taken[kernels.AT_Y]), count)
+    for i in range(count):
+        target[i] = source[i]
+
+
+@uncounted
 def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> None:
     """Forces ``F`` in the nodes' frames, (places, 6), and energies ``W`` (M,) at ``H + more``.
 
     Local fields are brought to those of the frames by one step of Newton, exact where the energy is
     quadratic in them.
     """
-    kernel, w, c, at, x, n_s, unknowns, first, nodes = cells
+    kernel, w, c, at, x, n_s, unknowns, shares, first, nodes = cells
+    H, more, F = as_frames(H), as_frames(more), as_sixes(F)
     size = 1
     for e in range(x.shape[0]):
         size = max(size, 6 * (first[e + 1] - first[e]), n_s[e])
     place = stack(size)
-    out = numba.carray(place, (size,))
+    out = vector_at(place, size)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
         count, b = mine.shape[0], unknowns[e]
-        for k in range(LOCAL + 1):
+        for k in range(RESIDUAL if shares[e] else ENERGY, LOCAL + 1):
             if kernel[e, k] != 0:
-                _frames_into(H, more, mine, numba.carray(pointer(w[e, k]), (12 * count,)))
+                _frames_into(H, more, mine, vector_at(pointer(w[e, k]), 12 * count))
         if n_s[e] > 0:
-            out[: n_s[e]] = 0.0
+            for i in range(n_s[e]):
+                out[i] = 0.0
             call_kernel(
                 kernel[e, LOCAL], place, pointer(w[e, LOCAL]), pointer(c[e, LOCAL]), pointer(x[e])
             )
             for k in range(LOCAL + 1):
-                s = numba.carray(pointer(w[e, k] + 8 * at[e, k]), (n_s[e],))
+                s = vector_at(pointer(w[e, k] + 8 * at[e, k]), n_s[e])
                 for i in range(n_s[e]):
                     s[i] += out[i]
-        out[: b * count] = 0.0
+        for i in range(b * count):
+            out[i] = 0.0
         call_kernel(
             kernel[e, RESIDUAL],
             place,
@@ -246,6 +277,8 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
             row[5] = 0.0
             for k in range(b):
                 row[k] = out[b * i + k]
+        if shares[e]:
+            _take_coordinates(w[e], c[e])
         out[0] = 0.0
         call_kernel(
             kernel[e, ENERGY], place, pointer(w[e, ENERGY]), pointer(c[e, ENERGY]), pointer(x[e])
@@ -256,7 +289,7 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
 @compiled
 def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
     """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
-    kernel, w, c, at, x, _, _, first, nodes = cells
+    kernel, w, c, at, x, _, _, _, first, nodes = cells
     place = stack(6 * 64)
     out, zero = numba.carray(place, (6 * 64,)), np.zeros_like(H)
     for e in range(x.shape[0]):

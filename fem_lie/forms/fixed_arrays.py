@@ -76,6 +76,48 @@ def integers2(table: Indices, k: int) -> Indices:
 
 
 @inlined
+def frames(table: Indices, k: int) -> Array:
+    """Of frames, (n, 4, 3): what a compiler knows of a shape it needs not multiply with."""
+    return numba.carray(pointer(table[k, 0]), (table[k, 1], 4, 3))
+
+
+@inlined
+def sixes(table: Indices, k: int) -> Array:
+    """Of shape (n, 6), likewise."""
+    return numba.carray(pointer(table[k, 0]), (table[k, 1], 6))
+
+
+@inlined
+def integer_sixes(table: Indices, k: int) -> Indices:
+    """Of integers."""
+    return numba.carray(integer_pointer(table[k, 0]), (table[k, 1], 6))
+
+
+@inlined
+def many_frames(table: Indices, k: int) -> Array:
+    """Of shape (k, n, 4, 3)."""
+    return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2], 4, 3))
+
+
+@inlined
+def many_sixes(table: Indices, k: int) -> Array:
+    """Of shape (k, n, 6)."""
+    return numba.carray(pointer(table[k, 0]), (table[k, 1], table[k, 2], 6))
+
+
+@inlined
+def as_frames(H: Array) -> Array:
+    """The array, known to be contiguous and of shape (n, 4, 3); likewise."""
+    return numba.carray(pointer(H.ctypes.data), (H.shape[0], 4, 3))
+
+
+@inlined
+def as_sixes(F: Array) -> Array:
+    """The array, known to be contiguous and of shape (n, 6)."""
+    return numba.carray(pointer(F.ctypes.data), (F.shape[0], 6))
+
+
+@inlined
 def put(values: Array, out: Array) -> None:
     """``out[:] = values`` for arrays of the same shape.
 

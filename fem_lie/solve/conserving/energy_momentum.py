@@ -2,7 +2,7 @@ r"""Energy, momentum and angular momentum to round-off, for beams, shells, rigid
 
 With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
 and increments ``Δq`` that come from a translation and a Cayley rotation of each node
-(:mod:`fem_lie.solve.conserving.step.cayley`)::
+(:mod:`fem_lie.solve.conserving.between.cayley`)::
 
     V₁ = 2 Δq/h − V
     L(q̄)ᵀ [G (V₁ − V)/h − dead] + elastic forces + joint forces − loads = 0,      Φ(q₁) = 0
@@ -13,7 +13,7 @@ of every force is that on ``Δq`` without any error:
 - *inertia:* ``(V₁ − V)·G Δq/h = ½ V₁·G V₁ − ½ V·G V``, and the angular momentum ``Σ q × G V``
   changes by ``Σ q̄ × (forces)`` alone;
 - *elements:* forces that do the work ``W₁ − W`` and have neither a resultant nor a moment, for any
-  objective energy (:mod:`fem_lie.solve.conserving.step.discrete_gradient`);
+  objective energy (:mod:`fem_lie.solve.conserving.between.discrete_gradient`);
 - *joints:* ``Φ`` is bilinear in ``q``, and its gradient at ``q̄`` does the work ``λ (Φ₁ − Φ) = 0``
   (:mod:`fem_lie.solve.conserving.step.joints`);
 - *loads* at the middle of the step: gravity and constant forces have a potential, the work of all

@@ -9,7 +9,17 @@ import numpy as np
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
-from fem_lie.solve.conserving.step.records import Leaders, Legs, Model, Pieces, Scheme, State, Step
+from fem_lie.solve.conserving.step.records import (
+    Leaders,
+    LegEnds,
+    Legs,
+    Model,
+    Pieces,
+    Scheme,
+    State,
+    Step,
+)
+from fem_lie.solve.conserving.step.series import DENSE
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
@@ -73,6 +83,7 @@ def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates:
         sums=z((3, 3, 3, 3)),
         own=z((3, n, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
+        gains=z(cells.count),
     )
 
 
@@ -94,7 +105,7 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> 
         inertia=known.inertia,
         damping=known.damping,
         leaders=Leaders(known.leader, known.offset, n == unknowns.total),
-        held=unknowns.held,
+        held=unknowns.held.astype(np.int64),
         measure=np.concatenate([lengths, np.where(unknowns.angular, ROTATION, 1.0 / length)]),
         scale=np.ones(m),
         loads=Loads(*(array.copy() for array in known.loads)),
@@ -104,9 +115,23 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> 
         scheme=scheme,
         probes=known.probes,
         driven=np.zeros(m),
-        supported=known.supported,
+        supported=known.supported.astype(np.int64),
         legs=legs,
+        ends=ends_of(legs, n),
     )
+
+
+def ends_of(legs: Legs, n: int) -> LegEnds:
+    """Of legs of ``n`` nodes: where they are too many for a dense matrix, none."""
+    nodes, at_node = np.unique(legs.nodes, return_inverse=True)
+    rows, at_row = np.unique(legs.constraints, return_inverse=True)
+    count = 6 * len(nodes) + len(rows)
+    if count > DENSE:
+        return LegEnds(np.zeros(0, np.int64), np.zeros((2, 0), np.int64), np.zeros((0, 0)))
+    own = 6 * nodes[:, None] + np.arange(6)
+    unknowns = np.concatenate([own.ravel(), 6 * n + rows]).astype(np.int64)
+    at = np.stack([6 * at_node, 6 * len(nodes) + at_row]).astype(np.int64)
+    return LegEnds(unknowns, at, np.zeros((count, count)))
 
 
 def pieces_of(terms: Iterable[Term]) -> Pieces:

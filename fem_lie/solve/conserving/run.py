@@ -193,4 +193,4 @@ class Run(Steps):
     def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
         """Those with which a restored run goes on, if there are any."""
         stale = np.isinf(self.numbers[corrections.EXCESS])
-        return None if stale else factorise(self.equations.matrix)
+        return None if stale else self._with_inverse(factorise(self.equations.matrix))

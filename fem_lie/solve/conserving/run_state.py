@@ -29,6 +29,7 @@ from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
+from fem_lie.solve.conserving.step.series import set_inverse
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
@@ -207,11 +208,18 @@ class RunState(Integration[History]):
     def _factorise(self) -> None:
         """New matrix for the present step."""
         self._fill_here(self.model.scale)
-        self._factors = factorise(self.equations.matrix)
+        self._factors = self._with_inverse(factorise(self.equations.matrix))
         self.counts[:] = self.counts[0] + 1, self.index
         within = self.counters[corrections.ITERATION] > 1
         self.counters[corrections.BEST] = corrections.NEW if within else corrections.UNKNOWN
         self.numbers[corrections.EXCESS] = 0.0
+
+    def _with_inverse(self, factors: Factors) -> Factors:
+        """The same, with what :mod:`.step.series` wants of the inverse."""
+        ends = self.model.ends
+        if len(ends.unknowns):
+            set_inverse(factors.plain, ends.unknowns, self.this.r, ends.inverse)
+        return factors
 
     def _fill_here(self, scale: Array | None) -> Array:
         """The matrix, not yet factorised: in the middle of the step as it is, or at its start.

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.conserving.run_state import RunState
-from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.conserving.step import corrections, loop, nodes
 
 _log = logging.getLogger(__name__)
 
@@ -142,7 +142,7 @@ class Steps(RunState):
         counters, numbers, packed = self.counters, self.numbers, self._packed
         counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
         counters[corrections.STALLS] = 0
-        motion = loop.packed_begin(packed.model, packed.state, packed.step)
+        motion = nodes.packed_begin(packed.model, packed.state, packed.step)
         numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
         numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
         numbers[corrections.FELT] = 0.0

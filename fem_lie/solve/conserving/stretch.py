@@ -47,7 +47,7 @@ def run(
         last: Step to reach; the end of an earlier one is where an element turns too far.
     """
     scene, rows, wanted = results
-    _, _, _, _, (h, _, _) = model
+    _, _, (h, _, _) = model
     while counters[STEPS] < last:
         at = place[WANTED]
         to = wanted[at] if at < wanted.shape[0] else last

@@ -26,7 +26,7 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
-from fem_lie.solve.conserving.step.cayley import half, span
+from fem_lie.solve.conserving.between.cayley import half, span
 from fem_lie.solve.conserving.step.joints import add_joints
 
 

@@ -13,7 +13,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.results import Result
 from fem_lie.results.record import Record
-from fem_lie.solve.conserving.step.cayley import advance
+from fem_lie.solve.conserving.between.cayley import advance
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints

@@ -6,14 +6,12 @@ from math import sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined, uncounted
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
-from fem_lie.forms.fixed_arrays import put
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.table import joint_table
 from fem_lie.joints.equations.terms import unwrap
 from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -28,7 +26,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.step.cayley import advance, left_moment, spin
+from fem_lie.solve.conserving.between.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.step.dissipation import (
     ENERGY,
     LEAK,
@@ -37,24 +35,17 @@ from fem_lie.solve.conserving.step.dissipation import (
     REPAID,
     remember,
 )
-from fem_lie.solve.conserving.step.records import Scheme, State, Step, solution_of, span_of
+from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.records import solution_of, span_of
 from fem_lie.system.nodes.loads import Loads
 
 
-@compiled
-def accept(
-    mass: Inertia,
-    tables: tuple[PackedJoints, PackedJoints],
-    loads: Loads,
-    conservative: Array,
-    scheme: Scheme,
-    state: State,
-    this: Step,
-) -> None:
-    """Make the end of the step the start of the next; ``tables``: of joints and of probes."""
-    H, V, F, lag, trend = state.H, state.V, state.F, state.lag, state.trend
-    w, w_F, books, account = state.w, state.w_F, state.books, state.account
-    step, V1, F1, losses = this.step, this.V1, this.F1, this.losses
+@uncounted
+def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+    """Make the end of the step the start of the next one."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    H, V, lag, books, account = state.H, state.V, state.lag, state.books, state.account
+    step, V1, F1, losses, scheme = this.step, this.V1, this.F1, this.losses, model.scheme
     end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
     share = 0.5 * (1.0 + χ * lag[REMEMBERS])
@@ -64,33 +55,61 @@ def accept(
         μ = μ if lag[REMEMBERS] > 0.0 else 1.0
         lag[REMEMBERS] = 1.0
         remember(lag, μ)
-        w += μ * (V1 - V - w)
-        w_F += μ * (F1 - F - w_F)
+        _learn(μ, V, V1, state.w)
+        for place in range(F1.shape[0]):
+            for k in range(6):
+                old = state.w_F[place, k]
+                state.w_F[place, k] = old + μ * (F1[place, k] - state.F[place, k] - old)
+    loads, conservative = model.loads, model.conservative
     books[WORK] += losses[WORK] + _work_of_loads(loads, conservative, this.rows, step, losses)
     books[DAMPING] += losses[DAMPING]
     books[NUMERICAL] += losses[NUMERICAL]
-    books[BY_LOADS:] += h * losses[BY_LOADS:]
+    for k in range(BY_LOADS, books.shape[0]):
+        books[k] += h * losses[k]
     advance(H[:n], state.rest, delta[:n])
     for i in range(n, H.shape[0]):
         for k in range(4):
             store_row(H[i], k, load_row(end[i], k))
-    joints, probes = tables
-    unwrap(H, joint_table(joints))
-    unwrap(H, joint_table(probes))
-    put(V1, V)
-    momenta = this.q[1]
+    unwrap(H, joint_table(model.joints))
+    unwrap(H, joint_table(model.probes))
+    for i in range(n):
+        for k in range(4):
+            store_row(V[i], k, load_row(V1[i], k))
+    mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    lag[ENERGY] = max(lag[ENERGY], 0.5 * np.sum(V * momenta) + np.sum(this.W1))
-    _keep_trend(H, V, h, step, trend)
-    put(F1, F)
-    put(this.W1, state.W)
+    lag[ENERGY] = max(lag[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
+    _keep_trend(H, V, h, step, state.trend)
+    for place in range(F1.shape[0]):
+        for k in range(6):
+            state.F[place, k] = F1[place, k]
     for e in range(account.shape[0]):
+        state.W[e] = this.W1[e]
         account[e] += this.work[e]
     sizes, earlier = state.sizes, state.earlier
     sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
     for c in range(state.gap.shape[0]):
         state.gap[c] += this.change[c]
         earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
+
+
+@inlined
+def _learn(μ: float, V: Array, V1: Array, w: Array) -> None:
+    """``w += μ (V₁ − V − w)``, (n, 4, 3)."""
+    for i in range(w.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                w[i, k, j] += μ * (V1[i, k, j] - V[i, k, j] - w[i, k, j])
+
+
+@inlined
+def _product(V: Array, p: Array) -> float:
+    """``Σ V·p``, (n, 4, 3)."""
+    total = 0.0
+    for i in range(V.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                total += V[i, k, j] * p[i, k, j]
+    return total
 
 
 @inlined
@@ -102,7 +121,7 @@ def _keep_trend(H: Array, V: Array, h: float, step: Array, trend: Array) -> None
             store(trend[i], at, combined(1.0 / h, later, -1.0 / h**2, load(step[i], at)))
 
 
-@compiled
+@uncounted
 def _keep_what_is_left(
     middle: Array, step: Array, r: Array, factor: float, lag: Array, carry: Array
 ) -> None:
@@ -123,7 +142,7 @@ def _keep_what_is_left(
     lag[LIMIT] = sqrt(square)
 
 
-@compiled
+@uncounted
 def _work_of_loads(loads: Loads, constant: Array, rows: Array, step: Array, losses: Array) -> float:
     """Work in the step of all loads without a potential; adds the forces of all to ``losses``."""
     dead, moment, following = loads

@@ -5,13 +5,10 @@ Formulas in :mod:`fem_lie.solve.conserving.energy_momentum`.
 
 from __future__ import annotations
 
-import numpy as np
-
-from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined, linked, uncounted
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
 from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.tuples import (
     Vector,
     cross,
@@ -25,54 +22,47 @@ from fem_lie.lie.tuples import (
     store,
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
-from fem_lie.solve.conserving.step.cayley import left_moment, span
+from fem_lie.solve.conserving.between.cayley import left_moment, span
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
     MEMORY,
     REMEMBERS,
     choose_memory,
-    set_products,
     set_velocities,
-    turning,
     velocity_loss,
 )
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import (
-    Model,
-    Scheme,
-    State,
-    Step,
-    products_of,
-    solution_of,
-    span_of,
-)
+from fem_lie.solve.conserving.step.products import set_products
+from fem_lie.solve.conserving.step.records import products_of, solution_of, span_of
 from fem_lie.system.nodes.loads import Loads
 
 
 @linked
 def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
-    """:func:`residual` of :class:`~fem_lie.solve.conserving.step.packing.Packed`."""
-    residual(model_of(model), state_of(state), step_of(step), True)
+    """:func:`residual` with forces anew, from Python."""
+    residual(model, state, step, True)
 
 
-@linked
-def residual(model: Model, state: State, this: Step, anew: bool) -> None:
+@uncounted
+def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -> None:
     """Balance of momenta over the step, times 2/(1 + χ), along half-way frames; constraints.
 
     Not ``anew`` cells keep the forces and energies that they had last.
     """
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
     n, χ = this.step.shape[0], scheme.loss * state.lag[REMEMBERS]
     along, r = span_of(this.rows), solution_of(this.r).residual
     span(state.H, this.step, along.delta, along.mean, along.end, along.middle)
-    losses[:] = 0.0
+    for k in range(losses.shape[0]):
+        losses[k] = 0.0
     _make_up(state.carry, this.step, forces)
-    add_from_nodes(model, state, this, anew)
+    add_from_nodes(packed, starts, steps, anew)
     if χ > 0.0:
-        _choose_memory(model.inertia, scheme, state, this)
-        add_filtered_forces(model.cells.x.shape[0], model.leaders, scheme, state, this)
-    _add_momenta(model.inertia, model.damping, model.loads.dead, scheme, state, this)
+        _choose_memory(packed, starts, steps)
+        add_filtered_forces(packed, starts, steps)
+    _add_momenta(packed, starts, steps)
     _add_loads(model.loads, along.middle, forces)
     given = model.joints, state.weights, model.driven, scheme.h
     change, reactions = this.change, losses[BY_REACTIONS:]
@@ -103,12 +93,12 @@ def _make_up(carry: Array, step: Array, forces: Array) -> None:
 
 @inlined
 def _add_reactions(
-    middle: Array, x: Vector, supported: Flags, r: Array, χ: float, losses: Array
+    middle: Array, x: Vector, supported: Indices, r: Array, χ: float, losses: Array
 ) -> None:
     """Add what is left over where a node at ``x`` is held from outside: the force that holds it."""
     any_held = False
     for k in range(6):
-        any_held = any_held or supported[k]
+        any_held = any_held or supported[k] != 0
     if not any_held:
         return
     s = 0.5 * (1.0 + χ)
@@ -118,21 +108,21 @@ def _add_reactions(
     add_wrench(losses, BY_REACTIONS, x, rotate(d1, d2, d3, a), rotate(d1, d2, d3, b))
 
 
-@compiled
-def _choose_memory(mass: Inertia, scheme: Scheme, state: State, this: Step) -> None:
+@uncounted
+def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """β, and velocities with it."""
-    V, w, lag, products, χ = state.V, state.w, state.lag, products_of(this), scheme.loss
-    set_products(mass, V, w, span_of(this.rows).delta, scheme.h, products)
-    choose_memory(products.sums, χ, lag)
-    β = lag[MEMORY]
-    set_velocities(V, w, products.δ, χ, β, turning(products.sums, χ, β), this.V1)
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    V, w, lag, products, χ = state.V, state.w, state.lag, products_of(this), model.scheme.loss
+    set_products(model.inertia, V, w, span_of(this.rows).delta, model.scheme.h, products)
+    ψ = choose_memory(products.sums, χ, lag)
+    set_velocities(V, w, products.δ, χ, lag[MEMORY], ψ, this.V1)
 
 
-@compiled
-def _add_momenta(
-    mass: Inertia, damping: Inertia, dead: Array, scheme: Scheme, state: State, this: Step
-) -> None:
+@uncounted
+def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Add rates of momenta, and damping that goes with mass."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    mass, damping, dead, scheme = model.inertia, model.damping, model.loads.dead, model.scheme
     h = scheme.h
     V, V1, losses, forces, q = state.V, this.V1, this.losses, this.forces, this.q
     _, mean, _, delta = span_of(this.rows)
@@ -149,7 +139,12 @@ def _add_momenta(
                     q[0, i, k, j] = delta[i, k, j] / h
         inertia.multiply(damping.indptr, damping.indices, damping.blocks, q[0], q[1])
         _on_directors(mean, q[1], forces)
-        losses[DAMPING] += h * np.sum(q[0] * q[1])
+        power = 0.0
+        for i in range(n):
+            for k in range(4):
+                for j in range(3):
+                    power += q[0, i, k, j] * q[1, i, k, j]
+        losses[DAMPING] += h * power
         for i in range(n):
             add_dead(losses, BY_LOADS, -1.0, mean[i], q[1, i])
     for i in range(n):
@@ -166,7 +161,7 @@ def _add_momenta(
     _on_directors(mean, q[1], forces)
 
 
-@compiled
+@uncounted
 def _on_directors(mean: Array, f: Array, forces: Array) -> None:
     """Add forces on (x, d₁, d₂, d₃) (n, 4, 3) to forces and moments (n, 6)."""
     for i in range(forces.shape[0]):
@@ -177,7 +172,7 @@ def _on_directors(mean: Array, f: Array, forces: Array) -> None:
         store(forces[i], 3, moment)
 
 
-@compiled
+@uncounted
 def _add_loads(loads: Loads, middle: Array, forces: Array) -> None:
     """Subtract moments fixed in space and loads that follow the half-way frames."""
     moment, following = loads.moment, loads.following

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit import inlined, uncounted
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.forms.cells import CellTable
-from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.tuples import (
     cross,
     dot,
@@ -24,10 +23,12 @@ from fem_lie.lie.tuples import (
     rotate_back,
     scaled,
     store,
+    store_row,
 )
 from fem_lie.lie.wrenches import add_wrench
-from fem_lie.solve.conserving.step.cayley import follow
-from fem_lie.solve.conserving.step.discrete_gradient import Energies, add_elastic, filtered_forces
+from fem_lie.solve.conserving.between.cayley import follow
+from fem_lie.solve.conserving.between.discrete_gradient import Energies, Filtered, add_elastic
+from fem_lie.solve.conserving.between.mean_forces import Ends, Path
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     ENERGY,
@@ -39,16 +40,8 @@ from fem_lie.solve.conserving.step.dissipation import (
     SQUARES,
     WORKS,
 )
-from fem_lie.solve.conserving.step.mean_forces import Ends, Path
-from fem_lie.solve.conserving.step.records import (
-    Leaders,
-    Model,
-    Pieces,
-    Scheme,
-    State,
-    Step,
-    span_of,
-)
+from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.records import Pieces, span_of
 
 
 class Motion(NamedTuple):
@@ -73,12 +66,13 @@ class Motion(NamedTuple):
     step: Array
 
 
-@linked
-def add_from_nodes(model: Model, state: State, this: Step, anew: bool) -> None:
+@uncounted
+def add_from_nodes(packed: PackedModel, starts: Indices, steps_of: Indices, anew: bool) -> None:
     """Add the forces of the cells and of pressure, which are on all nodes, to the leaders.
 
     Not ``anew``: those that were found last, and energies by the work of these.
     """
+    model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
     leader, offset, trivial = model.leaders
     H, step, forces = state.H, this.step, this.forces
     rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
@@ -93,7 +87,9 @@ def add_from_nodes(model: Model, state: State, this: Step, anew: bool) -> None:
         motion = Motion(H, rows.end, rows.mean, rows.middle, rows.delta, exact, steps)
     else:
         own = this.q[0]
-        put(exact[: step.shape[0]], own)
+        for i in range(step.shape[0]):
+            for k in range(4):
+                store_row(own[i], k, load_row(exact[i], k))
         follow(H, leader, offset, this.start)
         for k in range(4):
             follow(this.rows[k], leader, offset, this.nodes[k])
@@ -105,11 +101,13 @@ def add_from_nodes(model: Model, state: State, this: Step, anew: bool) -> None:
             further[i, k], further[i, 3 + k] = u - steps[i, k], ψ - steps[i, 3 + k]
             steps[i, k], steps[i, 3 + k] = u, ψ
     if anew or model.viscous or model.pressure.pairs.shape[0] > 0:
-        on_all[:] = 0.0
-        _add_cells(model, state, this, motion, on_all)
+        for i in range(on_all.shape[0]):
+            for k in range(6):
+                on_all[i, k] = 0.0
+        _add_cells(packed, starts, steps_of, motion, on_all)
         this.losses[WORK] += _add_pressure(model.pressure, motion, on_all, this.losses)
     else:
-        _move_cells(model.cells, motion.end, further, state, this)
+        _move_cells(packed, starts, steps_of, motion.end, further)
     if trivial:
         for i in range(forces.shape[0]):
             for k in range(6):
@@ -118,16 +116,20 @@ def add_from_nodes(model: Model, state: State, this: Step, anew: bool) -> None:
         collect(leader, nodes.mean, rows.mean, on_all, forces)
 
 
-@compiled
-def _move_cells(cells: CellTable, end: Array, further: Array, state: State, this: Step) -> None:
+@uncounted
+def _move_cells(
+    packed: PackedModel, starts: Indices, steps: Indices, end: Array, further: Array
+) -> None:
     """Energies and works after so small a motion (N, 6) that forces stay what they are.
 
     Together they are the work of the forces over the step, so nothing adds up; each has of it what
     its forces at the end let one expect.
     """
+    cells, state, this = model_of(packed).cells, state_of(starts), step_of(steps)
     first, nodes, F, lag, filtered = cells.first, cells.nodes, this.F1, state.lag, this.filtered
-    gains, expected, sizes, done = np.zeros(this.W1.shape[0]), 0.0, 0.0, 0.0
+    gains, expected, sizes, done = this.gains, 0.0, 0.0, 0.0
     for e in range(gains.shape[0]):
+        gains[e] = 0.0
         for a in range(first[e], first[e + 1]):
             m, d = end[nodes[a]], further[nodes[a]]
             for at in (0, 3):
@@ -150,10 +152,13 @@ def _move_cells(cells: CellTable, end: Array, further: Array, state: State, this
 ULP = float(np.finfo(np.float64).eps)
 
 
-@compiled
-def _add_cells(model: Model, state: State, this: Step, motion: Motion, out: Array) -> None:
+@uncounted
+def _add_cells(
+    packed: PackedModel, starts: Indices, steps: Indices, motion: Motion, out: Array
+) -> None:
     """Add elastic, filtered and viscous forces of the cells to those on all nodes."""
-    cells, h, lag = model.cells, model.scheme.h, state.lag
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    cells, h, lag, dissipates = model.cells, model.scheme.h, state.lag, model.scheme.loss > 0.0
     H, end, mean, middle, delta, more, step = motion
     elements.evaluate(cells, H, more, this.F1, this.W1)
     ends = Ends(H, end, state.F, this.F1)
@@ -162,10 +167,11 @@ def _add_cells(model: Model, state: State, this: Step, motion: Motion, out: Arra
     repay = _repayment(lag)
     count = energies.start.shape[0]
     typical, unknown = lag[SQUARES] / count, ULP * lag[ENERGY] / count
-    squares = add_elastic(cells, ends, path, energies, this.work, (repay, typical, unknown), out)
-    lag[SQUARES], lag[REPAID] = squares, repay * squares
-    if model.scheme.loss > 0.0:
-        lag[WORKS], lag[WORKS + 1] = filtered_forces(cells, ends, path, state.w_F, this.filtered)
+    known = repay, typical, unknown
+    other = Filtered(dissipates, state.w_F, this.filtered)
+    found = add_elastic(cells, ends, path, energies, this.work, known, other, out)
+    lag[SQUARES], lag[WORKS], lag[WORKS + 1] = found
+    lag[REPAID] = repay * lag[SQUARES]
     if model.viscous:
         twists = this.twists
         for i in range(step.shape[0]):
@@ -177,16 +183,13 @@ def _add_cells(model: Model, state: State, this: Step, motion: Motion, out: Arra
         this.losses[DAMPING] += h * _add_viscous(cells, middle, twists, this.F_viscous, out)
 
 
-@compiled
-def add_filtered_forces(
-    kinds: int, leaders: Leaders, scheme: Scheme, state: State, this: Step
-) -> None:
-    """Add forces of the changes of elastic forces less their memory, to the leaders.
-
-    ``kinds``: how many of cells there are.
-    """
+@uncounted
+def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+    """Add forces of the changes of elastic forces less their memory, to the leaders."""
+    model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    leaders, scheme = model.leaders, model.scheme
     lag, given, losses = state.lag, this.filtered, this.losses
-    if kinds == 0:
+    if model.cells.x.shape[0] == 0:
         return
     a = 0.5 * scheme.loss * lag[REMEMBERS] * lag[ELASTIC]
     b = a * lag[MEMORY]
@@ -195,7 +198,9 @@ def add_filtered_forces(
         on_all = this.forces
     else:
         on_all = this.filtered[2]
-        on_all[:] = 0.0
+        for i in range(on_all.shape[0]):
+            for k in range(6):
+                on_all[i, k] = 0.0
     for i in range(on_all.shape[0]):
         for k in range(6):
             on_all[i, k] += a * given[0, i, k] - b * given[1, i, k]
@@ -215,7 +220,7 @@ def _repayment(lag: Array) -> float:
     return max(-most, min(most, leak / squares))
 
 
-@compiled
+@uncounted
 def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: Array) -> float:
     """Add viscous forces at the half-way frames; returns their power."""
     first, nodes, power = cells.first, cells.nodes, 0.0
@@ -231,7 +236,7 @@ def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: 
     return power
 
 
-@compiled
+@uncounted
 def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -> float:
     """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each piece; returns work."""
     pairs, across = pressure
@@ -251,7 +256,7 @@ def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -
     return work
 
 
-@compiled
+@uncounted
 def collect(leader: Indices, all_means: Array, mean: Array, given: Array, forces: Array) -> None:
     """Add forces and moments on all nodes, (N, 6), to those on their leaders, (n, 6)."""
     for i in range(leader.shape[0]):

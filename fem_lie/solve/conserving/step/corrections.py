@@ -1,12 +1,4 @@
-"""Corrections of a step by a matrix that is kept, and when the step is at its end.
-
-What ages of a kept matrix first are the constraints, for bodies turn against each other; and the
-rotations of dissipation were never in it. Of what is not in it products are needed, no factors::
-
-    x = S⁻¹ r − S⁻¹ ΔS (S⁻¹ r) + …
-
-The border of ``ΔS`` has rows at the end of the step and columns in its middle. The series is cut
-off where the rest is as small as what else is not in the matrix.
+"""When corrections of a step are at their end, and how those in one direction are hastened.
 
 A step is at its end when nothing but round-off changes any more. Increments fall until they are
 noise, and where that begins depends on the scene. What was reached before is reached again; what
@@ -22,17 +14,9 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.linear.factors import PlainFactors, solve
-from fem_lie.solve.conserving.step.records import Legs, solution_of
 
-MOST = 4
-"""Terms of the series, at most."""
-CLOSE, NEARLY = 1e-6, 1e-4
-"""Terms that are left out, over the first one: in the first correction of a step, and later."""
 _ALIKE, _SHARE = 0.2, 0.5
 """How much corrections in one direction differ, and the most that one may leave over."""
-FALLS = 0.5
-"""Where terms do not fall by this factor the series says nothing."""
 STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST = 0, 1, 2, 3, 4, 5, 6
 """Counters: steps made, iterations of the present one and of all, fewest, iteration agreed on,
 iterations since the increment fell to its least, and iterations of the last step."""
@@ -54,99 +38,6 @@ _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
 """Ratio of increments that is no progress any more."""
-
-
-@compiled
-def correction(
-    measure: Array,
-    scale: Array,
-    r: Array,
-    factors: PlainFactors,
-    legs: Legs,
-    aside: tuple[Array, Array],
-    enough: tuple[float, float, float],
-) -> tuple[float, int, float]:
-    """Solve for the correction.
-
-    Args:
-        measure: Size of each unknown and scaled multiplier.
-        scale: Factor of each constraint.
-        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations.
-        factors: Of the matrix.
-        legs: Which nodes the constraints touch.
-        aside: What is not in the matrix: change of the border since it was made, (2, legs, 6), and
-            that of :func:`~fem_lie.solve.conserving.step.dissipation.set_turnings`.
-        enough: What may be left out, over the first term, and in lengths, and by how much terms
-            fell before.
-
-    Returns:
-        The size of its largest part, how many terms of the series were taken, and by how much they
-        fell.
-    """
-    residual, x, work, rest, term = solution_of(r)
-    solve(factors, residual, work, x)
-    first = size(measure, x)
-    (change, turnings), (close, fine, falls) = aside, enough
-    if change.shape[1] == 0 and turnings.shape[1] == 0:
-        return first, 0, falls
-    if first * falls <= fine:
-        return first, 0, falls
-    before, put, allowed = first, x, max(close * first, fine)
-    for k in range(MOST):
-        _multiply(legs, scale, change, put, rest)
-        for c in range(turnings.shape[1]):
-            along = 0.0
-            for i in range(turnings.shape[2]):
-                along += turnings[0, c, i] * put[i]
-            for i in range(turnings.shape[2]):
-                rest[i] -= along * turnings[1, c, i]
-        solve(factors, rest, work, term)
-        now = size(measure, term)
-        if not now < FALLS * before:
-            return size(measure, x), k + 1, 1.0
-        for i in range(x.shape[0]):
-            x[i] += term[i]
-        falls = now / before
-        if now * falls <= allowed:
-            return size(measure, x), k + 1, falls
-        before, put = now, term
-    return size(measure, x), MOST, falls
-
-
-@compiled
-def growth(
-    measure: Array,
-    scale: Array,
-    r: Array,
-    factors: PlainFactors,
-    legs: Legs,
-    change: Array,
-    probe: Array,
-) -> float:
-    """Ratio of the terms for old constraints in the direction in which they fall the least.
-
-    What an iteration does in other directions than that of its residual is not seen in it before
-    round-off has grown there. Where it is 1 or more next to a posture in which constraints lose
-    rank, the step ends in another branch.
-
-    Args:
-        measure: Size of each unknown and scaled multiplier.
-        scale: Factor of each constraint.
-        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, of which
-            nothing but memory is used.
-        factors: Of the matrix.
-        legs: Which nodes the constraints touch.
-        change: Of the border since the matrix was made, (2, legs, 6).
-        probe: That direction, by one step of the power method more each time, (6 n + m,), updated.
-    """
-    _, _, work, rest, term = solution_of(r)
-    _multiply(legs, scale, change, probe, rest)
-    solve(factors, rest, work, term)
-    grown = size(measure, term)
-    if grown > 0.0:
-        for k in range(probe.shape[0]):
-            probe[k] = term[k] / grown
-    return grown
 
 
 @compiled
@@ -205,20 +96,6 @@ def size(measure: Array, x: Array) -> float:
         if part > largest or part != part:
             largest = part
     return largest
-
-
-@inlined
-def _multiply(legs: Legs, scale: Array, change: Array, x: Array, out: Array) -> None:
-    """``out = −ΔS x``."""
-    out[:] = 0.0
-    n6 = x.shape[0] - scale.shape[0]
-    for leg in range(legs.nodes.shape[0]):
-        i, c = 6 * legs.nodes[leg], legs.constraints[leg]
-        total, weight = 0.0, scale[c] * x[n6 + c]
-        for k in range(6):
-            total += change[0, leg, k] * x[i + k]
-            out[i + k] -= change[1, leg, k] * weight
-        out[n6 + c] -= scale[c] * total
 
 
 @inlined

@@ -38,26 +38,35 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
-from fem_lie._arrays import Array, Flags
-from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined, uncounted
+from fem_lie._jit.stack import blocks_at, matrix_at, stack
 from fem_lie.lie.tuples import (
     Vector,
     cross,
     dot,
     load_row,
-    minus,
     plus,
     rotate_back,
     scaled,
     store,
     store_row,
 )
-from fem_lie.solve.conserving.step.cayley import mean_of
-from fem_lie.solve.conserving.step.mean_forces import solve_symmetric
+from fem_lie.solve.conserving.between.cayley import mean_of
+from fem_lie.solve.conserving.between.mean_forces import solve_symmetric
+from fem_lie.solve.conserving.step.products import (
+    TURNS,
+    changes,
+    make_means,
+    make_squares,
+    nearest,
+    product,
+    resistance,
+    times,
+    trace,
+    turn,
+    turning,
+)
 from fem_lie.solve.conserving.step.records import Products
 
 MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
@@ -67,182 +76,13 @@ forces and of the memory, and ``|w|²`` of the latter."""
 LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
 """And of energy that round-off has brought in, squares of the deformations of all elements, forces
 that are below round-off, energy taken back, and the largest energy so far; shape (11,)."""
-_TURNS = 30
 _EXACT = 1e-14
 
 
-@compiled
-def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> None:
-    """What of the sums is the same in all of a step."""
-    indptr, indices, blocks = mass
-    _, Gw, GV, sums = products
-    inertia.multiply(indptr, indices, blocks, w, Gw)
-    inertia.multiply(indptr, indices, blocks, V, GV)
-    _sum(V, Gw, sums[0, 2])
-    _sum(w, Gw, sums[2, 2])
-    _sum(V, GV, sums[0, 0])
-    _transpose(sums, 0, 2)
-
-
-@compiled
-def set_products(
-    mass: Inertia, V: Array, w: Array, delta: Array, h: float, products: Products
-) -> None:
-    """What depends on the increments, shape (≥ n, 4, 3)."""
-    indptr, indices, blocks = mass
-    δ, Gδ, _, sums = products
-    for i in range(V.shape[0]):
-        for k in range(4):
-            for j in range(3):
-                δ[i, k, j] = delta[i, k, j] / h - V[i, k, j]
-    inertia.multiply(indptr, indices, blocks, δ, Gδ)
-    _sum(V, Gδ, sums[0, 1])
-    _sum(δ, Gδ, sums[1, 1])
-    _sum(w, Gδ, sums[2, 1])
-    _transpose(sums, 0, 1)
-    _transpose(sums, 2, 1)
-
-
-@inlined
-def _sum(X: Array, GY: Array, out: Array) -> None:
-    """``Σ X_r (G Y)_s``, (3, 3)."""
-    a00 = a01 = a02 = a10 = a11 = a12 = a20 = a21 = a22 = 0.0
-    for i in range(X.shape[0]):
-        for k in range(4):
-            x, y, z = X[i, k, 0], X[i, k, 1], X[i, k, 2]
-            f, g, m = GY[i, k, 0], GY[i, k, 1], GY[i, k, 2]
-            a00 += x * f
-            a01 += x * g
-            a02 += x * m
-            a10 += y * f
-            a11 += y * g
-            a12 += y * m
-            a20 += z * f
-            a21 += z * g
-            a22 += z * m
-    store_row(out, 0, (a00, a01, a02))
-    store_row(out, 1, (a10, a11, a12))
-    store_row(out, 2, (a20, a21, a22))
-
-
-@inlined
-def _transpose(sums: Array, x: int, y: int) -> None:
-    for r in range(3):
-        for s in range(3):
-            sums[y, x, r, s] = sums[x, y, s, r]
-
-
-@inlined
-def _product(sums: Array, x: Vector, y: Vector, out: Array) -> None:
-    """The sums of two combinations of (V, δ, w), (3, 3)."""
-    for r in range(3):
-        for s in range(3):
-            total = 0.0
-            for i in range(3):
-                for j in range(3):
-                    if x[i] != 0.0 and y[j] != 0.0:
-                        total += x[i] * y[j] * sums[i, j, r, s]
-            out[r, s] = total
-
-
-@inlined
-def _changes(χ: float, β: float) -> tuple[Vector, Vector, Vector]:
-    """``a``, ``V + ½ a`` and ``a − β w`` as combinations of (V, δ, w)."""
-    k = 2.0 / (1.0 + χ)
-    kept = 0.5 * χ * β * k
-    return (0.0, k, kept), (1.0, 0.5 * k, 0.5 * kept), (0.0, k, kept - β)
-
-
-@inlined
-def _means(ψ: Vector, M: Array) -> None:
-    """``(I − ½ψ̂)⁻¹ M``."""
-    for s in range(3):
-        turned = mean_of(ψ, (M[0, s], M[1, s], M[2, s]))
-        M[0, s], M[1, s], M[2, s] = turned
-
-
-@inlined
-def _squares(sums: Array, p: Vector, ψ: Vector, out: Array) -> None:
-    """The sums of V̄ with itself."""
-    _product(sums, p, p, out)
-    _means(ψ, out)
-    for r in range(3):
-        store_row(out, r, mean_of(ψ, load_row(out, r)))
-
-
-@inlined
-def _turn(M: Array) -> Vector:
-    """``Σ X × G Y`` from ``Σ X_r (G Y)_s``."""
-    return M[1, 2] - M[2, 1], M[2, 0] - M[0, 2], M[0, 1] - M[1, 0]
-
-
-@inlined
-def _trace(M: Array) -> float:
-    return M[0, 0] + M[1, 1] + M[2, 2]
-
-
-@inlined
-def _times(A: Array, v: Vector) -> Vector:
-    return dot(load_row(A, 0), v), dot(load_row(A, 1), v), dot(load_row(A, 2), v)
-
-
-@inlined
-def _resistance(W: Array, A: Array) -> None:
-    """``A`` with ``A Ω = Σ V̄ × G (Ω × V̄)`` from the sums of V̄ with itself."""
-    trace = _trace(W)
-    for r in range(3):
-        for s in range(3):
-            A[r, s] = -0.5 * (W[r, s] + W[s, r])
-        A[r, r] += trace
-
-
-@inlined
-def _nearest(A: Array, shifted: Array, right: Vector) -> Vector:
-    """Rotation that makes ``Ω × V̄`` nearest to ``b`` in the metric of inertia.
-
-    Args:
-        A: See :func:`_resistance`.
-        shifted: Work, (3, 3).
-        right: ``Σ V̄ × G b``.
-    """
-    # motion along one line has no rotation about it
-    least = 1e-12 * _trace(A)
-    if least == 0.0:
-        return (0.0, 0.0, 0.0)
-    for r in range(3):
-        for s in range(3):
-            shifted[r, s] = A[r, s]
-        shifted[r, r] += least
-    first = solve_symmetric(shifted, right)
-    # the shift taken back, but for directions without rotation
-    rest = minus(right, _times(A, first))
-    return plus(first, solve_symmetric(shifted, rest))
-
-
-@compiled
-def turning(sums: Array, χ: float, β: float) -> Vector:
-    """``χ P`` of :func:`set_velocities`: P is the rotation nearest to ``ΔV − β w``, over 1 + χ."""
-    work = np.empty((5, 3, 3))
-    W, A, shifted, X, kept = work[0], work[1], work[2], work[3], work[4]
-    _, p, b = _changes(χ, β)
-    _product(sums, p, b, kept)
-    ψ = (0.0, 0.0, 0.0)
-    for _ in range(_TURNS):
-        _squares(sums, p, ψ, W)
-        _resistance(W, A)
-        X[:] = kept
-        _means(ψ, X)
-        found = scaled(χ, _nearest(A, shifted, _turn(X)))
-        gap, ψ = minus(found, ψ), found
-        if dot(gap, gap) <= 1e-30 * dot(ψ, ψ):
-            break
-    return ψ
-
-
-@compiled
+@uncounted
 def set_velocities(V: Array, w: Array, δ: Array, χ: float, β: float, ψ: Vector, V1: Array) -> None:
     """Velocities ``V₁`` at the end: ``ΔV = a + ψ × V̄``; (n, 4, 3)."""
-    (_, k, kept), _, _ = _changes(χ, β)
+    (_, k, kept), _, _ = changes(χ, β)
     for i in range(V.shape[0]):
         for j in range(4):
             a = plus(scaled(k, load_row(δ[i], j)), scaled(kept, load_row(w[i], j)))
@@ -251,11 +91,11 @@ def set_velocities(V: Array, w: Array, δ: Array, χ: float, β: float, ψ: Vect
             store_row(V1[i], j, plus(plus(v, a), cross(ψ, mean)))
 
 
-@compiled
+@uncounted
 def set_turnings(
     products: Products,
     frames: tuple[Array, Array],
-    held: Flags,
+    held: Indices,
     χ: float,
     h: float,
     out: Array,
@@ -273,9 +113,9 @@ def set_turnings(
         out: ``Z`` and ``Y``, (2, 3, 6 n), overwritten.
     """
     mean, middle = frames
-    work = np.empty((3, 3))
-    _resistance(products.sums[0, 0], work)
-    least = 1e-12 * _trace(work)
+    work = matrix_at(stack(9), 3, 3)
+    resistance(products.sums[0, 0], work)
+    least = 1e-12 * trace(work)
     out[:] = 0.0
     if least == 0.0:
         return
@@ -302,40 +142,44 @@ def set_turnings(
         out[1, 0, k], out[1, 1, k], out[1, 2, k] = scaled(factor, y)
 
 
-@compiled
-def choose_memory(sums: Array, χ: float, lag: Array) -> None:
-    """β and the share of elastic forces, for the velocities that they make."""
-    for _ in range(_TURNS):
+@uncounted
+def choose_memory(sums: Array, χ: float, lag: Array) -> Vector:
+    """β and the share of elastic forces, for the velocities that they make; returns their ψ."""
+    ψ = (0.0, 0.0, 0.0)
+    for _ in range(TURNS):
         β, share = lag[MEMORY], lag[ELASTIC]
-        _choose_once(sums, χ, turning(sums, χ, β), lag)
+        ψ = turning(sums, χ, β, ψ)
+        _choose_once(sums, χ, ψ, lag)
         if abs(lag[MEMORY] - β) <= _EXACT and abs(lag[ELASTIC] - share) <= _EXACT:
-            return
+            break
+    return turning(sums, χ, lag[MEMORY], ψ)
 
 
-@compiled
+@uncounted
 def _choose_once(sums: Array, χ: float, ψ: Vector, lag: Array) -> None:
     """The same for the velocities with the β that was, and their ψ."""
-    work = np.empty((4, 3, 3))
+    work = blocks_at(stack(36), 4, 3, 3)
     W, A, shifted, X = work[0], work[1], work[2], work[3]
-    a, p, _ = _changes(χ, lag[MEMORY])
+    a, p, _ = changes(χ, lag[MEMORY])
     w = (0.0, 0.0, 1.0)
-    _squares(sums, p, ψ, W)
-    _resistance(W, A)
-    _product(sums, p, a, X)
-    _means(ψ, X)
-    by_a, by_turn = _turn(X), _times(A, ψ)
+    product(sums, p, p, W)
+    make_squares(ψ, W)
+    resistance(W, A)
+    product(sums, p, a, X)
+    make_means(ψ, X)
+    by_a, by_turn = turn(X), times(A, ψ)
     by_change = plus(by_a, by_turn)
-    _product(sums, p, w, X)
-    _means(ψ, X)
-    by_w = _turn(X)
-    _product(sums, a, a, X)
-    square = _trace(X) + 2.0 * dot(ψ, by_a) + dot(ψ, by_turn)
-    _product(sums, a, w, X)
-    common = _trace(X) + dot(ψ, by_w)
-    turn = _nearest(A, shifted, by_w)
-    change = max(square - dot(_nearest(A, shifted, by_change), by_change), 0.0)
-    common -= dot(turn, by_change)
-    memory = max(_trace(sums[2, 2]) - dot(turn, by_w), 0.0)
+    product(sums, p, w, X)
+    make_means(ψ, X)
+    by_w = turn(X)
+    product(sums, a, a, X)
+    square = trace(X) + 2.0 * dot(ψ, by_a) + dot(ψ, by_turn)
+    product(sums, a, w, X)
+    common = trace(X) + dot(ψ, by_w)
+    by_nearest = nearest(A, shifted, by_w)
+    change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
+    common -= dot(by_nearest, by_change)
+    memory = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
     elastic = lag[WORKS]
     share = change / -elastic if -elastic > change else 1.0
     change, common = change + share * elastic, common + share * lag[WORKS + 1]
@@ -361,7 +205,7 @@ def remember(lag: Array, μ: float) -> None:
     lag[LENGTH] = max(square, 0.0)
 
 
-@compiled
+@uncounted
 def velocity_loss(V: Array, V1: Array, delta: Array, h: float, rates: Array) -> float:
     """``ΔV·G g`` with ``g = (q₁ − q)/h − V̄``: what the kinetic energy has lost, exactly.
 

@@ -13,11 +13,9 @@ the mean, ``g·Δz = f(z₁) − f(z)``; springs take the mean of their force at
 
 from __future__ import annotations
 
-import numpy as np
-
-from fem_lie._arrays import Array, Flags
-from fem_lie._jit import compiled, inlined
-from fem_lie.forms.fixed_arrays import put
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import blocks_at, stack, vector_at
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
@@ -78,7 +76,7 @@ def _forces(a: Array, b: Array, p: Array) -> tuple[Vector, Vector, Vector]:
     return force, on_a, on_b
 
 
-@compiled
+@uncounted
 def add_joints(
     mean: Array,
     delta: Array,
@@ -109,8 +107,11 @@ def add_joints(
     """
     table = joint_table(packed)
     work, loss, m = 0.0, 0.0, weights.shape[0]
-    p, z, dz, g, f = np.empty(12), np.empty(12), np.empty(12), np.empty(12), np.zeros(3)
-    both, moved = np.empty((2, 4, 3)), np.empty((2, 4, 3))
+    room, frames = vector_at(stack(51), 51), blocks_at(stack(72), 6, 4, 3)
+    p, z, dz, g, f = room[:12], room[12:24], room[24:36], room[36:48], room[48:]
+    both, moved, start = frames[:2], frames[2:4], frames[4:]
+    for k in range(3):
+        f[k] = 0.0
     for c in range(m):
         change[c] = -driven[c]
         work -= weights[c] * driven[c]
@@ -120,11 +121,17 @@ def add_joints(
             _joint_frame(delta[table.nodes[j, side]], table.frames[j, side], moved[side])
         _increment(both[0], both[1], moved[0], moved[1], dz)
         if table.curved[j] or table.rows[table.first[j]] >= m:
-            relative_motion(both[0] - 0.5 * moved[0], both[1] - 0.5 * moved[1], z)
+            for side in range(2):
+                for k in range(4):
+                    for n in range(3):
+                        start[side, k, n] = both[side, k, n] - 0.5 * moved[side, k, n]
+            relative_motion(start[0], start[1], z)
             functions.values(z, table.angle[j], table.turned[j], f)
-        p[:] = 0.0
+        for k in range(12):
+            p[k] = 0.0
         for t in range(table.first[j], table.first[j + 1]):
-            put(table.selection[t], g)
+            for k in range(12):
+                g[k] = table.selection[t, k]
             if table.curved[j]:
                 functions.add_secants(z, dz, table.angle[j], table.functions[t], g)
             gain, row = 0.0, table.rows[t]
@@ -135,8 +142,8 @@ def add_joints(
                 weight = weights[row]
             else:
                 stiffness, damping, rest = table.springs[row - m]
-                start = term(table, t, z, f)
-                weight = stiffness * (start + 0.5 * gain - rest) + damping * gain / h
+                before = term(table, t, z, f)
+                weight = stiffness * (before + 0.5 * gain - rest) + damping * gain / h
                 loss += damping * gain * gain / h
             for k in range(12):
                 p[k] += weight * g[k]
@@ -152,7 +159,9 @@ def add_joints(
             else:
                 add_wrench(ground, 0, load_row(both[side], 0), f_side, moment)
             if node > out.shape[0]:
-                moved[1 - side] = 0.0
+                for k in range(4):
+                    for n in range(3):
+                        moved[1 - side, k, n] = 0.0
                 _increment(both[0], both[1], moved[0], moved[1], dz)
                 for k in range(12):
                     work += p[k] * dz[k]
@@ -163,7 +172,7 @@ def add_joints(
 def border_at(
     joints: PackedJoints,
     legs: Legs,
-    held: Flags,
+    held: Indices,
     frames: tuple[Array, Array, Array],
     out: Array,
 ) -> None:
@@ -172,7 +181,7 @@ def border_at(
     Args:
         joints: Table of all joints.
         legs: Which nodes the constraints touch.
-        held: Which unknowns are zero, (n, 6).
+        held: Which unknowns are zero, 0 or 1, (n, 6).
         frames: At the end of the step, half-way, where the unknowns' axes are, and where forces
             act.
         out: Rows and columns, (2, legs, 6), overwritten.

@@ -7,25 +7,39 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from fem_lie._arrays import Flags, Indices
+from fem_lie._arrays import Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.forms.fixed_arrays import (
     FixedArrays,
+    frames,
+    integer_sixes,
     integers1,
     integers2,
+    many_frames,
+    many_sixes,
     numbers1,
     numbers2,
     numbers3,
     numbers4,
+    sixes,
 )
 from fem_lie.lie.kinds.inertia import Inertia
-from fem_lie.solve.conserving.step.records import Leaders, Legs, Model, Pieces, Scheme, State, Step
+from fem_lie.solve.conserving.step.records import (
+    Leaders,
+    LegEnds,
+    Legs,
+    Model,
+    Pieces,
+    Scheme,
+    State,
+    Step,
+)
 from fem_lie.system.nodes.loads import Loads
 
-PackedModel: TypeAlias = tuple[Indices, Flags, Flags, tuple[bool, bool], tuple[float, float, float]]
-"""Table of the arrays of a :class:`Model`; ``held`` and ``supported``; whether all lead themselves,
-and ``viscous``; the scheme."""
+PackedModel: TypeAlias = tuple[Indices, tuple[bool, bool], tuple[float, float, float]]
+"""Table of the arrays of a :class:`Model`; whether all lead themselves, and ``viscous``; the
+scheme."""
 
 
 class Packed:
@@ -56,6 +70,9 @@ class Packed:
                     *model.probes,
                     model.driven,
                     *model.legs,
+                    model.held,
+                    model.supported,
+                    *model.ends,
                 )
             ),
             FixedArrays(state),
@@ -66,7 +83,7 @@ class Packed:
 
     def _model(self, model: Model) -> PackedModel:
         flags = model.leaders.trivial, model.viscous
-        return self._fixed[0].table, model.held, model.supported, flags, (*model.scheme,)
+        return self._fixed[0].table, flags, (*model.scheme,)
 
     def set_scheme(self, model: Model) -> None:
         """Take the scheme of a ``model`` that differs in it alone."""
@@ -76,7 +93,7 @@ class Packed:
 @inlined
 def model_of(packed: PackedModel) -> Model:
     """The model of :class:`Packed`."""
-    table, held, supported, (trivial, viscous), (h, loss, learning) = packed
+    table, (trivial, viscous), (h, loss, learning) = packed
     return Model(
         CellTable(
             integers2(table, 0),
@@ -92,19 +109,20 @@ def model_of(packed: PackedModel) -> Model:
         (numbers1(table, 9), integers1(table, 10)),
         Inertia(integers1(table, 11), integers1(table, 12), numbers3(table, 13)),
         Inertia(integers1(table, 14), integers1(table, 15), numbers3(table, 16)),
-        Leaders(integers1(table, 17), numbers3(table, 18), trivial),
-        held,
+        Leaders(integers1(table, 17), frames(table, 18), trivial),
+        integer_sixes(table, 32),
         numbers1(table, 19),
         numbers1(table, 20),
-        Loads(numbers3(table, 21), numbers2(table, 22), numbers2(table, 23)),
-        numbers3(table, 24),
+        Loads(frames(table, 21), numbers2(table, 22), sixes(table, 23)),
+        frames(table, 24),
         Pieces(integers2(table, 25), numbers2(table, 26)),
         viscous,
         Scheme(h, loss, learning),
         (numbers1(table, 27), integers1(table, 28)),
         numbers1(table, 29),
-        supported,
+        integer_sixes(table, 33),
         Legs(integers1(table, 30), integers1(table, 31)),
+        LegEnds(integers1(table, 34), integers2(table, 35), numbers2(table, 36)),
     )
 
 
@@ -112,23 +130,23 @@ def model_of(packed: PackedModel) -> Model:
 def state_of(table: Indices) -> State:
     """The state of :class:`Packed`."""
     return State(
-        numbers3(table, 0),
-        numbers3(table, 1),
-        numbers3(table, 2),
+        frames(table, 0),
+        frames(table, 1),
+        frames(table, 2),
         numbers1(table, 3),
         numbers1(table, 4),
-        numbers2(table, 5),
+        sixes(table, 5),
         numbers1(table, 6),
         numbers1(table, 7),
-        numbers3(table, 8),
-        numbers2(table, 9),
+        frames(table, 8),
+        sixes(table, 9),
         numbers1(table, 10),
-        numbers2(table, 11),
+        sixes(table, 11),
         numbers1(table, 12),
-        numbers2(table, 13),
+        sixes(table, 13),
         numbers2(table, 14),
         numbers1(table, 15),
-        numbers3(table, 16),
+        many_sixes(table, 16),
         numbers2(table, 17),
         numbers1(table, 18),
         numbers1(table, 19),
@@ -139,28 +157,29 @@ def state_of(table: Indices) -> State:
 def step_of(table: Indices) -> Step:
     """The step of :class:`Packed`."""
     return Step(
-        numbers2(table, 0),
-        numbers4(table, 1),
-        numbers3(table, 2),
-        numbers2(table, 3),
+        sixes(table, 0),
+        many_frames(table, 1),
+        frames(table, 2),
+        sixes(table, 3),
         numbers1(table, 4),
         numbers1(table, 5),
         numbers1(table, 6),
         numbers1(table, 7),
-        numbers3(table, 8),
-        numbers4(table, 9),
-        numbers3(table, 10),
-        numbers2(table, 11),
-        numbers2(table, 12),
-        numbers2(table, 13),
-        numbers2(table, 14),
-        numbers4(table, 15),
-        numbers2(table, 16),
+        frames(table, 8),
+        many_frames(table, 9),
+        frames(table, 10),
+        sixes(table, 11),
+        sixes(table, 12),
+        sixes(table, 13),
+        sixes(table, 14),
+        many_frames(table, 15),
+        sixes(table, 16),
         numbers2(table, 17),
         numbers1(table, 18),
-        numbers3(table, 19),
-        numbers3(table, 20),
+        many_sixes(table, 19),
+        many_sixes(table, 20),
         numbers4(table, 21),
-        numbers4(table, 22),
+        many_frames(table, 22),
         numbers3(table, 23),
+        numbers1(table, 24),
     )

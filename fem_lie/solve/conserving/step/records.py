@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
@@ -68,6 +68,21 @@ class Legs(NamedTuple):
     constraints: Indices
 
 
+class LegEnds(NamedTuple):
+    """The unknowns in which the matrix changes with the constraints, where these are few.
+
+    Attributes:
+        unknowns: Which they are, (k,).
+        at: Of each leg, where among them its node begins and where its multiplier is, (2, legs).
+        inverse: Of the matrix that is kept, columns of the inverse in these unknowns, (k, k).
+            Without any (0, 0) all unknowns are solved for instead.
+    """
+
+    unknowns: Indices
+    at: Indices
+    inverse: Array
+
+
 class Model(NamedTuple):
     """What does not change in a step.
 
@@ -77,7 +92,7 @@ class Model(NamedTuple):
         inertia: Mass matrix.
         damping: The same of damping that goes with mass; without rows there is none.
         leaders: Who leads.
-        held: Which unknowns are zero, (n, 6).
+        held: Which unknowns are zero, 0 or 1, (n, 6).
         measure: Size of each unknown and scaled multiplier, shape (6 n + m,).
         scale: Factor of each constraint, (m,).
         loads: In the middle of the step; they may be changed.
@@ -87,8 +102,9 @@ class Model(NamedTuple):
         scheme: Parameters.
         probes: Table of the coordinates that results report.
         driven: Increments of the constraints' targets in the step, (m,); they may be changed.
-        supported: Which unknowns are held from outside, (n, 6).
+        supported: Which unknowns are held from outside, 0 or 1, (n, 6).
         legs: Of the constraints.
+        ends: Of the legs.
     """
 
     cells: CellTable
@@ -96,7 +112,7 @@ class Model(NamedTuple):
     inertia: Inertia
     damping: Inertia
     leaders: Leaders
-    held: Flags
+    held: Indices
     measure: Array
     scale: Array
     loads: Loads
@@ -106,8 +122,9 @@ class Model(NamedTuple):
     scheme: Scheme
     probes: PackedJoints
     driven: Array
-    supported: Flags
+    supported: Indices
     legs: Legs
+    ends: LegEnds
 
 
 class State(NamedTuple):
@@ -209,6 +226,7 @@ class Step(NamedTuple):
         own: Its arrays of the nodes, (3, n, 4, 3).
         turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
             without dissipation (2, 0, 6 n).
+        gains: Of the cells' energies, (M,).
     """
 
     step: Array
@@ -235,10 +253,13 @@ class Step(NamedTuple):
     sums: Array
     own: Array
     turnings: Array
+    gains: Array
 
 
 class Span(NamedTuple):
-    """What lies between the two levels of a step, see :mod:`.cayley`; of k nodes, (k, 4, 3).
+    """What lies between both ends of a step, of k nodes, (k, 4, 3).
+
+    See :mod:`~fem_lie.solve.conserving.between.cayley`.
 
     Attributes:
         end: Frames at the end.

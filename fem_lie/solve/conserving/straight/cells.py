@@ -20,7 +20,7 @@ Cells that see directions fixed in space, such as a clamped end of a discrete ro
 keep: ``C = 1``, and ``s`` is the step without its translation.
 
 What of energies is round-off is left out, and made up as in
-:mod:`fem_lie.solve.conserving.step.discrete_gradient`.
+:mod:`fem_lie.solve.conserving.between.discrete_gradient`.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.step.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
-from fem_lie.solve.conserving.step.mean_forces import (
+from fem_lie.solve.conserving.between.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
+from fem_lie.solve.conserving.between.mean_forces import (
     add_resistance,
     shrunk,
     solve_symmetric,

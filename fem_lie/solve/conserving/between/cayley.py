@@ -17,6 +17,7 @@ from math import sqrt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -69,6 +70,8 @@ def span(H: Array, step: Array, delta: Array, mean: Array, end: Array, middle: A
         end: Frames at the end.
         middle: Mean positions with the half-way rotations.
     """
+    H, step, delta, mean = as_frames(H), as_sixes(step), as_frames(delta), as_frames(mean)
+    end, middle = as_frames(end), as_frames(middle)
     for i in range(step.shape[0]):
         u, ψ = load(step[i], 0), load(step[i], 3)
         φ = half(ψ)
@@ -104,6 +107,7 @@ def follow(A: Array, leader: Indices, offset: Array, out: Array) -> None:
 @compiled
 def advance(q: Array, rest: Array, delta: Array) -> None:
     """``q += delta`` with the digits that do not fit into ``q`` kept in ``rest``; (n, 4, 3)."""
+    q, rest, delta = as_frames(q), as_frames(rest), as_frames(delta)
     for i in range(delta.shape[0]):
         for k in range(4):
             for j in range(3):

@@ -40,9 +40,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import inlined, uncounted
+from fem_lie._jit.stack import blocks_at, stack
 from fem_lie.forms.cells import CellTable
-from fem_lie.solve.conserving.step.mean_forces import (
+from fem_lie.forms.fixed_arrays import as_frames, as_sixes
+from fem_lie.solve.conserving.between.mean_forces import (
     Ends,
     Path,
     deformation,
@@ -70,20 +72,18 @@ class Energies(NamedTuple):
     account: Array
 
 
-class Memory(NamedTuple):
-    """Work for one element after the other.
+class Filtered(NamedTuple):
+    """Forces ``F₁ − F₀`` of all elements and those of a memory, balanced as elastic forces are.
 
     Attributes:
-        A: Metric of rotations, (3, 3).
-        f: Forces on its nodes, (k, 6), as the next two.
-        s: The step without its rigid part.
-        Ms: That in the metric.
+        wanted: Whether there are such.
+        memory: Forces in the frames of the nodes, (places, 6).
+        out: Both, forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
     """
 
-    A: Array
-    f: Array
-    s: Array
-    Ms: Array
+    wanted: bool
+    memory: Array
+    out: Array
 
 
 @inlined
@@ -120,7 +120,7 @@ def round_off(F: Array, reach: float) -> float:
     return ROUND_OFF * size
 
 
-@compiled
+@uncounted
 def add_elastic(
     cells: CellTable,
     ends: Ends,
@@ -128,8 +128,9 @@ def add_elastic(
     energies: Energies,
     work: Array,
     factors: tuple[float, float, float],
+    filtered: Filtered,
     out: Array,
-) -> float:
+) -> tuple[float, float, float]:
     """Add the elastic forces of a step to ``out``.
 
     Args:
@@ -140,27 +141,38 @@ def add_elastic(
         work: Done on each element in this step, shape (M,), overwritten.
         factors: Of ``M s`` in forces beside, whose work is on no account; ``|s|²`` of an element on
             the average, before; and what of its energy cannot be seen in that of the scene.
+        filtered: What is balanced beside.
         out: Forces and moments on all nodes, global components, (N, 6), updated.
 
     Returns:
-        The sum of ``|s|²``.
+        The sum of ``|s|²``, and the works of what is balanced beside.
     """
     unknowns, first, nodes = cells.unknowns, cells.first, cells.nodes
-    H0, H1, F0, F1 = ends
+    H0, H1 = as_frames(ends.H0), as_frames(ends.H1)
+    F0, F1, out = as_sixes(ends.F0), as_sixes(ends.F1), as_sixes(out)
+    path = Path(as_frames(path.mean), as_frames(path.delta), as_sixes(path.step))
     W, W1, account = energies
     repay, typical, unknown = factors
-    A, f, s, Ms = _memory(first)
-    squares = 0.0
+    most = 1
     for e in range(unknowns.shape[0]):
-        here = slice(first[e], first[e + 1])
-        mine, director = nodes[here], unknowns[e] == 5
-        count = mine.shape[0]
-        fit = metric_and_fit(mine, director, path, A)
-        own = Ends(H0, H1, F0[here], F1[here])
-        mean_forces(mine, director, own, path.mean, fit, A, f[:count])
+        most = max(most, first[e + 1] - first[e])
+    size = 6 * most
+    room = blocks_at(stack(4 * size), 4, most, 6)
+    f, s, Ms, change = room[0], room[1], room[2], room[3]
+    squares = by_change = by_memory = 0.0
+    if filtered.wanted:
+        for i in range(out.shape[0]):
+            for k in range(6):
+                filtered.out[0, i, k] = filtered.out[1, i, k] = 0.0
+    for e in range(unknowns.shape[0]):
+        begin, end = first[e], first[e + 1]
+        mine, director, count = nodes[begin:end], unknowns[e] == 5, end - begin
+        fit = metric_and_fit(mine, director, path)
+        own = Ends(H0, H1, F0[begin:end], F1[begin:end])
+        mean_forces(mine, director, own, path.mean, fit, f[:count])
         square = deformation(mine, director, path, fit, s[:count], Ms[:count])
         done = _work(f[:count], s[:count])
-        noise, debt = round_off(F0[here], sqrt(fit.ρ2)) + unknown, W[e] - account[e]
+        noise, debt = round_off(own.F0, sqrt(fit.ρ2)) + unknown, W[e] - account[e]
         missing = beyond(W1[e] - W[e] - done, KNOWN * noise)
         missing += debt if abs(debt) > noise else 0.0
         # below the second a factor of noise would be as large as a stiffness by present forces
@@ -171,62 +183,26 @@ def add_elastic(
         for a in range(count):
             for k in range(6):
                 out[mine[a], k] += f[a, k] + (factor + repay) * Ms[a, k]
-    return squares
-
-
-@compiled
-def filtered_forces(
-    cells: CellTable,
-    ends: Ends,
-    path: Path,
-    memory: Array,
-    out: Array,
-) -> tuple[float, float]:
-    """Forces ``F₁ − F₀`` of all elements and those of the memory, balanced as elastic forces are.
-
-    Args:
-        cells: See :func:`add_elastic`.
-        ends: See :func:`add_elastic`.
-        path: See :func:`add_elastic`.
-        memory: Forces in the frames of the nodes, (places, 6).
-        out: Both, forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
-
-    Returns:
-        The works of ``F₁ − F₀`` and of the memory.
-    """
-    unknowns, first, nodes = cells.unknowns, cells.first, cells.nodes
-    H0, H1, F0, F1 = ends
-    A, f, s, Ms = _memory(first)
-    change, kept = np.empty_like(f), np.empty_like(f)
-    by_change = by_memory = 0.0
-    out[:] = 0.0
-    for e in range(unknowns.shape[0]):
-        here = slice(first[e], first[e + 1])
-        mine, director = nodes[here], unknowns[e] == 5
-        count = mine.shape[0]
-        fit = metric_and_fit(mine, director, path, A)
-        deformation(mine, director, path, fit, s[:count], Ms[:count])
+        if not filtered.wanted:
+            continue
         for a in range(count):
             for k in range(6):
-                f[a, k] = F1[first[e] + a, k] - F0[first[e] + a, k]
-        changes = Ends(H0, H1, f[:count], f[:count])
-        mean_forces(mine, director, changes, path.mean, fit, A, change[:count])
-        before = Ends(H0, H1, memory[here], memory[here])
-        mean_forces(mine, director, before, path.mean, fit, A, kept[:count])
-        by_change += _work(change[:count], s[:count])
-        by_memory += _work(kept[:count], s[:count])
-        for a in range(count):
-            for k in range(6):
-                out[0, mine[a], k] += change[a, k]
-                out[1, mine[a], k] += kept[a, k]
-    return by_change, by_memory
+                change[a, k] = F1[begin + a, k] - F0[begin + a, k]
+        both = Ends(H0, H1, change[:count], change[:count])
+        mean_forces(mine, director, both, path.mean, fit, f[:count])
+        by_change += _work(f[:count], s[:count])
+        _add_on_nodes(mine, f, filtered.out[0])
+        memory = filtered.memory[begin:end]
+        both = Ends(H0, H1, memory, memory)
+        mean_forces(mine, director, both, path.mean, fit, f[:count])
+        by_memory += _work(f[:count], s[:count])
+        _add_on_nodes(mine, f, filtered.out[1])
+    return squares, by_change, by_memory
 
 
-@compiled
-def _memory(first: Indices) -> Memory:
-    """For the largest cell."""
-    most = 1
-    for e in range(first.shape[0] - 1):
-        most = max(most, first[e + 1] - first[e])
-    room = np.empty((3, 3)), np.empty((most, 6)), np.empty((most, 6)), np.empty((most, 6))
-    return Memory(*room)
+@inlined
+def _add_on_nodes(nodes: Indices, f: Array, out: Array) -> None:
+    """``out += f`` of one element, (k, 6) and (N, 6)."""
+    for a in range(nodes.shape[0]):
+        for k in range(6):
+            out[nodes[a], k] += f[a, k]

@@ -1,12 +1,12 @@
 """An element's step without its rigid part, and the balanced mean of its forces at both ends.
 
-Points 1 and 2 of :mod:`fem_lie.solve.conserving.step.discrete_gradient`.
+Points 1 and 2 of :mod:`fem_lie.solve.conserving.between.discrete_gradient`.
 """
 
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
@@ -20,10 +20,14 @@ from fem_lie.lie.tuples import (
     minus,
     plus,
     rotate,
+    rotate_back,
     scaled,
     store,
 )
-from fem_lie.solve.conserving.step.cayley import half, turned
+from fem_lie.solve.conserving.between.cayley import turned
+
+Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
+"""Of a symmetric matrix (3, 3), row by row from the diagonal."""
 
 
 class Ends(NamedTuple):
@@ -64,12 +68,18 @@ class RigidPart(NamedTuple):
         ρ2: Their mean square distance from it: what rotations are measured by.
         shift: Translation.
         ω: Rotation, as a vector of Cayley's map.
+        inverse: Of the metric of rotations about the centre, its six numbers.
+        half: Columns of the half-way rotation ``cay(ω)^½``.
+        k: ``√(1 + ¼|ω|²)``.
     """
 
     centre: Vector
     ρ2: float
     shift: Vector
     ω: Vector
+    inverse: Symmetric
+    half: tuple[Vector, Vector, Vector]
+    k: float
 
 
 @inlined
@@ -120,39 +130,78 @@ def unshrunk(ω: Vector, v: Vector) -> Vector:
 
 
 @inlined
-def metric_and_fit(nodes: Indices, director: bool, path: Path, A: Array) -> RigidPart:
-    """The rigid part of an element's step; ``A`` (3, 3) gets the metric of rotations about it."""
+def _resisted(A: Symmetric, s: float, v: Vector) -> Symmetric:
+    """``A + s (|v|² I − v vᵀ)``."""
+    x, y, z = v
+    a, b, c = s * x * x, s * y * y, s * z * z
+    return (
+        A[0] + (b + c),
+        A[1] - s * x * y,
+        A[2] - s * x * z,
+        A[3] + (a + c),
+        A[4] - s * y * z,
+        A[5] + (a + b),
+    )
+
+
+@inlined
+def _inverse(A: Symmetric) -> Symmetric:
+    a, b, c, d, e, f = A
+    c00, c01, c02 = d * f - e * e, c * e - b * f, b * e - c * d
+    s = 1.0 / (a * c00 + b * c01 + c * c02)
+    return s * c00, s * c01, s * c02, s * (a * f - c * c), s * (b * c - a * e), s * (a * d - b * b)
+
+
+@inlined
+def _times(A: Symmetric, v: Vector) -> Vector:
+    x, y, z = v
+    return (
+        A[0] * x + A[1] * y + A[2] * z,
+        A[1] * x + A[3] * y + A[4] * z,
+        A[2] * x + A[4] * y + A[5] * z,
+    )
+
+
+@inlined
+def metric_and_fit(nodes: Indices, director: bool, path: Path) -> RigidPart:
+    """The rigid part of an element's step, and the metric of rotations about it."""
     mean, delta, step = path
     share = 1.0 / nodes.shape[0]
     centre, shift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for i in nodes:
         centre = plus(centre, scaled(share, load_row(mean[i], 0)))
         shift = plus(shift, scaled(share, load_row(delta[i], 0)))
-    A[:] = 0.0
+    A = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     b, ρ2 = (0.0, 0.0, 0.0), 0.0
     for i in nodes:
         r = minus(load_row(mean[i], 0), centre)
-        add_resistance(A, 1.0, r)
+        A = _resisted(A, 1.0, r)
         ρ2 += share * dot(r, r)
         b = plus(b, cross(r, minus(load_row(delta[i], 0), shift)))
     for i in nodes:
         t, ψ = load_row(mean[i], 3), load(step[i], 3)
         b = plus(b, _resisting(director, ρ2, t, ψ))
         if director:
-            add_resistance(A, ρ2, t)
+            A = _resisted(A, ρ2, t)
         else:
-            for k in range(3):
-                A[k, k] += ρ2
-    return RigidPart(centre, ρ2, shift, solve_symmetric(A, b))
+            A = (A[0] + ρ2, A[1], A[2], A[3] + ρ2, A[4], A[5] + ρ2)
+    inverse = _inverse(A)
+    ω = _times(inverse, b)
+    k = sqrt(1.0 + 0.25 * dot(ω, ω))
+    φ = scaled(1.0 / (1.0 + k), ω)
+    half = turned(φ, (1.0, 0.0, 0.0)), turned(φ, (0.0, 1.0, 0.0)), turned(φ, (0.0, 0.0, 1.0))
+    return RigidPart(centre, ρ2, shift, ω, inverse, half, k)
 
 
 @inlined
-def _half_way(H0: Array, H1: Array, f0: Vector, f1: Vector, φ: Vector) -> Vector:
-    """``½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames."""
+def _half_way(
+    H0: Array, H1: Array, f0: Vector, f1: Vector, half: tuple[Vector, Vector, Vector]
+) -> Vector:
+    """``½ (Q R₀ f₀ + Qᵀ R₁ f₁)`` of forces in the node's frames, ``half`` columns of ``Q``."""
     a = rotate(load_row(H0, 1), load_row(H0, 2), load_row(H0, 3), f0)
     b = rotate(load_row(H1, 1), load_row(H1, 2), load_row(H1, 3), f1)
-    back = scaled(-1.0, φ)
-    return combined(0.5, turned(φ, a), 0.5, turned(back, b))
+    q1, q2, q3 = half
+    return combined(0.5, rotate(q1, q2, q3, a), 0.5, rotate_back(q1, q2, q3, b))
 
 
 @inlined
@@ -168,7 +217,6 @@ def mean_forces(
     ends: Ends,
     mean: Array,
     fit: RigidPart,
-    A: Array,
     out: Array,
 ) -> None:
     """Mean of the forces (k, 6) at both ends, freed of its net force and moment; into ``out``.
@@ -176,24 +224,26 @@ def mean_forces(
     The forces in ``ends`` are those of the element alone.
     """
     H0, H1, F0, F1 = ends
-    centre, ρ2, ω = fit.centre, fit.ρ2, fit.ω
-    φ = half(ω)
+    centre, ρ2, _, ω, inverse, half, k = fit
+    once, along = 1.0 / k, 0.25 / (k * (1.0 + k))
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for a in range(nodes.shape[0]):
         i = nodes[a]
         t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
-        f = shrunk(ω, _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), φ))
+        # see shrunk and unshrunk
+        f = _half_way(H0[i], H1[i], load(F0[a], 0), load(F1[a], 0), half)
+        f = combined(once, f, along * dot(ω, f), ω)
         if director:
-            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), φ)
-            m = cross(t, shrunk(ω, g))
+            g = _half_way(H0[i], H1[i], _on_director(F0[a]), _on_director(F1[a]), half)
+            m = cross(t, combined(once, g, along * dot(ω, g), ω))
         else:
-            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), φ)
-            m = scaled(1.0 / (1.0 + 0.25 * dot(ω, ω)), unshrunk(ω, g))
+            g = _half_way(H0[i], H1[i], load(F0[a], 3), load(F1[a], 3), half)
+            m = combined(once, g, -along * once * dot(ω, g), ω)
         store(out[a], 0, f)
         store(out[a], 3, m)
         force = plus(force, f)
         moment = plus(moment, plus(cross(r, f), m))
-    c, w = scaled(1.0 / nodes.shape[0], force), solve_symmetric(A, moment)
+    c, w = scaled(1.0 / nodes.shape[0], force), _times(inverse, moment)
     for a in range(nodes.shape[0]):
         i = nodes[a]
         t, r = load_row(mean[i], 3), minus(load_row(mean[i], 0), centre)
@@ -207,7 +257,7 @@ def deformation(
 ) -> float:
     """The step without its rigid part, ``s`` and ``M s`` (k, 6); returns ``|s|²``."""
     mean, delta, step = path
-    centre, ρ2, shift, ω = fit
+    centre, ρ2, shift, ω, _, _, _ = fit
     square = 0.0
     for a in range(nodes.shape[0]):
         i = nodes[a]

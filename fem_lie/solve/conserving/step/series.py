@@ -1,0 +1,250 @@
+"""Corrections of a step by a matrix that is kept.
+
+What ages of a kept matrix first are the constraints, for bodies turn against each other; and the
+rotations of dissipation were never in it. Of what is not in it products are needed, no factors::
+
+    x = S⁻¹ r − S⁻¹ ΔS (S⁻¹ r) + …
+
+The border of ``ΔS`` has rows at the end of the step and columns in its middle. The series is cut
+off where the rest is as small as what else is not in the matrix.
+
+Constraints touch the unknowns of a few nodes, and in these alone ``S⁻¹ ΔS`` is a small dense matrix
+times what is known: all terms cost less than one solution, and one more is made for their sum.
+"""
+
+from __future__ import annotations
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import matrix_at, stack
+from fem_lie.linear.factors import PlainFactors, solve
+from fem_lie.solve.conserving.step.corrections import size
+from fem_lie.solve.conserving.step.records import LegEnds, Legs, solution_of
+
+MOST, MOST_DENSE = 4, 12
+"""Terms of the series, at most; and where they are products with a dense matrix."""
+DENSE = 60
+"""Unknowns that constraints touch, for which such products are quicker than solutions."""
+CLOSE, NEARLY = 1e-6, 1e-4
+"""Terms that are left out, over the first one: in the first correction of a step, and later."""
+FALLS = 0.5
+"""Where terms do not fall by this factor the series says nothing."""
+
+
+@uncounted
+def correction(
+    measure: Array,
+    scale: Array,
+    r: Array,
+    factors: PlainFactors,
+    legs: Legs,
+    ends: LegEnds,
+    aside: tuple[Array, Array],
+    enough: tuple[float, float, float],
+) -> tuple[float, int, float]:
+    """Solve for the correction.
+
+    Args:
+        measure: Size of each unknown and scaled multiplier.
+        scale: Factor of each constraint.
+        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations.
+        factors: Of the matrix.
+        legs: Which nodes the constraints touch.
+        ends: In which unknowns, if these are few.
+        aside: What is not in the matrix: change of the border since it was made, (2, legs, 6), and
+            that of :func:`~fem_lie.solve.conserving.step.dissipation.set_turnings`.
+        enough: What may be left out, over the first term, and in lengths, and by how much terms
+            fell before.
+
+    Returns:
+        The size of its largest part, how many terms of the series were taken, and by how much they
+        fell.
+    """
+    residual, x, work, rest, term = solution_of(r)
+    solve(factors, residual, work, x)
+    first = size(measure, x)
+    (change, turnings), (close, fine, falls) = aside, enough
+    if change.shape[1] == 0 and turnings.shape[1] == 0:
+        return first, 0, falls
+    if first * falls <= fine:
+        return first, 0, falls
+    allowed = max(close * first, fine)
+    if ends.inverse.shape[0] > 0 and turnings.shape[1] == 0:
+        terms, falls = _all_terms(measure, scale, r, legs, ends, change, (first, allowed))
+        solve(factors, rest, work, term)
+        for i in range(x.shape[0]):
+            x[i] += term[i]
+        return size(measure, x), terms, falls
+    before, put = first, x
+    for k in range(MOST):
+        _multiply(legs, scale, change, put, rest)
+        for c in range(turnings.shape[1]):
+            along = 0.0
+            for i in range(turnings.shape[2]):
+                along += turnings[0, c, i] * put[i]
+            for i in range(turnings.shape[2]):
+                rest[i] -= along * turnings[1, c, i]
+        solve(factors, rest, work, term)
+        now = size(measure, term)
+        if not now < FALLS * before:
+            return size(measure, x), k + 1, 1.0
+        for i in range(x.shape[0]):
+            x[i] += term[i]
+        falls = now / before
+        if now * falls <= allowed:
+            return size(measure, x), k + 1, falls
+        before, put = now, term
+    return size(measure, x), MOST, falls
+
+
+@uncounted
+def _all_terms(
+    measure: Array,
+    scale: Array,
+    r: Array,
+    legs: Legs,
+    ends: LegEnds,
+    change: Array,
+    enough: tuple[float, float],
+) -> tuple[int, float]:
+    """The sum of what the terms are solutions for, into ``rest``; how many, and how they fell.
+
+    Args:
+        measure: See :func:`correction`, likewise ``scale``, ``r``, ``legs`` and ``ends``.
+        scale: Factor of each constraint.
+        r: With the first term.
+        legs: Which nodes the constraints touch.
+        ends: In which unknowns.
+        change: Of the border since the matrix was made, (2, legs, 6).
+        enough: Size of the first term, and what is left out.
+    """
+    _, x, _, rest, _ = solution_of(r)
+    (before, allowed), count = enough, ends.inverse.shape[0]
+    room = matrix_at(stack(4 * DENSE), 4, DENSE)
+    sizes, y, d, total = room[0, :count], room[1, :count], room[2, :count], room[3, :count]
+    for a in range(count):
+        sizes[a], y[a], total[a] = measure[ends.unknowns[a]], x[ends.unknowns[a]], 0.0
+    terms, falls = 0, 1.0
+    while terms < MOST_DENSE:
+        terms += 1
+        _push(legs, ends, scale, change, y, d)
+        _answer(ends.inverse, d, y)
+        now = size(sizes, y)
+        if not now < FALLS * before:
+            falls = 1.0
+            break
+        for a in range(count):
+            total[a] += d[a]
+        falls = now / before
+        if now * falls <= allowed:
+            break
+        before = now
+    for i in range(rest.shape[0]):
+        rest[i] = 0.0
+    for a in range(count):
+        rest[ends.unknowns[a]] = total[a]
+    return terms, falls
+
+
+@uncounted
+def growth(
+    measure: Array,
+    scale: Array,
+    r: Array,
+    factors: PlainFactors,
+    legs: Legs,
+    ends: LegEnds,
+    change: Array,
+    probe: Array,
+) -> float:
+    """Ratio of the terms for old constraints in the direction in which they fall the least.
+
+    What an iteration does in other directions than that of its residual is not seen in it before
+    round-off has grown there. Where it is 1 or more next to a posture in which constraints lose
+    rank, the step ends in another branch.
+
+    Args:
+        measure: Size of each unknown and scaled multiplier.
+        scale: Factor of each constraint.
+        r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations, of which
+            nothing but memory is used.
+        factors: Of the matrix.
+        legs: Which nodes the constraints touch.
+        ends: In which unknowns, if these are few: then no others are looked at.
+        change: Of the border since the matrix was made, (2, legs, 6).
+        probe: That direction, by one step of the power method more each time, (6 n + m,), updated.
+    """
+    _, _, work, rest, term = solution_of(r)
+    count = ends.inverse.shape[0]
+    if count > 0:
+        room = matrix_at(stack(3 * DENSE), 3, DENSE)
+        sizes, given, d = room[0, :count], room[1, :count], room[2, :count]
+        for a in range(count):
+            sizes[a], given[a] = measure[ends.unknowns[a]], probe[ends.unknowns[a]]
+        _push(legs, ends, scale, change, given, d)
+        _answer(ends.inverse, d, given)
+        grown = size(sizes, given)
+        if grown > 0.0:
+            for a in range(count):
+                probe[ends.unknowns[a]] = given[a] / grown
+        return grown
+    _multiply(legs, scale, change, probe, rest)
+    solve(factors, rest, work, term)
+    grown = size(measure, term)
+    if grown > 0.0:
+        for k in range(probe.shape[0]):
+            probe[k] = term[k] / grown
+    return grown
+
+
+@compiled
+def set_inverse(factors: PlainFactors, unknowns: Indices, r: Array, inverse: Array) -> None:
+    """Columns of the inverse in some unknowns, as rows of ``inverse``; ``r`` as above."""
+    _, _, work, rest, term = solution_of(r)
+    rest[:] = 0.0
+    for b in range(unknowns.shape[0]):
+        rest[unknowns[b]] = 1.0
+        solve(factors, rest, work, term)
+        rest[unknowns[b]] = 0.0
+        for a in range(unknowns.shape[0]):
+            inverse[b, a] = term[unknowns[a]]
+
+
+@inlined
+def _push(legs: Legs, ends: LegEnds, scale: Array, change: Array, y: Array, out: Array) -> None:
+    """``out = −ΔS y`` among the unknowns of ``ends``, (k,)."""
+    for a in range(out.shape[0]):
+        out[a] = 0.0
+    for leg in range(legs.nodes.shape[0]):
+        i, at = ends.at[0, leg], ends.at[1, leg]
+        factor, total = scale[legs.constraints[leg]], 0.0
+        weight = factor * y[at]
+        for k in range(6):
+            total += change[0, leg, k] * y[i + k]
+            out[i + k] -= change[1, leg, k] * weight
+        out[at] -= factor * total
+
+
+@inlined
+def _answer(inverse: Array, d: Array, out: Array) -> None:
+    """``out = S⁻¹ d`` among the same unknowns; rows of ``inverse`` are columns of ``S⁻¹``."""
+    for a in range(out.shape[0]):
+        out[a] = 0.0
+    for b in range(d.shape[0]):
+        column, factor = inverse[b], d[b]
+        for a in range(out.shape[0]):
+            out[a] += factor * column[a]
+
+
+@inlined
+def _multiply(legs: Legs, scale: Array, change: Array, x: Array, out: Array) -> None:
+    """``out = −ΔS x``."""
+    out[:] = 0.0
+    n6 = x.shape[0] - scale.shape[0]
+    for leg in range(legs.nodes.shape[0]):
+        i, c = 6 * legs.nodes[leg], legs.constraints[leg]
+        total, weight = 0.0, scale[c] * x[n6 + c]
+        for k in range(6):
+            total += change[0, leg, k] * x[i + k]
+            out[i + k] -= change[1, leg, k] * weight
+        out[n6 + c] -= scale[c] * total
