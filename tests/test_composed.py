@@ -1,5 +1,6 @@
 """Composed schemes: their order in all that is told, invariants, interruption, bad input."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -177,6 +178,28 @@ def test_other_kinds():
         fl.Composed("energy momentum")
     with pytest.raises(TypeError, match="composition"):
         fl.Composed(fl.EnergyMomentum(), "yoshida")
+
+
+@dataclass(frozen=True)
+class Parts(fl.Composition):
+    """Any."""
+
+    parts: tuple[float, ...] = ()
+
+
+@pytest.mark.parametrize("parts", [(), (0.5, 0.5), (0.4, 0.6), (1.3, -1.7, 1.4), (1.0,)])
+def test_parts_that_do_not_make_a_step_of_fourth_order(parts):
+    with pytest.raises(ValueError, match="the same from either end, with the sum 1"):
+        fl.Composed(composition=Parts(parts))
+
+
+def test_parts_of_more_sizes_than_are_kept():
+    """Yoshida's solution A of order six is of fourth order, too, and has four sizes."""
+    w = -1.17767998417887, 0.235573213359357, 0.784513610477560
+    middle = 1.0 - 2.0 * sum(w)
+    parts = (w[2], w[1], w[0], middle, w[0], w[1], w[2])
+    with pytest.raises(ValueError, match="must have 2 sizes at most"):
+        fl.Composed(composition=Parts(parts))
 
 
 def test_steps_that_change():

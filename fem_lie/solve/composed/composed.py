@@ -29,6 +29,9 @@ from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
+_MOST_SIZES = 2
+_ROUND_OFF = 1e-12
+
 
 @dataclass(frozen=True)
 class Composed(Integrator):
@@ -69,6 +72,7 @@ class Composed(Integrator):
                 "only a symmetric scheme can be composed, such as EnergyMomentum(): what another "
                 f"one loses it would feed in parts that go back; got {self.scheme}"
             )
+        _check_parts(self.composition)
 
     @property
     def _inner(self) -> EnergyMomentum:
@@ -95,6 +99,23 @@ class Composed(Integrator):
         raise ValueError(
             "Composed makes constant steps over smooth functions of time: wanted the size of the "
             f"step as a number and nothing that jumps, got {given}; use EnergyMomentum"
+        )
+
+
+def _check_parts(composition: Composition) -> None:
+    """Raise ``ValueError`` for parts of which no step of fourth order is made."""
+    parts = np.array(composition.parts, dtype=np.float64)
+    fourth = len(parts) > 0 and abs(parts.sum() - 1.0) + abs((parts**3).sum()) < _ROUND_OFF
+    if not (fourth and np.allclose(parts, parts[::-1], rtol=0.0, atol=_ROUND_OFF)):
+        raise ValueError(
+            f"parts of {composition} must be the same from either end, with the sum 1 and cubes "
+            f"whose sum is 0; got {parts.tolist()}"
+        )
+    sizes = np.unique(np.round(parts, 12))
+    if len(sizes) > _MOST_SIZES:
+        raise ValueError(
+            f"parts of {composition} must have {_MOST_SIZES} sizes at most, each of which keeps "
+            f"a matrix; got {sizes.tolist()}"
         )
 
 
