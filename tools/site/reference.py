@@ -20,6 +20,7 @@ CHAPTERS = {
     "Forms": ("forms", "lie"),
     "Equilibrium and stability": ("solve.statics", "solve.stability", "linear"),
     "Integrators": ("solve",),
+    "Error in space and refinement": ("adapt",),
     "Results": ("results", "pictures", "system"),
 }
 """Chapters, and rooms whose names stand there; a name goes to the longest room that fits."""
