@@ -352,6 +352,39 @@ def test_forces_and_tangent_are_derivatives_of_the_energy():
     np.testing.assert_allclose(product.ravel(), change, atol=1e-6 * np.abs(change).max())
 
 
+def every_kind() -> dict[str, fl.Cable]:
+    """Bent ones whose closed forces differ: law, parameter, the way that cells run."""
+    own, bow = section(1e3, 10.0), curve(lambda s: (3 * s, 0.3 * s * s, 0.2 * s**3), 3)
+    points = bow.points[[0, 2]]
+    back = fl.LineMesh.from_cells(points, [(1, 0)], named_points={"a": [0], "b": [1]})
+    slopes = [(2.0, 1.0, 0.0), (1.5, 0.1, 0.0), (1.0, 0.3, 0.4)]
+    spline = fl.SplineCable([0.0, 0.5, 2.0], [(0, 0, 0), (1, 0.3, 0), (3, 0.1, 0.2)], slopes, own)
+    return {
+        "pushed": fl.Cable(bow, own),
+        "slack": fl.Cable(bow, own, formulation=fl.HermiteCable(slack=0.1)),
+        "backwards": fl.Cable(back, own),
+        "spline": spline,
+    }
+
+
+@pytest.mark.parametrize("name", every_kind())
+def test_closed_forces_are_those_of_the_energy(name):
+    cable, rng = every_kind()[name], np.random.default_rng(3)
+    assembly, n = type(cable).assemble([cable]), len(cable.frames)
+    start, H = np.empty((2, n, 4, 3))
+    start[assembly.order] = cable.frames
+    slopes = np.full(n, SLOPE)
+    kinds.follow_all(slopes, start, 0.2 * rng.normal(size=(n, 6)), H)
+    forces, numeric, step, moved = np.zeros((n, 6)), np.zeros((n, 6)), 1e-5, np.empty_like(H)
+    assembly.add_forces(H, forces)
+    for i, j in np.ndindex(n, 6):
+        for sign in (1, -1):
+            h = sign * step * np.eye(1, 6 * n, 6 * i + j).reshape(n, 6)
+            kinds.follow_all(slopes, H, h, moved)
+            numeric[i, j] += sign * assembly.energy(moved) / (2 * step)
+    np.testing.assert_allclose(forces, numeric, rtol=0, atol=1e-8 * np.abs(forces).max())
+
+
 def test_energy_is_objective_and_forces_turn_along():
     bent = Bent()
     turn = lie.se3_exp(np.array([1.0, -2, 3, 0.8, -2.0, 1.1]))

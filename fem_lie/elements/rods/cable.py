@@ -29,8 +29,9 @@ from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array, Indices, positive
 from fem_lie.elements.beams.element import CellData, Formulation, cellwise
+from fem_lie.elements.rods.cable_forces import force_kernel, packed
 from fem_lie.elements.rods.thread_law import check_section, stretch_energy
-from fem_lie.forms.energy import StrainEnergy
+from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import Pointer
@@ -146,7 +147,9 @@ class HermiteCable(Formulation):
         squared = ufl.dot(first, first)
         stretch, turn = ufl.sqrt(squared), ufl.cross(first, second) / squared
         points, *rules = _both_rules()
-        given = self.speeds(nodal.frames[_nodes(nodal)], cells.lengths, points[:, 0])
+        ends = nodal.frames[_nodes(nodal)]
+        given = self.speeds(ends, cells.lengths, points[:, 0])
+        reads = packed(signs(ends) * cells.lengths, cells.stiffness, given, self.slack)
         if given is not None:
             speed = _at_points(mesh, points, given)
             stretch, turn = stretch / speed, turn / speed
@@ -166,6 +169,7 @@ class HermiteCable(Formulation):
             dx=ufl.Measure("dx", mesh, metadata=metadata),
             viscosity=_viscosity(mesh, cells.viscosity, shares),
             weight=cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh),
+            forces=Forces(force_kernel, [cellwise(mesh, reads)]),
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, _SLOPES)
 
