@@ -150,6 +150,7 @@ from fem_lie.solve.motion.policies import (
     Update,
 )
 from fem_lie.solve.motion.step_control import AdaptiveStep, ConstantStep
+from fem_lie.solve.multirate.multi_rate import MultiRate
 from fem_lie.solve.stability.branches import branch
 from fem_lie.solve.stability.buckling import buckling
 from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
@@ -263,6 +264,7 @@ __all__ = [
     "MeanDilatation",
     "ModeImperfection",
     "Modes",
+    "MultiRate",
     "NeoHooke",
     "Net",
     "Never",

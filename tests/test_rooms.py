@@ -85,6 +85,7 @@ MAY_IMPORT = {
     "solve.variational": {"solve.conserving.step"},
     "solve.explicit": {"solve.motion"},
     "solve.composed": {"solve.conserving"},
+    "solve.multirate": {"solve.conserving"},
 }
 """Rooms and what they may import besides; what those may is theirs, too."""
 

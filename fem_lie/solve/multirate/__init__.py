@@ -1,0 +1,1 @@
+"""Steps of each body's own size, with multipliers between bodies of different sizes."""

@@ -1,0 +1,159 @@
+"""Multipliers between bodies with steps of their own: found by trying whole steps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.multirate.domain import Domain
+from fem_lie.solve.multirate.interface import joined
+from fem_lie.solve.multirate.mixing import Mixed
+from fem_lie.solve.multirate.split import rows_of
+from fem_lie.system.equations import Equations
+
+_FIRST, _TRIED = 1e-10, 1e-8
+"""Motion, over the model, by which the response to multipliers is found: of all of its mass at
+first, then that of the joints."""
+_SETTLED, _FALLS = 1e-12, 0.5
+"""Violations, over the model, that are round-off if they do not fall by the second."""
+_FINE = 5e-15
+_DEPTH = 6
+"""Tries from which the next one is made."""
+_RENEWED = 12
+"""Tries of a step after which the response is found anew."""
+
+
+class Coupling:
+    """Keeps joints between domains closed at the ends of whole steps.
+
+    Attributes:
+        weights: Multipliers of the last whole step, and of the one before, (2, m).
+        gap: Violation of the constraints, (m,).
+        response: How much multipliers change the constraints over a whole step, (m, m).
+        unit: What of each multiplier has a small effect, (m,).
+        tries: Whole steps that were tried.
+        found: How often the response was found by trying.
+    """
+
+    def __init__(self, between: Equations, whole: Equations, domains: tuple[Domain, ...]) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            between: Of all bodies and the joints between domains.
+            whole: Of the scene.
+            domains: In which all moving nodes are.
+        """
+        unknowns, n, m = between.unknowns, whole.unknowns.moving, between.unknowns.m
+        self._joints, self._domains = between.tables.joints, domains
+        self._length, joined_nodes = unknowns.length, np.unique(between.matrix.legs.nodes)
+        self._at, self._ground = rows_of(between, whole), between.start.frames[n:]
+        self._touched = self._at[joined_nodes]
+        self.weights, self.gap = np.zeros((2, m)), np.zeros(m)
+        self.response, self.made = np.zeros((m, m)), 0
+        self.measure = np.where(unknowns.angular, ROTATION, 1.0 / unknowns.length)
+        self.tries, self.found, self.left = 0, 0, np.inf
+        mass = float(between.tables.inertia.blocks[:, 0, 0].sum())
+        h = domains[0].h * domains[0].count
+        size = mass * unknowns.length / h**2
+        self.unit = _FIRST * np.where(unknowns.angular, size * unknowns.length, size)
+        self._moved, self._forces = np.zeros((n, 4, 3)), np.zeros((n, 4, 3))
+        self._change = np.zeros(m)
+
+    def step(self, most: int) -> bool:
+        """A whole step of all domains; whether one was found that keeps the joints closed.
+
+        Args:
+            most: Tries.
+        """
+        for domain in self._domains:
+            domain.begin()
+            self._moved[domain.rows] = domain.h * domain.count * domain.s.V
+        λ = 2.0 * self.weights[0] - self.weights[1] if self.made > 1 else self.weights[0].copy()
+        if not self.found and len(λ) and not self._find_response(λ):
+            return False
+        previous, learnt = np.inf, Mixed(_DEPTH)
+        for attempt in range(1, most + 1):
+            given = self._moved[self._touched]
+            wrong = self._try(λ)
+            if wrong is None:
+                return False
+            self.left = float(np.abs(wrong * self.measure).max(initial=0.0))
+            noise = self.left <= _SETTLED and self.left > _FALLS * previous
+            if noise or self.left <= _FINE:
+                self._accept(λ, wrong)
+                return True
+            if attempt % _RENEWED == 0:
+                if not self._find_response(λ):
+                    return False
+                learnt = Mixed(_DEPTH)
+                continue
+            found = λ - np.linalg.solve(self.response, wrong), self._moved[self._touched]
+            λ, self._moved[self._touched] = self._mix(learnt, (λ, given), found)
+            previous = self.left
+        return False
+
+    def _mix(
+        self, learnt: Mixed, given: tuple[Array, Array], found: tuple[Array, Array]
+    ) -> tuple[Array, Array]:
+        """Multipliers, and motion of the nodes that joints touch, for the next try."""
+        m, length = len(self.unit), self._length
+        before, after = (
+            np.concatenate([λ / self.unit * _TRIED, moved.ravel() / length])
+            for λ, moved in (given, found)
+        )
+        mixed = learnt.next(before, after)
+        return np.asarray(mixed[:m] * self.unit / _TRIED), length * mixed[m:].reshape(-1, 4, 3)
+
+    def _try(self, λ: Array) -> Array | None:
+        """Violations at the end of a whole step with multipliers ``λ``, if it can be made."""
+        H = np.empty((len(self._at) + len(self._ground), 4, 3))
+        H[len(self._at) :] = self._ground
+        whole = np.empty_like(self._moved)
+        for domain in self._domains:
+            whole[domain.rows] = domain.before.H[: domain.moving]
+        H[: len(self._at)] = whole[self._at]
+        out, forces = (self._change, np.empty_like(self._forces)), self._forces
+        joined(H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
+        forces[self._at] = out[1]
+        for domain in self._domains:
+            if not domain.go(forces):
+                return None
+            self._moved[domain.rows] = domain.moved
+        self.tries += 1
+        joined(H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
+        return np.asarray(self.gap + self._change)
+
+    def _find_response(self, λ: Array) -> bool:
+        """By trying each multiplier by itself; whether all steps could be made."""
+        first, columns = self._try(λ), []
+        for c, size in enumerate(self.unit):
+            tried = λ.copy()
+            tried[c] += size
+            wrong = self._try(tried)
+            if first is None or wrong is None:
+                return False
+            columns.append((wrong - first) / size)
+        self.response[:], self.found = np.column_stack(columns), self.found + 1
+        moved = np.abs(self.response * self.measure[:, np.newaxis]).max(axis=0)
+        self.unit[:] = _TRIED / moved
+        return True
+
+    def _accept(self, λ: Array, wrong: Array) -> None:
+        self.weights[1], self.weights[0], self.gap[:] = self.weights[0], λ, wrong
+        self.made += 1
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        counts = np.array([self.made, self.tries, self.found])
+        kept = {"weights": self.weights, "gap": self.gap}
+        kept |= {"response": self.response, "unit": self.unit}
+        return {f"between.{name}": value for name, value in kept.items()} | {"counts": counts}
+
+    def restore(self, kept: dict[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name in ("weights", "gap", "response", "unit"):
+            getattr(self, name)[:] = kept[f"between.{name}"]
+        self.made, self.tries, self.found = (int(count) for count in kept["counts"])

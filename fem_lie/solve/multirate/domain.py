@@ -1,0 +1,82 @@
+"""Bodies whose steps have one size, over a whole step, under given forces of those around them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.linear.factors import Factors
+from fem_lie.solve.conserving.run import Run
+from fem_lie.solve.conserving.run_state import Options
+from fem_lie.solve.conserving.step import corrections
+from fem_lie.solve.conserving.step.records import State
+from fem_lie.system.equations import Equations
+
+
+class Domain(Run):
+    """Its steps are those of energy-momentum; a whole step can be made again from its start.
+
+    Attributes:
+        rows: Its moving nodes, of those of the whole scene.
+        count: Steps in a whole one.
+        before: The state from which whole steps are made.
+    """
+
+    before: State
+
+    def __init__(
+        self, options: Options, equations: Equations, whole: float, count: int, rows: Indices
+    ) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            equations: Of the bodies and what is between them.
+            whole: Size of a whole step.
+            count: Steps in it.
+            rows: Moving nodes, of those of the whole scene.
+        """
+        super().__init__(options, equations, whole / count)
+        self.count, self.rows = count, rows
+        self._own: list[Array] = []
+        self._V1, self._first = self.this.V1.copy(), 0
+
+    def begin(self) -> None:
+        """Keep the present state: whole steps are made from it until this is called again."""
+        self.before = State(*(array.copy() for array in self.s))
+        self._own, self._V1, self._first = self.cells.local_fields, self.this.V1.copy(), self.index
+
+    def go(self, forces: Array) -> bool:
+        """A whole step from the state that is kept; whether it is made.
+
+        Args:
+            forces: On ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4, 3), which stay
+                the same in all its steps. Their work is in the books.
+        """
+        for array, value in zip(self.s, self.before, strict=True):
+            array[:] = value
+        self.this.V1[:] = self._V1
+        self.cells.restore(self._own)
+        self.counters[corrections.STEPS] = self._first
+        # no matrix is younger than the step for which it is kept
+        self.counts[1] = min(int(self.counts[1]), self._first)
+        self.model.loads.dead[:] = self.equations.tables.loads.dead + forces[self.rows]
+        start = self._first * self.h
+        return self._go_to(self._first + self.count, start, start + self.h)
+
+    @property
+    def moved(self) -> Array:
+        """What a whole step has changed of (x, d₁, d₂, d₃), (n, 4, 3)."""
+        return np.asarray(self.s.H[: self.moving] - self.before.H[: self.moving])
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """With the factors, which are those of no state in particular."""
+        kept = super().memory()
+        return kept if self._factors is None else kept | self._factors.arrays()
+
+    def _kept_factors(self, kept: Mapping[str, Array]) -> Factors | None:
+        return Factors.of(kept)
