@@ -114,6 +114,103 @@ def tumbling_beam() -> fl.Scene:
     return scene
 
 
+def joined_cables() -> fl.Scene:
+    """Two cables from a joint on ground, of which the second hangs from the first by another."""
+    scene = fl.Scene(gravity=DOWN)
+    first = scene.add(fl.Cable.straight((0, 0, 0), (0.5, 0, 0), ROPE, cells=4))
+    second = scene.add(fl.Cable.straight((0.5, 0, 0), (1, 0, 0), ROPE, cells=4))
+    scene.add(fl.Spherical(fl.ground(), first.start))
+    scene.add(fl.Spherical(first.end, second.start))
+    return scene
+
+
+def block(x: float) -> fl.Solid:
+    """A soft brick that begins at x."""
+    rubber = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
+    return fl.Solid.brick((0.5, 0.2, 0.1), rubber, cells=(2, 1, 1), origin=(x, 0, 0))
+
+
+def hinged_bricks() -> fl.Scene:
+    """Two bricks on a spring in a hinge between two faces, which fly and turn."""
+    scene = fl.Scene()
+    first, second = scene.add(block(0.0)), scene.add(block(0.5))
+    hinge = fl.Revolute(first.grip("a=1"), second.grip("a=0"), axis=(0, 1, 0.3))
+    scene.add(hinge)
+    scene.add(fl.Spring(hinge.angle, 0.5))
+    first.turn((1.0, 3.0, 2.0), about=(0.2, 0, 0))
+    second.turn((1.0, 3.0, 2.0), about=(0.2, 0, 0))
+    return scene
+
+
+def driven_bricks() -> fl.Scene:
+    """One brick turned by a motor, and one that hangs from it on a spring with a damper."""
+    scene = fl.Scene(gravity=DOWN)
+    first, second = scene.add(block(0.0)), scene.add(block(0.5))
+    motor = fl.Revolute(fl.ground(), first.grip("a=0"), axis=(0, 1, 0))
+    hinge = fl.Revolute(first.grip("a=1"), second.grip("a=0"), axis=(0, 1, 0))
+    for joint in (motor, hinge):
+        scene.add(joint)
+    scene.add(fl.Drive(motor.angle, lambda t: 2.0 * np.sin(3.0 * t) ** 2))
+    scene.add(fl.Spring(hinge.angle, 0.5, 0.01))
+    return scene
+
+
+def rope_in_hand() -> fl.Scene:
+    """A brick whose face is moved, and a cable from its other face."""
+    scene = fl.Scene(gravity=DOWN)
+    brick = scene.add(block(0.0))
+    held = brick.grip("a=0")
+    place = held.position
+
+    def motion(t: float) -> np.ndarray:
+        c, s = np.cos(0.5 * np.sin(2.0 * t) ** 2), np.sin(0.5 * np.sin(2.0 * t) ** 2)
+        x, y, z = place
+        return np.array([(x, y, z + 0.1 * np.sin(t) ** 2), (c, 0, -s), (0, 1, 0), (s, 0, c)])
+
+    scene.add(fl.PrescribedMotion(held, motion))
+    rope = scene.add(fl.Cable.straight((0.5, 0.1, 0.05), (1, 0.1, 0.05), ROPE, cells=3))
+    scene.add(fl.Spherical(brick.grip("a=1"), rope.start))
+    return scene
+
+
+def towed_net() -> fl.Scene:
+    """A net on a cable whose end glides in a plane, on a spring with a damper, and on a winch."""
+    scene = fl.Scene(gravity=DOWN)
+    soft = fl.Section.from_stiffness([200.0] * 3 + [0.02] * 3, mass=1.0)
+    rope = scene.add(fl.Cable.straight((-0.5, 0, 0), (0, 0, 0), soft, cells=3))
+    x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
+    grid = np.arange(16).reshape(4, 4)
+    points = np.stack([x.ravel(), y.ravel(), np.zeros(16)], axis=1)
+    net = scene.add(fl.Net(points, [*grid.tolist(), *grid.T.tolist()], soft))
+    scene.add(fl.Spherical(rope.end, net.node(0)))
+    scene.add(fl.InPlane(fl.ground(), rope.start, axis=(1, 0, 1)))
+    winch = scene.add(fl.Distance(fl.ground(), net.node(15), at=(1, 1, 1)))
+    scene.add(fl.Drive(winch.length, lambda t: 1.0 + 0.2 * np.sin(4.0 * t) ** 2))
+    beside = scene.add(fl.Distance(rope.start, net.node(12)))
+    scene.add(fl.Spring(beside.length, 20.0, 0.5))
+    return scene
+
+
+def hung_sheet() -> fl.Scene:
+    """A thin shell, one corner of which turns about an axis."""
+    patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
+    layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
+    scene = fl.Scene(gravity=DOWN)
+    sheet = scene.add(fl.ThinShell(patch, layer))
+    scene.add(fl.Revolute(fl.ground(), sheet.node(0), axis=(1, 0, 0)))
+    return scene
+
+
+JOINED: dict[str, tuple[Callable[[], fl.Scene], float]] = {
+    "two cables on joints": (joined_cables, 1e-3),
+    "two bricks on a hinge with a spring": (hinged_bricks, 1e-3),
+    "two bricks, motor, damper": (driven_bricks, 1e-3),
+    "brick in hand, cable": (rope_in_hand, 1e-3),
+    "net, cable, winch, damper": (towed_net, 1e-3),
+    "thin shell on a hinge": (hung_sheet, 1e-3),
+}
+"""Scenes with joints, and the size of steps."""
+
 SCENES: dict[str, tuple[Callable[[], fl.Scene], float]] = {
     "swinging cable": (swinging_cable, 1e-3),
     "whirling discrete rod": (whirling_rod, 1e-3),
@@ -121,6 +218,7 @@ SCENES: dict[str, tuple[Callable[[], fl.Scene], float]] = {
     "flapping thin plate": (flapping_plate, 1e-3),
     "tumbling brick": (tumbling_brick, 1e-3),
     "tumbling beam of slopes": (tumbling_beam, 1e-3),
+    **JOINED,
 }
 """With the size of steps."""
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
-from benchmarks.conserving_any import FixedAxes
 from fem_lie.lie.kinds import placed
 from fem_lie.mesh.curves import straight
 from tests.test_composed import resumed_as_whole
@@ -163,6 +163,46 @@ def test_reactions_are_those_of_generalised_alpha():
     np.testing.assert_allclose(found.reactions[1:], other.reactions[1:], atol=0.02 * size)
 
 
+@pytest.mark.parametrize("name", JOINED)
+def test_joints(name):
+    """Energy, work, momenta and constraints to round-off, and the motion of generalised-α."""
+    made, step = JOINED[name]
+    plan = {"duration": 0.1, "step": 2.0 * step, "save_every": 10}
+    found, other = (
+        s.run(made(), **plan) for s in (SCHEME, fl.GeneralisedAlpha(radius=0.95, tolerance=1e-9))
+    )
+    assert found.balance_error <= 1e-11
+    assert found.momentum_error <= 1e-12
+    assert found.angular_momentum_error <= 1e-12
+    assert found.joint_violations.max() <= 1e-13
+    away = np.abs(found.frames[:, :, 0] - other.frames[:, :, 0]).max()
+    assert away <= 2e-3 * np.abs(other.frames[-1, :, 0] - other.frames[0, :, 0]).max()
+    np.testing.assert_allclose(found.joint_coordinates, other.joint_coordinates, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(found.balance, other.balance, rtol=0, atol=2e-3)
+
+
+def test_joint_forces_and_order():
+    """Against generalised-α with small steps: of second order, joint forces at ends of steps."""
+    made, _ = JOINED["two bricks, motor, damper"]
+    plan = {"duration": 0.1, "save_every": 10**6}
+    scheme = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12)
+    exact = scheme.run(made(), step=1e-4, **plan)
+    errors, forces = [], np.abs(exact.joint_forces[-1]).max()
+    for step in (2e-3, 1e-3):
+        result = SCHEME.run(made(), step=step, **plan)
+        errors.append(np.abs(result.frames[-1, :, 0] - exact.frames[-1, :, 0]).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
+    np.testing.assert_allclose(
+        result.joint_forces[-1], exact.joint_forces[-1], rtol=0, atol=0.02 * forces
+    )
+
+
+def test_joints_resumed_to_the_last_bit(tmp_path, monkeypatch):
+    made, step = JOINED["two bricks, motor, damper"]
+    plan = {"duration": 16 * step, "step": step}
+    resumed_as_whole(SCHEME, made, plan, tmp_path / "run.h5", monkeypatch)
+
+
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
     plan = {"duration": 0.12, "step": 4e-3}
     resumed_as_whole(SCHEME, lambda: flying("cable")[0], plan, tmp_path / "run.h5", monkeypatch)
@@ -189,11 +229,19 @@ def with_a_body(scene: fl.Scene, cable: fl.Body) -> None:
     scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(3, 0, 0)))
 
 
-def with_a_joint(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.Spherical(fl.ground(), cable.start))
+def with_a_hinge(scene: fl.Scene, cable: fl.Body) -> None:
+    scene.add(fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0)))
 
 
-SCENES = {"frames": with_a_body, "joints": with_a_joint}
+def with_a_lever(scene: fl.Scene, cable: fl.Body) -> None:
+    scene.add(fl.Spherical(fl.ground(), cable.start, at=(0, 0, 1)))
+
+
+SCENES = {
+    "frames": with_a_body,
+    "how a cable's end": with_a_hinge,
+    "at another place": with_a_lever,
+}
 
 
 @pytest.mark.parametrize("words", SCENES)

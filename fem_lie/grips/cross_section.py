@@ -39,7 +39,7 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
     bend_surface(X, data, given, K)
 
 
-ON_SECTION = GripKind(_locate, _bend)
+ON_SECTION = GripKind(_locate, _bend, summed=True, turns=True)
 
 
 def on_section(nodes: Sequence[int], shares: Array) -> Grip:

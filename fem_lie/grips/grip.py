@@ -35,11 +35,16 @@ class GripKind(NamedTuple):
             on the nodes in their motions, for a force ``f`` (6,) that is constant in the frame.
         rigid: Whether the frame is fixed to that of its only node: what holds on to it may hold on
             to the node.
+        summed: Whether its place is a sum over rows of nodes that are no frames, with constant
+            factors.
+        turns: Whether it turns with these rows about any axis.
     """
 
     locate: Callable[..., None]
     bend: Callable[..., None]
     rigid: bool = False
+    summed: bool = False
+    turns: bool = False
 
 
 class Grip(NamedTuple):

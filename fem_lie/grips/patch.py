@@ -89,7 +89,7 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
                 K[k, :3, j, c] = data[4 * k] * (Q[k].T @ change)
 
 
-PATCH = GripKind(_locate, _bend)
+PATCH = GripKind(_locate, _bend, summed=True, turns=True)
 
 
 def in_the_mean(nodes: Sequence[int], places: Array, weights: Array, axes: Array) -> Grip:

@@ -98,7 +98,7 @@ def bend_surface(X: Array, data: Array, f: Array, K: Array) -> None:
                         K[i, 3 * other : 3 * other + 3, j, 3 * half + m] = Q[i].T @ dg
 
 
-ON_SURFACE = GripKind(locate_surface, bend_surface)
+ON_SURFACE = GripKind(locate_surface, bend_surface, summed=True, turns=True)
 
 
 def on_surface(nodes: Sequence[int], shares: Array) -> Grip:

@@ -38,7 +38,7 @@ def _bend(X: Array, data: Array, f: Array, K: Array) -> None:
     K[0, 4, 0, 3], K[0, 5, 0, 3] = -f[5] / square, f[4] / square
 
 
-TANGENT = GripKind(_locate, _bend)
+TANGENT = GripKind(_locate, _bend, summed=True)
 
 
 def along_tangent(node: int) -> Grip:

@@ -14,8 +14,10 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import JointInfo
 from fem_lie.joints import Connection, Fixed
 from fem_lie.joints.equations.table import JointTable, PackedJoints
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.bordered import Border
 from fem_lie.scene import Scene
+from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered
 from fem_lie.system.constraint_sets.kinds import sets_of
 from fem_lie.system.constraint_sets.rows import SystemRows
@@ -122,6 +124,12 @@ class Connections:
     def bound(self) -> Indices:
         """Those of them whose own axes matter, as not to grips on places."""
         return np.unique(np.concatenate([each.bound for each in self.sets]))
+
+    def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:
+        """See :func:`~.constraint_sets.all_pairs.all_pairs`; ``None`` if all nodes are frames."""
+        if (kinds < SLOPE).all():
+            return None
+        return all_pairs(self.sets, self._numbering, frames, kinds)
 
     # --- equations ---
 

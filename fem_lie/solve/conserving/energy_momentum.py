@@ -122,7 +122,8 @@ def _refuse(equations: Equations) -> None:
     unknowns, straight = equations.unknowns, is_straight(equations)
     apart = [term.label for term in equations.tables.terms if not (term.conserved or straight)]
     drilling = ", ".join(unknowns.drilling)
-    reasons = dict.fromkeys(unknowns.other_constraints, True) | {
+    apart_too = [] if straight else unknowns.other_constraints
+    reasons = dict.fromkeys(apart_too, True) | {
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         f"shells with six parameters ({drilling})": bool(drilling),

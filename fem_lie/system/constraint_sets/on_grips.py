@@ -76,7 +76,8 @@ class OnGrips(ConstraintSet):
     """A set of another sort, on grips.
 
     Attributes:
-        inner: That set, on :class:`GripRows`.
+        inner: That set.
+        rows: What it is on.
     """
 
     def __init__(
@@ -90,19 +91,19 @@ class OnGrips(ConstraintSet):
             rows: Of the system.
             start: See the base class.
         """
-        self.start, self._rows = start, GripRows(items, rows)
-        self._system_count, self._grips = rows.count, self._rows.grips
-        local: Rows = self._rows
+        self.start, self.rows = start, GripRows(items, rows)
+        self._system_count, self._grips = rows.count, self.rows.grips
+        local: Rows = self.rows
         self.inner = kind(items, local, Start())
         self.owner, self.angular = self.inner.owner, self.inner.angular
         self.targets = self.inner.targets
         self.what = f"{kind.what} on points that are no nodes"
         self.of_velocities = kind.of_velocities
-        k, g = len(self._rows.moving), self._grips.count
+        k, g = len(self.rows.moving), self._grips.count
         self._by_itself = np.tile(np.eye(6), (k, 1, 1))
         # each row of the set is moved by entries: itself, or the nodes of its grip
         self._of = np.concatenate([np.arange(k), k + self._grips.of])
-        self._nodes = np.concatenate([self._rows.moving, self._grips.nodes])
+        self._nodes = np.concatenate([self.rows.moving, self._grips.nodes])
         self._entries = [np.flatnonzero(self._of == row) for row in range(k + g)]
         self._connect()
         self._pair()
@@ -123,7 +124,7 @@ class OnGrips(ConstraintSet):
     def _pair(self) -> None:
         """Pairs of nodes: of entries for each pair of rows, and those within grips."""
         rows, columns = self.inner.pairs
-        moves = (rows < self._rows.count) & (columns < self._rows.count)
+        moves = (rows < self.rows.count) & (columns < self.rows.count)
         self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
         triples = [
             (p, i, j)
@@ -141,7 +142,7 @@ class OnGrips(ConstraintSet):
     @property
     def bound(self) -> Indices:
         """Those that it does not hold by grips."""
-        return self._rows.moving
+        return self.rows.moving
 
     @property
     def empty(self) -> bool:
@@ -153,11 +154,11 @@ class OnGrips(ConstraintSet):
     def _seen(self, H: Array) -> tuple[Array, Array]:
         """Frames of its own rows, and how each entry moves its row, (e, 6, 6)."""
         frames, J = self._grips.locate(H)
-        return self._rows.seen(H, frames), np.concatenate([self._by_itself, J])
+        return self.rows.seen(H, frames), np.concatenate([self._by_itself, J])
 
     def _twists(self, J: Array, v: Array) -> Array:
         """Of its own rows."""
-        rows = self._rows
+        rows = self.rows
         found = np.zeros((rows.count + len(rows.fixed), 6))
         np.add.at(found, self._of, np.einsum("eij,ej->ei", J, v[self._nodes]))
         given = rows.fixed < len(v)
@@ -166,7 +167,7 @@ class OnGrips(ConstraintSet):
 
     def _give(self, J: Array, forces: Array, count: int, r: Array) -> None:
         """Forces on its own rows to those of the system, of which ``count`` have any."""
-        rows, target = self._rows, r[: 6 * count].reshape(-1, 6)
+        rows, target = self.rows, r[: 6 * count].reshape(-1, 6)
         np.add.at(target, self._nodes, np.einsum("eij,ei->ej", J, forces[self._of]))
         given = rows.fixed < count
         target[rows.fixed[given]] += forces[rows.count :][given]
@@ -216,7 +217,7 @@ class OnGrips(ConstraintSet):
         self.inner.geometric(frames, own, self._inner_place, blocks)
         self._add_pulled(J, blocks, place, K)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
-        bent = self._grips.bend(H, forces[len(self._rows.moving) : self._rows.count])
+        bent = self._grips.bend(H, forces[len(self.rows.moving) : self.rows.count])
         add_blocks(K, place[len(self._left) :], bent)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
@@ -225,7 +226,7 @@ class OnGrips(ConstraintSet):
         found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
         self.inner.rates(frames, self._twists(J, v), *found)
         change = np.zeros((len(frames), 6))
-        change[len(self._rows.moving) : self._rows.count] = self._grips.changes(H, v)
+        change[len(self.rows.moving) : self.rows.count] = self._grips.changes(H, v)
         self.inner.rates(frames, change, by_change, unused)
         first[self.own], second[self.own] = found[0], found[1] + by_change
 
@@ -280,7 +281,7 @@ class OnGrips(ConstraintSet):
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """On a grip: at its nearest node, where it was from it at the start."""
-        rows, found = self._rows, {}
+        rows, found = self.rows, {}
         for item, (row, place) in self.inner.drawn().items():
             if row >= rows.count:
                 found[item] = (int(rows.fixed[row - rows.count]), place)

@@ -15,6 +15,7 @@ from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe, symmetry
 from fem_lie.system.balance.acting import supported
+from fem_lie.system.constraint_sets.all_pairs import AllPairs
 from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.system import System
 
@@ -158,6 +159,8 @@ class Tables(NamedTuple):
             held.
         stored: Cells whose energy is all that bodies have, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
+        pairs_of_all: All relative motions of nodes and grips, where some nodes are no frames and
+            there are no other constraints; else ``None``.
         turns: Whether joints count their turns.
         around: Places whose axes follow what is around them, turned after each step.
         drills: Whether other axes do, of a mid-surface or as bodies say.
@@ -185,6 +188,7 @@ class Tables(NamedTuple):
     complete: bool
     in_one_sum: bool
     stored: tuple[Indices, Indices] | None
+    pairs_of_all: AllPairs | None
     turns: bool
     around: PlainSurroundings
     drills: bool
@@ -214,6 +218,7 @@ class Tables(NamedTuple):
             complete=connections.of_joints_only and all_felt,
             in_one_sum=system.in_one_sum,
             stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
+            pairs_of_all=connections.all_pairs(system.frames, system.kinds),
             turns=connections.first.turns,
             around=system.carried_axes.plain,
             drills=any(each is not system.carried_axes for each in system.carried),

@@ -47,6 +47,7 @@ class HeldGrips:
         of: Grip of each entry, shape (e,).
         nodes: Leader of each entry, shape (e,).
         rows: Leaders of pairs of entries of one grip, shape (p,); ``columns`` likewise.
+        kinds: Of each grip.
     """
 
     def __init__(self, points: Sequence[Point], numbering: Numbering) -> None:
@@ -66,7 +67,9 @@ class HeldGrips:
         self._numbers = {key: number for number, key in enumerate(order)}
         self.count = len(order)
         self._sorts = [_alike(kind, list(keys), numbering) for (kind, _, _), keys in sorts.items()]
-        self.of: Indices = np.repeat(np.arange(self.count), [len(g.nodes) for _, g in order])
+        self.kinds = [grip.kind for _, grip in order]
+        sizes = np.array([len(grip.nodes) for _, grip in order], dtype=np.int64)
+        self.of: Indices = np.repeat(np.arange(self.count), sizes)
         leaders = [sort.leaders for sort in self._sorts]
         none = np.empty(0, dtype=np.int64)
         self.nodes: Indices = np.concatenate([none, *(each.ravel() for each in leaders)])

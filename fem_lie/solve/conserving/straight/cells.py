@@ -119,7 +119,7 @@ def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
 
 
 @compiled
-def _rotation(cells: CellTable, e: int, work: Work) -> Vector:
+def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
     """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
     r, d, A, begin = work.r, work.d, work.A, cells.first[e]
     A[:] = 0.0
@@ -241,7 +241,7 @@ def add_elastic(
         if cells.sees[e] < PLACES:
             take_centre(cells, e, d)
         if cells.sees[e] == NOTHING:
-            ω = _rotation(cells, e, work)
+            ω = rotation_of(cells, e, work)
         _mean_forces(cells, e, nodes.H, ω, work)
         made, square, noise, ρ2 = 0.0, 0.0, 0.0, 0.0
         for a in range(count):

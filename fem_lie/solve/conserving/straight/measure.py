@@ -38,6 +38,18 @@ def measure_cells(cells: CellTable, H: Array, rest: Array) -> None:
         cells.sees[e] = _seen(cells, e, H, work)
 
 
+@compiled
+def weigh_cells(cells: CellTable, H: Array, rest: Array) -> None:
+    """Find the weights alone."""
+    room = memory(largest_cell(cells.first))
+    for e in range(cells.first.shape[0] - 1):
+        here = slice(cells.first[e], cells.first[e + 1])
+        work = part_of(room, cells.first[e + 1] - cells.first[e])
+        gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
+        take_centre(cells, e, work.r)
+        _weigh(cells, e, work.r)
+
+
 @inlined
 def _weigh(cells: CellTable, e: int, r: Array) -> None:
     """1 for places; as much for a slope of the usual size as for a place at the usual distance."""
@@ -50,6 +62,8 @@ def _weigh(cells: CellTable, e: int, r: Array) -> None:
             elif dot(arm, arm) > 0.0:
                 long, slopes = long + dot(arm, arm), slopes + 1
     share = far / places * slopes / long if slopes > 0 else 0.0
+    if far == 0.0:  # all are at one place
+        share = 1.0
     for a in range(r.shape[0]):
         kind = cells.kinds[begin + a]
         cells.weights[begin + a, 0] = 1.0 if has_place(kind) else share

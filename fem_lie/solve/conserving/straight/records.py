@@ -52,6 +52,10 @@ class State(NamedTuple):
         books: See :mod:`fem_lie.bodies.balances`, (15,).
         told: The scene's largest energy, the sum of ``|s|²`` of the last step, energy that came of
             what steps left over, and how large a force that was in the last one, (4,).
+        weights: Multipliers over the last step, (m,).
+        earlier: Those over the two before, the later one first, (2, m).
+        gap: What the constraints violate, (m,).
+        scale: Factor of each in the matrix, (m,).
     """
 
     H: Array
@@ -63,6 +67,10 @@ class State(NamedTuple):
     account: Array
     books: Array
     told: Array
+    weights: Array
+    earlier: Array
+    gap: Array
+    scale: Array
 
 
 class Step(NamedTuple):
@@ -78,8 +86,11 @@ class Step(NamedTuple):
         forces: Of the balance, both halves, (n, 6).
         losses: In this step, as ``books``, (15,).
         told: The sum of ``|s|²``, and the factor of forces beside, (2,).
-        r: What is wrong with the balance, along the axes in the middle, (6 n,).
+        r: What is wrong with the balance, along the axes in the middle, and with the constraints,
+            (6 n + m,).
         q: For inertia, (2, n, 4, 3).
+        outer: Forces of joints on both halves, (n, 6).
+        change: Increments of the constraints less those of their targets, (m,).
     """
 
     step: Array
@@ -93,3 +104,5 @@ class Step(NamedTuple):
     told: Array
     r: Array
     q: Array
+    outer: Array
+    change: Array

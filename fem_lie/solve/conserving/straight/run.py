@@ -18,6 +18,7 @@ from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.results import Result
 from fem_lie.solve.conserving.straight import step as steps
 from fem_lie.solve.conserving.straight.cells import energies_at
+from fem_lie.solve.conserving.straight.joints import Joints
 from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.solve.conserving.straight.rows import gathered
 from fem_lie.solve.conserving.straight.scene import model_of
@@ -65,9 +66,9 @@ class StraightRun(Integration[Recorder]):
         self._tolerance, self._limit = told
         self._rescues = policy.rescue
         unknowns, z = equations.unknowns, np.zeros
-        n = unknowns.moving
+        n, m = unknowns.moving, unknowns.m
         self._changing, self._n = unknowns.time_dependent, n
-        self.model = model_of(equations)
+        self.model, self.joints = model_of(equations), Joints(equations)
         cells = len(self.model.cells.calls)
         self.s = State(
             H=equations.start.frames.copy(),
@@ -79,6 +80,10 @@ class StraightRun(Integration[Recorder]):
             account=z(cells),
             books=z(TOTAL),
             told=z(4),
+            weights=z(m),
+            earlier=z((2, m)),
+            gap=z(m),
+            scale=np.ones(m),
         )
         self.this = Step(
             step=z((n, 6)),
@@ -90,19 +95,21 @@ class StraightRun(Integration[Recorder]):
             forces=z((n, 6)),
             losses=z(TOTAL),
             told=z(2),
-            r=z(6 * n),
+            r=z(6 * n + m),
             q=z((2, n, 4, 3)),
+            outer=z((n, 6)),
+            change=z(m),
         )
         # mean accelerations of the last two steps, twice their trends
         self._rates = z((2, n, 6))
         self._measure = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
-        self._x, self._y = z((2, 6 * n))
-        self._none, self._still, self._work = z(0), z((n, 6)), z(unknowns.size)
-        at_rest = Instant(*equations.start, self._still, self._none)
-        self._found = equations.residual(at_rest, self._none, self._work)
+        self._x, self._y = z((2, 6 * n + m))
+        self._still, self._work = z((n, 6)), z(unknowns.size)
+        at_rest = Instant(*equations.start, self._still, self.s.weights)
+        self._found = equations.residual(at_rest, self.s.scale, self._work)
         self._factors: Factors | None = None
         self._made = self._factorisations = self._iterations = 0
-        self._increment = np.inf
+        self._increment, self._before = np.inf, z(m)
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -131,7 +138,7 @@ class StraightRun(Integration[Recorder]):
         push_all(kinds, frames[:n], np.ascontiguousarray(v[:n]), rows)
         gathered(kinds, rows, s.V)
         solver = DirectSolver(equations.matrix, _PREFIX)
-        rates, _ = accelerations(equations, solver, s.H, v, 0.0, self.h)
+        rates, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
         steps.spatial_rates(self.model, s, rates, rate)
         s.trend[:], self._rates[:] = 0.5 * rate, rate
         self._set_time(0.0)
@@ -139,6 +146,7 @@ class StraightRun(Integration[Recorder]):
         s.account[:] = s.W
 
     def _set_time(self, time: float) -> None:
+        """Let loads and targets of a time act."""
         self.equations.prescribed(time).act()
         loads = self.equations.tables.loads
         self.model.dead[:], self.model.following[:] = loads.dead, loads.following
@@ -147,17 +155,31 @@ class StraightRun(Integration[Recorder]):
 
     def _advance(self, history: Recorder) -> bool:
         if self._changing:
-            self._set_time((self.index + 0.5) * self.h)
+            self._set_step()
         before = self._iterations
+        self._before[:] = self.s.weights
         made = self._step()
         history.count += self._iterations - before
         if made:
             s = self.s
             steps.accept(self.model, s, self.this, self.h)
+            s.earlier[1], s.earlier[0] = s.earlier[0].copy(), self._before
+            s.H[self._n + 1 :] = self.joints.moved[1]
             self._rates[1], self._rates[0] = self._rates[0], 2.0 * s.trend
+            self.equations.memory.accept(s.H)
+            self.joints.accept(s.H)
             self.equations.memory.turn_axes(s.H)
             self._made += 1
         return made
+
+    def _set_step(self) -> None:
+        """Loads in the middle of the next step, targets and prescribed motions at both its ends."""
+        equations, ends = self.equations, (self.index * self.h, (self.index + 1) * self.h)
+        self._set_time((self.index + 0.5) * self.h)
+        before, after = (equations.prescribed(time) for time in ends)
+        if equations.unknowns.driven:
+            self.joints.driven[:] = after.targets - before.targets
+        self.joints.moved[0], self.joints.moved[1] = self.s.H[self._n + 1 :], after.frames
 
     def _step(self) -> bool:
         """Make the step from its start; whether it converges."""
@@ -177,11 +199,13 @@ class StraightRun(Integration[Recorder]):
         steps.predict(model, s, self.h, this.step)
         if still:
             this.step[:] = 0.0
+        s.weights[:] = self._before
+        self.joints.begin(s.H)
         motion = float(np.abs(this.step.ravel() * self._measure).max(initial=0.0))
         previous, ratio, needed = np.inf, 1.0, 1
         for iteration in range(1, self._limit + 1):
             self._iterations += 1
-            steps.residual(model, s, this, self.h)
+            self._evaluate()
             # at the last digits no matrix helps: they are told neither of late nor of many of these
             fine = previous <= _STAGNANT
             asked = iteration == 1 or (not fine and _lags(decisions, previous, ratio))
@@ -193,7 +217,9 @@ class StraightRun(Integration[Recorder]):
                     return False
             self._solve()
             needed = needed if fine else iteration
-            increment = float(np.abs(self._x * self._measure).max(initial=0.0))
+            # multipliers are linear, and follow
+            moved = self._x[: 6 * self._n] * self._measure
+            increment = float(np.abs(moved).max(initial=0.0))
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, motion = increment, max(motion, increment)
             if not increment < DIVERGED:
@@ -202,12 +228,20 @@ class StraightRun(Integration[Recorder]):
             if noise or increment <= ROUND_OFF or remaining <= self._tolerance * motion:
                 if not noise:
                     steps.correct(model, s, this, self._x)
-                    steps.residual(model, s, this, self.h)
+                    self._evaluate()
                 decisions.after_step(needed)
                 return True
             steps.correct(model, s, this, self._x)
             previous = increment
         return False
+
+    def _evaluate(self) -> None:
+        """Balance and constraints of the present step."""
+        s, this, model = self.s, self.this, self.model
+        steps.move(model, s, this, self.h)
+        if self.joints.any:
+            self.joints.add_forces(s, this, self.h)
+        steps.residual(model, s, this, self.h)
 
     def _solve(self) -> None:
         """The correction, into ``_x``."""
@@ -218,11 +252,12 @@ class StraightRun(Integration[Recorder]):
         """With the matrix in the middle of the step."""
         equations, h, n = self.equations, self.h, self._n
         H, v = self.s.H.copy(), np.zeros_like(equations.start.velocities)
-        H[:n] = self.this.mean
-        now = Instant(H, v, self._still, self._none)
-        equations.residual(now, self._none, self._work, self._found)
-        plan = Plan(self._still, self._none, 4.0 / h**2, 2.0 / h, stressed=H, choices=self.choices)
-        equations.fill(now, self._found, plan)
+        H[:n], s = self.this.mean, self.s
+        now = Instant(H, v, self._still, s.weights)
+        equations.residual(now, s.scale, self._work, self._found)
+        plan = Plan(self._still, None, 4.0 / h**2, 2.0 / h, stressed=H, choices=self.choices)
+        s.scale[:] = equations.fill(now, self._found, plan)
+        self.this.r[6 * n :] = s.scale * (s.gap + self.this.change)
         self._factors = factorise(equations.matrix)
         self._factorisations += 1
 
@@ -244,8 +279,16 @@ class StraightRun(Integration[Recorder]):
             steps.twists(self.model, self.s, last, v, rates)
             if self._changing:
                 self._set_time(time)
-            history.fill(time, self.s.H, v, rates, self._none, self.s.books)
+            history.fill(time, self.s.H, v, rates, self._end_weights(), self.s.books)
         return wanted
+
+    def _end_weights(self) -> Array:
+        """Multipliers at the end of the last step; in the first two those over it."""
+        s = self.s
+        if self.index < 3:
+            return s.weights
+        # see fem_lie.solve.conserving.end_forces, for constant steps
+        return s.weights + 0.5 * (s.earlier[0] - s.earlier[1])
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self._factorisations, history.seconds)
@@ -255,7 +298,7 @@ class StraightRun(Integration[Recorder]):
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
-        kept |= {"mean": self.this.mean, "rates": self._rates}
+        kept |= {"mean": self.this.mean, "rates": self._rates, "turned": self.joints.turned.copy()}
         kept["counts"] = np.array([self._made, self._factorisations, self._iterations])
         kept |= super().memory()
         return kept if self._factors is None else kept | self._factors.arrays()
@@ -265,6 +308,7 @@ class StraightRun(Integration[Recorder]):
         for name, array in self.s._asdict().items():
             array[:] = kept[f"s.{name}"]
         self.this.mean[:], self._rates[:] = kept["mean"], kept["rates"]
+        self.joints.turned[:] = kept["turned"]
         self._made, self._factorisations, self._iterations = (int(x) for x in kept["counts"])
         super().restore(kept)
         self._factors = Factors.of(kept)

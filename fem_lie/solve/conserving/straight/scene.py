@@ -24,12 +24,15 @@ def check(equations: Equations) -> None:
         ValueError: Says what there is.
     """
     unknowns, terms = equations.unknowns, equations.tables.terms
-    known = [term for term in terms if term.rates is None]
+    known = [term for term in terms if term.rates is None and not term.within_joints]
+    pairs = equations.tables.pairs_of_all
     apart = [term.label for term in known if term.tables is None or term.settles]
     viscous = [f"viscous {term.label}" for term in known if term.viscous]
     reasons = {
         "frames (Beam, Shell, RigidBody)": bool((unknowns.kinds < SLOPE).any()),
-        "joints, springs or drives": unknowns.m > 0 or unknowns.connections > 0,
+        "constraints of velocities, or joints that slide or roll": pairs is None,
+        "joints that ask how a cable's end or a node without axes is turned "
+        "(Revolute, Fixed; Spherical at another place)": pairs is not None and pairs.loose,
         "nodes that follow others": unknowns.moving < unknowns.total,
         "strains that change": unknowns.strains_change,
         ", ".join(dict.fromkeys(apart + viscous)): bool(apart or viscous),

@@ -71,28 +71,43 @@ def predict(model: Model, state: State, h: float, out: Array) -> None:
 
 @compiled
 def correct(model: Model, state: State, this: Step, x: Array) -> None:
-    """Subtract the solution ``x`` (6 n,), along the axes in the middle, from the step."""
+    """Subtract the solution ``x`` (6 n + m,), along the axes in the middle, from the step."""
     for i in range(this.step.shape[0]):
         d1, d2, d3 = axes(model.kinds[i], this.mean[i])
         for at in (0, 3):
             change = rotate(d1, d2, d3, load(x, 6 * i + at))
             store(this.step[i], at, combined(1.0, load(this.step[i], at), -1.0, change))
         _hold(model.kinds[i], state.H[i], model.held[i], this.step[i])
+    first_weight = 6 * this.step.shape[0]
+    for c in range(state.weights.shape[0]):
+        # twice the balance has twice the forces of joints
+        state.weights[c] -= 0.5 * state.scale[c] * x[first_weight + c]
+
+
+@compiled
+def move(model: Model, state: State, this: Step, h: float) -> None:
+    """Rows in the middle and at the end of the step, rates at its end; empty books."""
+    step, half = this.step, np.empty(6)
+    this.losses[:] = 0.0
+    for i in range(step.shape[0]):
+        for k in range(6):
+            half[k] = 0.5 * step[i, k]
+            this.V1[i, k] = 2.0 / h * step[i, k] - state.V[i, k]
+        carry(model.kinds[i], state.H[i], half, this.mean[i])
+        carry(model.kinds[i], state.H[i], step[i], this.end[i])
 
 
 @compiled
 def residual(model: Model, state: State, this: Step, h: float) -> None:
-    """Twice the balance of momenta over the step, along the axes in the middle, into ``this.r``."""
+    """Twice the balance of momenta over the step, along the axes in the middle, into ``this.r``.
+
+    Nodes have moved, and forces of joints are there.
+    """
     kinds, (step, mean, end), forces, q = model.kinds, this[:3], this.forces, this.q
-    n, half = step.shape[0], np.empty(6)
-    this.losses[:] = 0.0
+    n = step.shape[0]
     for i in range(n):
         for k in range(6):
-            half[k] = 0.5 * step[i, k]
-            this.V1[i, k] = 2.0 / h * step[i, k] - state.V[i, k]
             forces[i, k] = (this.V1[i, k] - state.V[i, k]) / h
-        carry(kinds[i], state.H[i], half, mean[i])
-        carry(kinds[i], state.H[i], step[i], end[i])
     spread(kinds, forces, q[0])
     inertia.multiply(model.inertia.indptr, model.inertia.indices, model.inertia.blocks, q[0], q[1])
     for i in range(n):
@@ -107,10 +122,12 @@ def residual(model: Model, state: State, this: Step, h: float) -> None:
     gathered(kinds, q[1], forces)
     for i in range(n):
         for k in range(6):
-            forces[i, k] += state.carry[i, k]
+            forces[i, k] += state.carry[i, k] + this.outer[i, k]
     _add_elastic(model, state, this)
     for i in range(n):
         _balance(i, model, this)
+    for c in range(state.gap.shape[0]):
+        this.r[6 * n + c] = state.scale[c] * (state.gap[c] + this.change[c])
 
 
 @compiled
@@ -209,6 +226,8 @@ def accept(model: Model, state: State, this: Step, h: float) -> None:
         state.account[e] += this.work[e]
         energy += this.W1[e]
     told[ENERGY] = max(told[ENERGY], energy)
+    for c in range(state.gap.shape[0]):
+        state.gap[c] += this.change[c]
 
 
 @inlined

@@ -1,0 +1,204 @@
+"""Frames that joints hold on to where nodes are no frames, over a step; compiled.
+
+A grip's frame is a function of its nodes. Its place is a sum over their rows, so that it moves by
+``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both ends, and
+``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. What is missing is
+made up as in :mod:`.cells`: with the step ``s`` of the grip's nodes without their rigid part, in
+their metric ``M``, ::
+
+    ψ = D Δr,        D = J_ω + (ψ − J_ω Δr) ⊗ M s/|s|²
+
+A moment ``m`` on the grip is ``Dᵀ m`` on its nodes. Its work is that on ψ, exactly, and it has the
+resultant and the moment that it has: those of ``J_ωᵀ m``, for ``M s`` has none.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.tuples import (
+    Vector,
+    combined,
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    rotate,
+    rotate_back,
+    scaled,
+    store,
+    store_row,
+)
+from fem_lie.solve.conserving.straight.cells import (
+    Work,
+    memory,
+    part_of,
+    rotation_of,
+    take_centre,
+)
+from fem_lie.solve.conserving.straight.rows import (
+    CellTable,
+    gather,
+    has_place,
+    largest_cell,
+)
+
+_STILL = 1e-14
+"""Of ``|s|²`` over the square of the size: what is missing is round-off there."""
+
+
+class GripSpan(NamedTuple):
+    """Grips over a step; each has an entry for each of its nodes.
+
+    Attributes:
+        cells: Their nodes and metric.
+        turns: Of which of them more than the place is seen, (g,).
+        start: Frames, (g, 4, 3).
+        middle: With the nodes in the middle of the step.
+        end: At its end.
+        J: Twist of its grip by the motion of each entry along its axes, (e, 6, 6).
+        left: ``ψ − J_ω Δr``, global components, (g, 3).
+        beside: ``M s/|s|²``, (e, 2, 3).
+    """
+
+    cells: CellTable
+    turns: Flags
+    start: Array
+    middle: Array
+    end: Array
+    J: Array
+    left: Array
+    beside: Array
+
+
+@compiled
+def set_nodes(kinds: Indices, middle: Array, step: Array, mean: Array, delta: Array) -> None:
+    """Means and increments (n, 4, 3) of nodes of which only the places are seen: axes stay."""
+    delta[: step.shape[0]] = 0.0
+    for i in range(step.shape[0]):
+        if has_place(kinds[i]):
+            mean[i] = middle[i]
+            store_row(delta[i], 0, load(step[i], 0))
+
+
+@compiled
+def set_grips(
+    span: GripSpan,
+    nodes: tuple[Array, Array, Array, Array],
+    mean: Array,
+    delta: Array,
+) -> None:
+    """Means and increments (g, 4, 3) of grips, and how they turn.
+
+    Args:
+        span: The grips, of which ``left`` and ``beside`` are overwritten.
+        nodes: Rows at the start of the step, digits that do not fit into them, rows in the middle,
+            (≥ n, 4, 3), and increments of halves, (n, 6).
+        mean: Overwritten.
+        delta: Overwritten.
+    """
+    cells, (H, rest, middle, step) = span.cells, nodes
+    room = memory(largest_cell(cells.first))
+    span.beside[:] = 0.0
+    for g in range(span.turns.shape[0]):
+        moved, turned = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for e in range(cells.first[g], cells.first[g + 1]):
+            i, J = cells.nodes[e], span.J[e]
+            d1, d2, d3 = axes(cells.kinds[e], middle[i])
+            for at in (0, 3):
+                own = rotate_back(d1, d2, d3, load(step[i], at))
+                for k in range(3):
+                    moved = plus(moved, scaled(own[k], (J[0, at + k], J[1, at + k], J[2, at + k])))
+                    column = J[3, at + k], J[4, at + k], J[5, at + k]
+                    turned = plus(turned, scaled(own[k], column))
+        F = span.middle[g]
+        a1, a2, a3 = load_row(F, 1), load_row(F, 2), load_row(F, 3)
+        mean[g], delta[g] = F, 0.0
+        store_row(delta[g], 0, rotate(a1, a2, a3, moved))
+        if span.turns[g]:
+            ψ = _turn(span.start[g], span.end[g], mean[g], delta[g])
+            store(span.left[g], 0, minus(ψ, rotate(a1, a2, a3, turned)))
+            work = part_of(room, cells.first[g + 1] - cells.first[g])
+            _deform(cells, g, H, rest, step, work, span.beside)
+
+
+@inlined
+def _turn(before: Array, after: Array, mean: Array, delta: Array) -> Vector:
+    """Sets means and increments of the axes; returns the vector of Cayley's map."""
+    twice, trace = (0.0, 0.0, 0.0), 0.0
+    for k in range(1, 4):
+        d, other = load_row(before, k), load_row(after, k)
+        change = minus(other, d)
+        store_row(delta, k, change)
+        store_row(mean, k, combined(1.0, d, 0.5, change))
+        twice = plus(twice, cross(d, change))
+        trace += dot(d, other)
+    return scaled(2.0 / (1.0 + trace), twice)
+
+
+@inlined
+def _deform(
+    cells: CellTable, g: int, H: Array, rest: Array, step: Array, work: Work, out: Array
+) -> None:
+    """``M s/|s|²`` of one grip into its entries of ``out``, nothing where that is round-off."""
+    r, d, begin = work.r, work.d, cells.first[g]
+    count = r.shape[0]
+    mine, kinds = cells.nodes[begin : begin + count], cells.kinds[begin : begin + count]
+    gather(kinds, mine, H, rest, r)
+    for a in range(count):
+        for k in range(2):
+            moved = load(step[mine[a]], 3 * k)
+            store_row(d[a], k, moved)
+            store_row(r[a], k, combined(1.0, load_row(r[a], k), 0.5, moved))
+    take_centre(cells, g, r)
+    take_centre(cells, g, d)
+    ω, square, size = rotation_of(cells, g, work), 0.0, 0.0
+    for a in range(count):
+        for k in range(2):
+            weight, arm = cells.weights[begin + a, k], load_row(r[a], k)
+            s = minus(load_row(d[a], k), cross(ω, arm))
+            store_row(d[a], k, scaled(weight, s))
+            square += weight * dot(s, s)
+            size += weight * dot(arm, arm)
+    for a in range(count):
+        for k in range(2):
+            store_row(out[begin + a], k, scaled(1.0 / (square + _STILL * size), load_row(d[a], k)))
+
+
+@compiled
+def give(span: GripSpan, middle: Array, on_rows: Array, forces: Array) -> None:
+    """Add forces and moments on nodes and grips, (n + g, 6), to ``forces`` on halves, (n, 6).
+
+    Args:
+        span: The grips.
+        middle: Rows of the nodes in the middle of the step.
+        on_rows: Forces and moments, global components.
+        forces: Updated.
+    """
+    cells, n = span.cells, forces.shape[0]
+    for i in range(n):
+        store(forces[i], 0, plus(load(forces[i], 0), load(on_rows[i], 0)))
+    own = np.empty(6)
+    for g in range(span.turns.shape[0]):
+        F, moment = span.middle[g], load(on_rows[n + g], 3)
+        a1, a2, a3 = load_row(F, 1), load_row(F, 2), load_row(F, 3)
+        store(own, 0, rotate_back(a1, a2, a3, load(on_rows[n + g], 0)))
+        store(own, 3, rotate_back(a1, a2, a3, moment))
+        left = dot(moment, load(span.left[g], 0)) if span.turns[g] else 0.0
+        for e in range(cells.first[g], cells.first[g + 1]):
+            i, J = cells.nodes[e], span.J[e]
+            d1, d2, d3 = axes(cells.kinds[e], middle[i])
+            for k in range(2):
+                f = (0.0, 0.0, 0.0)
+                for c in range(6):
+                    row = J[c, 3 * k], J[c, 3 * k + 1], J[c, 3 * k + 2]
+                    f = plus(f, scaled(own[c], row))
+                f = combined(1.0, rotate(d1, d2, d3, f), left, load_row(span.beside[e], k))
+                store(forces[i], 3 * k, plus(load(forces[i], 3 * k), f))

@@ -1,0 +1,122 @@
+"""All relative motions of a scene, of nodes and of grips, in one table.
+
+For schemes that make forces over a step of what frames do in it: they want grips beside nodes, and
+who sees no more of these than places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.joints.equations.functions import DISTANCE
+from fem_lie.joints.equations.table import JointTable, PackedJoints, pack
+from fem_lie.lie.kinds import SLOPE
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
+from fem_lie.system.constraint_sets.on_grips import OnGrips
+from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
+from fem_lie.system.nodes.held_grips import HeldGrips
+from fem_lie.system.nodes.numbering import Numbering
+
+_NO_LEVER = 1e-9
+"""Of the extent of a scene: joints do not ask for more of two points that coincide."""
+
+
+class AllPairs(NamedTuple):
+    """Pairs whose rows are the nodes that move, then grips, ground, and prescribed motions.
+
+    Attributes:
+        joints: The table; rows of which places alone are seen may turn in any way.
+        grips: The grips.
+        seen: Of which nodes and grips more is seen, shape (n + g,).
+        turns: Whether any angle is counted beyond a turn.
+        loose: Whether axes are seen that do not turn as their node or grip does.
+    """
+
+    joints: PackedJoints
+    grips: HeldGrips
+    seen: Flags
+    turns: bool
+    loose: bool
+
+
+def all_pairs(
+    sets: Sequence[ConstraintSet], numbering: Numbering, frames: Array, kinds: Indices
+) -> AllPairs | None:
+    """The pairs of all sets, or ``None`` if some have other constraints, or grips on frames.
+
+    Args:
+        sets: Of a system; the first one is of nodes.
+        numbering: Of its nodes.
+        frames: Initial frames of all rows.
+        kinds: Of the nodes.
+    """
+    first, *others = sets
+    gripped = [each for each in others if isinstance(each, OnGrips)]
+    parts = [first, *(each.inner for each in gripped)]
+    tables = [each.table for each in parts if isinstance(each, RelativeMotions)]
+    if len(tables) < len(sets) or len(gripped) > 1:
+        return None
+    grips = gripped[0].rows.grips if gripped else HeldGrips([], numbering)
+    if not all(kind.summed for kind in grips.kinds):
+        return None
+    n, g = numbering.count, grips.count
+    rows = [np.concatenate([np.arange(n), np.arange(n, len(frames)) + g])]
+    for each in gripped:
+        rows.append(np.concatenate([each.rows.moving, n + np.arange(g), each.rows.fixed + g]))
+    table = _joined(tables, rows)
+    seen = _seen(table, n + g, _NO_LEVER * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
+    table.frames[:, :, 0][~np.append(seen, np.ones(len(frames) - n, dtype=bool))[table.nodes]] = 0.0
+    whole = np.append(kinds < SLOPE, [kind.turns for kind in grips.kinds]).astype(bool)
+    turns, loose = bool(table.functions.any()), bool((seen & ~whole).any())
+    return AllPairs(pack(table), grips, seen, turns, loose)
+
+
+def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable:
+    """One after the other; constraints first, then the springs of all."""
+    m = sum(len(table.targets) for table in tables)
+    row, springs, terms = 0, m, 0
+    of_terms: list[Indices] = []
+    first: list[Indices] = [np.zeros(1, dtype=np.int64)]
+    for table in tables:
+        size = len(table.targets)
+        of_terms.append(table.rows + np.where(table.rows < size, row, springs - size))
+        first.append(table.first[1:] + terms)
+        row, springs, terms = row + size, springs + len(table.springs), terms + len(table.rows)
+    own = zip(tables, rows, strict=True)
+    joined = {
+        name: np.concatenate([getattr(table, name) for table in tables])
+        for name in ("frames", "selection", "functions", "angle", "curved", "turned", "springs")
+    }
+    return JointTable(
+        nodes=np.concatenate([numbers[table.nodes] for table, numbers in own]),
+        first=np.concatenate(first),
+        rows=np.concatenate(of_terms),
+        legs=np.full((terms, 2), -1, dtype=np.int64),
+        targets=np.zeros(m),
+        **joined,
+    )
+
+
+def _seen(table: JointTable, count: int, short: float) -> Flags:
+    """Of which rows, of ``count``, anything but the place is felt.
+
+    Side A feels how it is turned where some components of the gap are bound along its axes and
+    others are not; distances, and gaps that are bound as a whole, do not tell.
+    """
+    seen, m = np.zeros(count, dtype=bool), len(table.targets)
+    for j in range(len(table.nodes)):
+        own = slice(table.first[j], table.first[j + 1])
+        S, c = table.selection[own], table.functions[own]
+        turned = bool(S[:, 3:].any() or np.delete(c, DISTANCE, axis=1).any())
+        partly = bool(S[:, :3].any())
+        if partly and (table.rows[own] < m).all() and not c.any():
+            partly = bool(np.linalg.matrix_rank(S[:, :3]) < 3)
+        for side, row in enumerate(table.nodes[j].tolist()):
+            lever = bool(np.abs(table.frames[j, side, 0]).max() > short)
+            if row < count:
+                seen[row] |= turned or lever or (side == 0 and partly)
+    return seen
