@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie.solve.variational.run import VariationalRun
 from tests.test_composed import driven, flying, resumed_as_whole, rigid_pendulum
-from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate
+from tests.test_energy_momentum import BEAMS, SHELLS, bars, plate, same
 
 SCHEME = fl.Variational()
 
@@ -47,7 +48,8 @@ def test_a_free_body_keeps_energy_too():
 
 def test_energy_does_not_drift():
     """Of a swinging double pendulum, over some 50 periods."""
-    result = SCHEME.run(rigid_pendulum(), duration=40.0, step=5e-3, save_every=10)
+    plan = {"duration": 40.0, "step": 5e-3, "save_every": 10, "record": fl.Record.ENERGIES}
+    result = SCHEME.run(rigid_pendulum(), **plan)
     energy = result.total_energy
     swing = np.ptp(energy)
     slope, _ = np.polyfit(result.times, energy, 1)
@@ -153,3 +155,24 @@ def test_a_step_that_fails():
     scheme = fl.Variational(max_iterations=2, policy=fl.Never())
     with pytest.raises(fl.ConvergenceError, match=r"step 1 of 10 .* 2 iterations"):
         scheme.run(bars()[0], duration=0.1, step=1e-2)
+
+
+@pytest.mark.parametrize("scene", [rigid_pendulum, lambda: bars()[0]], ids=["rigid", "bars"])
+def test_the_compiled_loop_makes_the_same_steps(monkeypatch, scene):
+    """To the last bit, with matrices that are made anew within it, and with what is booked."""
+    scheme = fl.Variational(policy=fl.Automatic(cost=3.0, patience=3))
+    plan = {"duration": 0.06, "step": 2e-3, "save_every": 5}
+    quick = scheme.run(scene(), **plan)
+    monkeypatch.setattr(VariationalRun, "_alone", property(lambda self: False))
+    slow = scheme.run(scene(), **plan)
+    same(quick, slow)
+    assert quick.factorisations == slow.factorisations > 1
+
+
+def test_the_compiled_loop_rescues_a_step():
+    """What kept matrices do not solve is made with new ones; without these it fails."""
+    plan = {"duration": 0.3, "step": 1e-2}
+    result = fl.Variational(max_iterations=12).run(rigid_pendulum(), **plan)
+    assert result.joint_violations.max() <= 1e-12
+    with pytest.raises(fl.ConvergenceError, match="did not converge in 5 iterations"):
+        fl.Variational(max_iterations=5, policy=fl.Never()).run(rigid_pendulum(), **plan)

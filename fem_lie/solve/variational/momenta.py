@@ -9,7 +9,7 @@ from math import sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds import inertia
@@ -50,7 +50,7 @@ def _moment(H: Array, p: Array) -> Vector:
 
 
 @compiled
-def hold(H: Array, held: Flags, step: Array) -> None:
+def hold(H: Array, held: Flags | Indices, step: Array) -> None:
     """Take out of steps (n, 6) what is held in the frames ``H``."""
     for i in range(step.shape[0]):
         any_held = False
@@ -150,7 +150,7 @@ def balance(
     mass: inertia.PlainInertia,
     h: float,
     acting: tuple[Array, Array, Array],
-    held: Flags,
+    held: Flags | Indices,
     out: tuple[Array, Array],
 ) -> None:
     """What is wrong with the momenta at the start, and those at the end.
@@ -206,7 +206,7 @@ def balance(
 
 
 @compiled
-def correct(H: Array, held: Flags, x: Array, step: Array) -> None:
+def correct(H: Array, held: Flags | Indices, x: Array, step: Array) -> None:
     """Subtract the solution ``x`` (6 n,), in the frames ``H``, from the step."""
     for i in range(step.shape[0]):
         d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)
@@ -217,7 +217,7 @@ def correct(H: Array, held: Flags, x: Array, step: Array) -> None:
 
 
 @compiled
-def to_local(H: Array, p: Array, held: Flags, out: Array) -> None:
+def to_local(H: Array, p: Array, held: Flags | Indices, out: Array) -> None:
     """Spatial momenta (n, 6) in the frames of the nodes, without what is held."""
     for i in range(p.shape[0]):
         d1, d2, d3 = load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3)

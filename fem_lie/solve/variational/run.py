@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, solve
 from fem_lie.results import Result
@@ -19,14 +21,14 @@ from fem_lie.solve.motion.policies import Decisions, EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational import loop, momenta
 from fem_lie.solve.variational.prescribed import prescribe
 from fem_lie.solve.variational.run_state import RunState
 
 _log = logging.getLogger(__name__)
 
-_STAGNANT, _FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
-"""Increments below the first, over those of the model, that do not fall by the second are noise."""
+_AT_A_TIME = 20_000
+"""Steps times unknowns, some milliseconds, after which the loop comes back to be interrupted."""
 
 
 class VariationalRun(RunState):
@@ -53,18 +55,117 @@ class VariationalRun(RunState):
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
+        before = self._iterations
+        made = self._stretch(history) if self._alone else self._one_step()
+        history.count += self._iterations - before
+        return made
+
+    def _one_step(self) -> bool:
+        """Make the next step from Python."""
         if self._changing:
             given = self._driven, self.twists
             prescribe(self.equations, self.H, self.index * self.h, self.h, self.rows, given)
-        before = self._iterations
-        made = self._made_with(self.decisions)
-        if not made and self.options.policy.rescue:
-            _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
-            made = self._made_with(EveryIteration().begin(bound=False))
-        history.count += self._iterations - before
+        made = self._made_with(self.decisions) or self._rescued()
         if made:
             self._accept()
         return made
+
+    def _rescued(self) -> bool:
+        """The step that failed, with new matrices."""
+        if not self.options.policy.rescue:
+            return False
+        _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
+        return self._made_with(EveryIteration().begin(bound=False))
+
+    @property
+    def _alone(self) -> bool:
+        """Whether the compiled loop makes the next steps; the first ones have no matrix yet."""
+        tables, books = self.equations.tables, self.books
+        beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
+        beside = beside or not (books.empty or books.compiled)
+        return not beside and self._factors is not None and self.decisions.rule is not None
+
+    def _stretch(self, history: Recorder) -> bool:
+        """As many steps as the compiled loop makes by itself; whether all of them are made."""
+        rule, packed, books = self.decisions.rule, self._packed, self.books
+        assert rule is not None
+        counters, first = packed.counters, self.index
+        last = min(history.next_stop(first), first + max(1, _AT_A_TIME // len(self._r)))
+        given = self.h, self.options.tolerance, self.options.max_iterations
+        booked = not books.empty, *books.looks
+        counters[:] = first, 0, self._iterations
+        code, asked = loop.MATRIX, False
+        while code == loop.MATRIX:
+            assert self._factors is not None
+            how = self._factors.plain, rule.plain, given, booked, last, asked
+            code = loop.run(self._fixed.table, *how)
+            self._made, self._iterations = int(counters[loop.MADE]), int(counters[loop.TOTAL])
+            self._increment, asked = float(packed.numbers[loop.INCREMENT]), True
+            if code == loop.MATRIX and not self._renewed():
+                code = loop.FAILED
+        if code == loop.DONE:
+            return True
+        made = self._rescued()
+        if made:
+            self._accept()
+        return made
+
+    def _renewed(self) -> bool:
+        """Make a new matrix; whether it has factors."""
+        try:
+            self._factorise()
+        except SingularMatrixError:
+            return False
+        return True
+
+    @cached_property
+    def _packed(self) -> loop.Packed:
+        """What the compiled loop knows, once what it has is what a restored run goes on with."""
+        table = self._found.table
+        assert table is not None
+        n, m = self._n, len(self.weights)
+        return loop.Packed(
+            self.H,
+            self.rest,
+            self.steps[0],
+            self.steps[1],
+            self.step,
+            self.before,
+            self.after,
+            self.weights,
+            self.earlier,
+            self.gap,
+            *self.rows,
+            self.twists,
+            np.zeros((len(self.H), 6)),
+            np.zeros(m),
+            self._driven,
+            self._change,
+            self._forces,
+            self._constraints,
+            self._r,
+            self._x,
+            self._y,
+            self._work,
+            self.scale,
+            self._measure,
+            self.equations.unknowns.held.astype(np.int64).reshape(n, 6),
+            self._mass,
+            self.equations.tables.joints,
+            self.decisions.known,
+            np.zeros(3, dtype=np.int64),
+            np.zeros(4),
+            table,
+            self.books.table,
+            np.zeros((n, 6)),
+            np.zeros((n, 6)),
+            np.zeros(m),
+            self.books.targets,
+        )
+
+    @cached_property
+    def _fixed(self) -> FixedArrays:
+        return FixedArrays(self._packed.arrays)
 
     def _made_with(self, decisions: Decisions) -> bool:
         """Make the step from its start; whether it converges."""
@@ -77,17 +178,15 @@ class VariationalRun(RunState):
         for iteration in range(1, self.options.max_iterations + 1):
             self._iterations += 1
             self._residual()
-            if self._factors is None or decisions.before_iteration(iteration):
-                try:
-                    self._factorise()
-                except SingularMatrixError:
-                    return False
+            wanted = self._factors is None or decisions.before_iteration(iteration)
+            if wanted and not self._renewed():
+                return False
             assert self._factors is not None
             solve(self._factors.plain, self._r, self._y, self._x)
             increment = float(np.abs(self._x * self._measure).max(initial=0.0))
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, motion = increment, max(motion, increment)
-            noise = increment <= _STAGNANT and increment > _FALLS * previous
+            noise = increment <= loop.STAGNANT and increment > loop.FALLS * previous
             if noise or increment <= ROUND_OFF or remaining <= self.options.tolerance * motion:
                 if not noise:
                     self._correct()

@@ -1,0 +1,318 @@
+"""Steps of the variational scheme in one compiled loop, which comes back where a matrix is due."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined, linked
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
+from fem_lie.lie.kinds import inertia
+from fem_lie.linear.factors import PlainFactors, solve
+from fem_lie.solve.conserving.between.cayley import advance
+from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate
+from fem_lie.solve.renewal import PlainRule, due, learn
+from fem_lie.solve.variational import momenta
+from fem_lie.system.nodes.sums import residual
+from fem_lie.system.outer_forces import look_and_sum_up
+
+DONE, MATRIX, FAILED = range(3)
+"""Why the loop has come back: all steps are made, a matrix is due, a step does not converge."""
+
+MADE, ITERATION, TOTAL = range(3)
+"""What is counted: steps made, the present iteration, if one has begun, and those of all steps."""
+MOTION, PREVIOUS, RATIO, INCREMENT = range(4)
+"""Numbers: the largest motion of the step, the increment before, the ratio of both, and it."""
+
+STAGNANT, FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
+"""Increments below the first, over those of the model, that do not fall by the second are noise."""
+
+
+class Packed(NamedTuple):
+    """Arrays of a run, in the order of :func:`_packed`.
+
+    Attributes:
+        H: Frames of all rows, (N, 4, 3).
+        rest: Digits that they have no room for, (n, 4, 3).
+        last: The last step, and the one before, each (n, 6).
+        earlier_step: The latter.
+        step: The present one.
+        before: Momenta at the start, (n, 6).
+        after: Those at the end.
+        multipliers: Present ones, and those of the last step, each (m,).
+        earlier: The latter.
+        gap: Violation of the constraints, (m,).
+        delta: What lies between the ends, see :func:`~.momenta.between`, each (N, 4, 3).
+        mean: See there.
+        end: See there.
+        middle: See there.
+        twists: See there, (N, 6).
+        still: Zeros, (N, 6).
+        none: Zeros, (m,).
+        driven: Zeros, (m,).
+        change: Of the constraints, (m,).
+        forces: Of nodes, (n, 6), likewise ``constraints``.
+        constraints: Of joints.
+        r: Residual, solution and room, each (6 n + m,).
+        x: The solution.
+        y: Room.
+        work: Room.
+        scale: Of the constraints, (m,).
+        measure: Of all unknowns.
+        held: Which of the nodes' are zero, (n, 6).
+        mass: Inertia.
+        joints: Their table.
+        known: What the rule has learned.
+        counters: See :data:`MADE`.
+        numbers: See :data:`MOTION`.
+        table: Of :func:`~fem_lie.system.nodes.sums.residual`.
+        books: Of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
+        told: Twists that these are told, in space and in the nodes' frames, each (n, 6).
+        local: The latter.
+        ahead: Multipliers that they are told, (m,).
+        targets: Of the constraints, (m,).
+    """
+
+    H: Array
+    rest: Array
+    last: Array
+    earlier_step: Array
+    step: Array
+    before: Array
+    after: Array
+    multipliers: Array
+    earlier: Array
+    gap: Array
+    delta: Array
+    mean: Array
+    end: Array
+    middle: Array
+    twists: Array
+    still: Array
+    none: Array
+    driven: Array
+    change: Array
+    forces: Array
+    constraints: Array
+    r: Array
+    x: Array
+    y: Array
+    work: Array
+    scale: Array
+    measure: Array
+    held: Indices
+    mass: inertia.PlainInertia
+    joints: tuple[Array, Indices]
+    known: Array
+    counters: Indices
+    numbers: Array
+    table: Indices
+    books: Indices
+    told: Array
+    local: Array
+    ahead: Array
+    targets: Array
+
+    @property
+    def arrays(self) -> list[Any]:
+        """One after the other."""
+        return [*self[:28], *self.mass, *self.joints, *self[30:]]
+
+
+@inlined
+def _packed(t: Indices) -> Packed:
+    return Packed(
+        numbers3(t, 0),
+        numbers3(t, 1),
+        numbers2(t, 2),
+        numbers2(t, 3),
+        numbers2(t, 4),
+        numbers2(t, 5),
+        numbers2(t, 6),
+        numbers1(t, 7),
+        numbers1(t, 8),
+        numbers1(t, 9),
+        numbers3(t, 10),
+        numbers3(t, 11),
+        numbers3(t, 12),
+        numbers3(t, 13),
+        numbers2(t, 14),
+        numbers2(t, 15),
+        numbers1(t, 16),
+        numbers1(t, 17),
+        numbers1(t, 18),
+        numbers2(t, 19),
+        numbers2(t, 20),
+        numbers1(t, 21),
+        numbers1(t, 22),
+        numbers1(t, 23),
+        numbers1(t, 24),
+        numbers1(t, 25),
+        numbers1(t, 26),
+        integers2(t, 27),
+        (integers1(t, 28), integers1(t, 29), numbers3(t, 30)),
+        (numbers1(t, 31), integers1(t, 32)),
+        numbers1(t, 33),
+        integers1(t, 34),
+        numbers1(t, 35),
+        integers2(t, 36),
+        integers2(t, 37),
+        numbers2(t, 38),
+        numbers2(t, 39),
+        numbers1(t, 40),
+        numbers1(t, 41),
+    )
+
+
+@compiled
+def _largest(x: Array, measure: Array) -> float:
+    size = 0.0
+    for k in range(x.shape[0]):
+        here = abs(x[k] * measure[k])
+        if here > size or here != here:  # nan stays
+            size = here
+    return size
+
+
+@linked
+def weigh(table: Indices, h: float) -> None:
+    """The residual of the momenta at the start, and of the constraints at the end."""
+    this = _packed(table)
+    n, H, step, held = this.step.shape[0], this.H, this.step, this.held
+    rows = this.delta, this.mean, this.end, this.middle
+    momenta.between(H, step, rows, h, this.twists)
+    still = this.still
+    residual(this.middle, still, still, this.none, this.scale, this.work, this.table)
+    for i in range(n):
+        for k in range(6):
+            this.forces[i, k] = 0.0 if held[i, k] else this.work[6 * i + k]
+    found = this.change, this.constraints
+    momenta.constrain(H, rows, this.joints, this.multipliers, this.driven, found)
+    acting = this.before, this.forces, this.constraints
+    out = this.r[: 6 * n].reshape(n, 6), this.after
+    momenta.balance(H, step, rows, this.mass, h, acting, held, out)
+    for c in range(this.gap.shape[0]):
+        this.r[6 * n + c] = this.scale[c] * (this.gap[c] + this.change[c])
+
+
+@linked
+def _begin(table: Indices) -> None:
+    """Predict the step: as the last one changed."""
+    this = _packed(table)
+    numbers, n = this.numbers, this.step.shape[0]
+    for i in range(n):
+        for k in range(6):
+            this.step[i, k] = 2.0 * this.last[i, k] - this.earlier_step[i, k]
+    momenta.hold(this.H, this.held, this.step)
+    if this.counters[MADE] < 2:
+        this.multipliers[:] = this.earlier
+    numbers[MOTION] = _largest(this.step.reshape(6 * n), this.measure)
+    numbers[PREVIOUS], numbers[RATIO] = np.inf, 1.0
+
+
+@linked
+def _correct(table: Indices) -> None:
+    this = _packed(table)
+    n = this.step.shape[0]
+    momenta.correct(this.H, this.held, this.x, this.step)
+    for c in range(this.scale.shape[0]):
+        # the residual has 4 times the forces of constraints
+        this.multipliers[c] -= 0.25 * this.scale[c] * this.x[6 * n + c]
+
+
+@linked
+def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) -> int:
+    """One iteration, whose residual is known: whether the step is made, goes on, or fails."""
+    this = _packed(table)
+    numbers = this.numbers
+    solve(factors, this.r, this.y, this.x)
+    increment, previous = _largest(this.x, this.measure), numbers[PREVIOUS]
+    ratio, remaining = estimate(increment, previous, numbers[RATIO])
+    numbers[RATIO], numbers[INCREMENT] = ratio, increment
+    numbers[MOTION] = max(numbers[MOTION], increment)
+    noise = increment <= STAGNANT and increment > FALLS * previous
+    if noise or increment <= ROUND_OFF or remaining <= tolerance * numbers[MOTION]:
+        if not noise:
+            _correct(table)
+            weigh(table, h)
+        return DONE
+    if not increment < DIVERGED:
+        return FAILED
+    _correct(table)
+    numbers[PREVIOUS] = increment
+    return MATRIX
+
+
+@linked
+def _accept(table: Indices) -> None:
+    """Go on from the end of the step."""
+    this = _packed(table)
+    for c in range(this.gap.shape[0]):
+        this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
+    advance(this.H, this.rest, this.delta[: this.step.shape[0]])
+    this.gap[:] += this.change
+    this.before[:], this.earlier_step[:] = this.after, this.last
+    this.last[:], this.earlier[:] = this.step, this.multipliers
+    this.counters[MADE] += 1
+
+
+@linked
+def _book(table: Indices, h: float, loads: bool, joints: bool) -> None:
+    """By the trapezoidal rule, with velocities along a line through the last two steps."""
+    this = _packed(table)
+    for i in range(this.last.shape[0]):
+        for k in range(6):
+            this.told[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
+    momenta.to_local(this.H, this.told, this.held, this.local)
+    look_and_sum_up(h, (this.H, this.local, this.ahead, this.targets), loads, joints, this.books)
+
+
+@linked
+def run(
+    table: Indices,
+    factors: PlainFactors,
+    rule: PlainRule,
+    given: tuple[float, float, int],
+    booked: tuple[bool, bool, bool],
+    last: int,
+    asked: bool,
+) -> int:
+    """Go on to the end of step ``last``; returns why it came back.
+
+    Args:
+        table: Of fixed arrays, see :class:`Packed`.
+        factors: Of the matrix.
+        rule: By which it is made anew.
+        given: Size of steps, tolerance, and most iterations of one.
+        booked: Whether anything is booked, and whether loads and joints are.
+        last: Step to reach.
+        asked: Whether the loop came back for a matrix, which is made.
+    """
+    (h, tolerance, most), this = given, _packed(table)
+    counters = this.counters
+    while counters[MADE] < last:
+        if counters[ITERATION] == 0:
+            _begin(table)
+        while True:
+            if not asked:
+                if counters[ITERATION] == most:
+                    return FAILED
+                counters[ITERATION] += 1
+                counters[TOTAL] += 1
+                weigh(table, h)
+                if due(rule, this.known, counters[ITERATION]) != 0:
+                    return MATRIX
+            asked = False
+            code = _improve(table, factors, h, tolerance)
+            if code == FAILED:
+                return FAILED
+            if code == DONE:
+                break
+        learn(rule, this.known, counters[ITERATION])
+        counters[ITERATION] = 0
+        _accept(table)
+        if booked[0]:
+            _book(table, h, booked[1], booked[2])
+    return DONE
