@@ -1,11 +1,12 @@
-"""How often cables and nets need a new matrix: fixed axes against axes that turn with the nodes.
+"""How often lines and nets need a new matrix: fixed axes against axes that turn with the nodes.
 
 Each scene is run by generalised-alpha with the policy ``Automatic``, the same step and tolerance:
 
 - fixed: equations in axes fixed in space, ``Components.INERTIAL``
 - own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
-  stay as they are
-- following: in axes from which the mean rotation of the body has been taken out, ``follow()``
+  stay as they are, and rods have those of their frames and edges
+- following, of what has no frames: in axes from which the mean rotation of the body has been taken
+  out, ``follow()``
 
 Beside matrices and iterations it tells the largest distance of any node at any time from the first
 of the runs, over the size of the body: they have the same error.
@@ -22,7 +23,7 @@ import numpy as np
 
 import fem_lie as fl
 
-Threads = fl.Cable | fl.Net
+Threads = fl.Cable | fl.Net | fl.Rod
 
 
 def section(EI: float) -> fl.Section:
@@ -53,6 +54,23 @@ def tumbling() -> tuple[fl.Scene, Threads, float]:
     return scene, cable, 1e-3
 
 
+def rod(held: bool, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Rod, float]:
+    """With EI = GJ = 1: dropped from the horizontal, a little bent, or free, bent and turning."""
+    own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-3)
+    bow = (1e-2, 0.0) if held else (0.5, 0.2)
+    body = fl.Rod.curve(
+        lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation
+    )
+    if held:
+        scene = falling(body)
+        scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
+        return scene, body, 1e-3
+    body.turn((3.0, 4.0, 2.0), body.node(10))
+    scene = fl.Scene()
+    scene.add(body)
+    return scene, body, 1e-3
+
+
 def net(held: bool) -> tuple[fl.Scene, Threads, float]:
     """Of 8 by 8 meshes: hung by two corners from the horizontal, or free and turning."""
     n = 9
@@ -79,6 +97,10 @@ SCENES: dict[str, Callable[[], tuple[fl.Scene, Threads, float]]] = {
     "swinging, EI = 0.01": lambda: swinging(1e-2),
     "whirling": whirling,
     "tumbling": tumbling,
+    "rod, swinging": lambda: rod(True, fl.Kirchhoff()),
+    "rod, tumbling": lambda: rod(False, fl.Kirchhoff()),
+    "edges, swinging": lambda: rod(True, fl.DiscreteRod()),
+    "edges, tumbling": lambda: rod(False, fl.DiscreteRod()),
     "net, thrown": lambda: net(False),
     "net, hung": lambda: net(True),
 }
@@ -87,6 +109,7 @@ SCENES: dict[str, Callable[[], tuple[fl.Scene, Threads, float]]] = {
 def run(name: str, axes: str, steps: int) -> fl.Result:
     scene, body, step = SCENES[name]()
     if axes == "following":
+        assert not isinstance(body, fl.Rod)
         body.follow()
     components = fl.Components.INERTIAL if axes == "fixed" else fl.Components.LOCAL
     scheme = fl.GeneralisedAlpha(radius=0.8, components=components)
@@ -103,6 +126,8 @@ def main() -> None:
     for name in names:
         first = None
         for axes in ("fixed", "own", "following"):
+            if axes == "following" and name.startswith(("rod", "edges")):
+                continue
             try:
                 result = run(name, axes, options.steps)
             except fl.ConvergenceError as error:

@@ -8,6 +8,7 @@ from scipy.optimize import brentq, fsolve
 from scipy.special import jn_zeros
 
 import fem_lie as fl
+from benchmarks import swinging_cable
 from fem_lie import lie
 from fem_lie.lie import kinds
 from fem_lie.lie.kinds import SLOPE
@@ -423,6 +424,22 @@ def test_swinging_of_a_hanging_chain():
     found = fl.vibrations(scene, 4, at=fl.statics(scene)).frequencies
     expected = np.repeat(0.5 * jn_zeros(0, 2) * np.sqrt(GRAVITY / length), 2)
     np.testing.assert_allclose(found, expected, rtol=1e-3)
+
+
+MOVED = {
+    "swinging": (8, (1.3367817479, 0, -1.3972654484), 5e-5),
+    "whirling": (8, (-1.8793747059, -0.0117409869, -0.7142141856), 2e-4),
+    "taut": (3, (0.7469297667, 0, 0.1436628601), 3e-4),
+    "slack": (3, (0.7764066740, 0, -0.1610843585), 2e-3),
+}
+"""Places of an independent program after half a second (``benchmarks/swinging_cable.py``)."""
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_moves_as_an_independent_program_has_it(name):
+    (make, _), (part, expected, bound) = swinging_cable.SCENES[name], MOVED[name]
+    found = swinging_cable.places(make(16, "cable"), np.array([0.5]), 1e-3)[0, part]
+    assert np.linalg.norm(found - expected) < bound * swinging_cable.LENGTH
 
 
 def free_flight(step: float, **options) -> fl.Result:

@@ -138,6 +138,16 @@ def test_edges_swing_as_the_cubic_does():
     assert fine < 6e-4 and coarse / fine > 3
 
 
+def test_edges_that_are_turned_go_round():
+    """A quarter, all in one plane with the axis: places have no spins across their edges."""
+    scene, own = fl.Scene(), fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
+    ends, edges = ((-0.5, 0, 0), (0.5, 0, 0)), fl.DiscreteRod()
+    rod = scene.add(fl.Rod.straight(*ends, own, cells=8, formulation=edges))
+    rod.turn((0, 0, 0.5 * np.pi), (0.0, 0, 0))
+    result = fl.GeneralisedAlpha(radius=0.9).run(scene, duration=1.0, step=1e-2)
+    np.testing.assert_allclose(result.position(rod.end)[-1], (0, 0.5, 0), atol=2e-4)
+
+
 def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
     """1000 rad about an oblique axis."""
     own = fl.Section.from_stiffness([90.0, 40, 30, 8, 6, 7])
@@ -184,3 +194,16 @@ def test_stretch_that_bends_is_refused():
     offset = fl.Section.rectangle(0.02, 0.01, fl.Material(2e11, 0.3, 7800.0)).offset(0.01, 0)
     with pytest.raises(ValueError, match="must not couple stretch"):
         fl.Rod.straight((0, 0, 0), (1, 0, 0), offset, cells=2, formulation=fl.DiscreteRod())
+
+
+def test_edges_that_tumble_keep_energy_and_momentum():
+    """Spins go along with edges, and accelerations are those of places in any axes."""
+    own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-4)
+    line, edges = (lambda s: (s, 0.2 * s**3, 0.5 * s * s)), fl.DiscreteRod()
+    rod = fl.Rod.curve(line, own, cells=10, formulation=edges)
+    rod.turn((3.0, 4.0, 2.0), rod.node(5))
+    scene = fl.Scene()
+    scene.add(rod)
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=1.0, step=1e-3)
+    np.testing.assert_allclose(result.total_energy, result.total_energy[0], rtol=1e-4)
+    assert result.momentum_error < 2e-5 and result.angular_momentum_error < 2e-3

@@ -110,6 +110,12 @@ class Rod(Beam):
 
         return turn
 
+    def add_velocity(self, translation: Array, spin: Array, about: Array) -> None:
+        """As of all bodies; places between the ends turn about their edges alone."""
+        super().add_velocity(translation, spin, about)
+        if self._corners is not None:
+            self.velocities[self.elements[1:, 0], 4:] = 0.0
+
     def _made_of_edges(self, formulation: DiscreteRod) -> Corners:
         """Hold what its nodes do not have, and find the springs."""
         m = len(self.elements)

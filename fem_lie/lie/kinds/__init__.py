@@ -33,6 +33,7 @@ they are set by :func:`set_axes` where a state is accepted, as all rows of a bod
 """
 
 from fem_lie.lie.kinds.all_nodes import (
+    Written,
     advance,
     all_axes,
     all_from_group,
@@ -98,6 +99,7 @@ __all__ = [
     "TRAITS",
     "NodeKind",
     "Traits",
+    "Written",
     "acceleration",
     "acceleration_derivatives",
     "advance",

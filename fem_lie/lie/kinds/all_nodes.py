@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fem_lie import lie
@@ -25,9 +27,12 @@ from fem_lie.lie.kinds.motion import (
     turn_back,
 )
 from fem_lie.lie.tuples import (
+    Vector,
+    cross,
     load,
     load_frame,
     load_row,
+    minus,
     plus,
     rotate,
     rotate_back,
@@ -47,37 +52,79 @@ def all_axes(kinds: Indices, H: Array) -> Array:
     return out
 
 
-@compiled
+class Written(NamedTuple):
+    """How velocities, accelerations and the like of all nodes are written, k of them.
+
+    Attributes:
+        local: Which have components in the axes of nodes of any kind, shape (k,); others have
+            global ones, but for what of frames is in their axes.
+        rate_of: Of which each is the rate, −1 for none, shape (k,).
+    """
+
+    local: Flags
+    rate_of: Indices
+
+
 def write_in_new_axes(
-    kinds: Indices, nodes: Indices, before: Array, after: Array, local: Flags, motion: Array
+    kinds: Indices, nodes: Indices, before: Array, after: Array, written: Written, motion: Array
 ) -> None:
     """Write in the axes of some nodes what was written in those they had.
+
+    The spin of a frame is about its first axis, and goes along with it.
 
     Args:
         kinds: Of all nodes, shape (n,).
         nodes: Which, shape (m,).
         before: Their rows as they were, shape (m, 4, 3).
         after: As they are, likewise.
-        local: Which of ``motion`` have components in the axes of nodes of any kind, shape (k,);
-            others have global ones, but for what of frames is in their axes.
+        written: How ``motion`` is written.
         motion: Velocities, accelerations and the like, changed, shape (k, n, 6).
     """
+    _write_in_new_axes(kinds, nodes, before, after, *written, motion)
+
+
+@compiled
+def _write_in_new_axes(
+    kinds: Indices,
+    nodes: Indices,
+    before: Array,
+    after: Array,
+    local: Flags,
+    rate_of: Indices,
+    motion: Array,
+) -> None:
     for m in range(nodes.shape[0]):
         i = nodes[m]
         kind = kinds[i]
         frame = kind < SLOPE
         old, new = axes(kind, before[m]), axes(kind, after[m])
-        for k in range(motion.shape[0]):
-            for half in range(2):
+        # rates first, which need velocities as they were
+        for rates in (True, False):
+            for k in range(motion.shape[0]):
                 # of frames all is in them, but for the translations of those on R³×SO(3)
-                if local[k] or (frame and (half == 1 or kind & 1 == 0)):
-                    moved = rotate_back(
-                        new[0],
-                        new[1],
-                        new[2],
-                        rotate(old[0], old[1], old[2], load(motion[k, i], 3 * half)),
-                    )
-                    store(motion[k, i], 3 * half, moved)
+                if (rate_of[k] >= 0) != rates or not (local[k] or (frame and kind & 1 == 0)):
+                    continue
+                if not frame:
+                    for half in range(2):
+                        moved = _turned(old, new, load(motion[k, i], 3 * half))
+                        store(motion[k, i], 3 * half, moved)
+                    continue
+                u = load(motion[k, i], 0)
+                if not rates:
+                    store(motion[k, i], 0, _turned(old, new, u))
+                    continue
+                v, ω = load(motion[rate_of[k], i], 0), load(motion[rate_of[k], i], 3)
+                # ẍ = R (v̇ + ω × v) is the same in both
+                moved = _turned(old, new, plus(u, cross(ω, v)))
+                store(motion[k, i], 0, minus(moved, cross(ω, _turned(old, new, v))))
+
+
+@inlined
+def _turned(
+    old: tuple[Vector, Vector, Vector], new: tuple[Vector, Vector, Vector], a: Vector
+) -> Vector:
+    """What has components ``a`` in some axes, in others."""
+    return rotate_back(new[0], new[1], new[2], rotate(old[0], old[1], old[2], a))
 
 
 @compiled

@@ -20,7 +20,7 @@ from fem_lie.results import Result
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step import loop
-from fem_lie.solve.alpha.step.nodes import WRITTEN_LOCALLY
+from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.alpha.step.records import (
     BETWEEN,
     INCREMENT,
@@ -222,7 +222,7 @@ class Run(Newton):
         return count
 
     def _turn(self) -> None:
-        self.equations.memory.turn_axes(self.s.H, self.s.motion, WRITTEN_LOCALLY)
+        self.equations.memory.turn_axes(self.s.H, self.s.motion, WRITTEN)
 
     def _rescued(self) -> int:
         """The step that has failed with the kept matrix; returns all its iterations, or 0.

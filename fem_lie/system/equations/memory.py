@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array
+from fem_lie.lie.kinds import Written
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
 
@@ -42,20 +43,20 @@ class Memory:
         self._connections.accept(H)
 
     def turn_axes(
-        self, H: Array, motion: Array | None = None, written_locally: Flags | None = None
+        self, H: Array, motion: Array | None = None, written: Written | None = None
     ) -> None:
         """Turn axes that follow a mid-surface or what is around them, and what is written in them.
 
         Args:
             H: Frames of all rows.
             motion: Velocities, accelerations and the like, shape (k, n, 6); default: none.
-            written_locally: Which of them have components in the frames on any group, (k,).
+            written: How these are written.
         """
         for carried in self._system.carried:
-            if motion is None or written_locally is None:
+            if motion is None or written is None:
                 carried.turn(H)
             else:
-                carried.turn_motion(H, motion, self._system.kinds, written_locally)
+                carried.turn_motion(H, motion, self._system.kinds, written)
 
     def saved(self, *, matrix: bool = False) -> dict[str, Array]:
         """All that what comes depends on but the state and the time; ``matrix``: that, too."""

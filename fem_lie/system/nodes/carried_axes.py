@@ -22,7 +22,7 @@ from fem_lie.lie.carried_axes import (
     find_unturned,
     turn_axes,
 )
-from fem_lie.lie.kinds import NodeKind, write_in_new_axes
+from fem_lie.lie.kinds import NodeKind, Written, write_in_new_axes
 from fem_lie.system.nodes.numbering import Numbering
 
 _NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
@@ -78,17 +78,17 @@ class CarriedAxes:
         """Turn the axes at the head of ``H`` (≥ n, 4, 3)."""
         turn_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
+    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the axes and what is written in them.
 
         Args:
             H: Frames, shape (≥ n, 4, 3).
             motion: Velocities, accelerations and the like, shape (k, n, 6).
             kinds: Of each node, shape (n,).
-            local: Which of ``motion`` have components in the axes, shape (k,); velocities of the
-                nodes' groups have global ones.
+            written: How ``motion`` is written; velocities of the nodes' groups have global
+                components.
         """
-        turn_axes(H, self.plain, motion, np.flatnonzero(local))
+        turn_axes(H, self.plain, motion, np.flatnonzero(written.local))
 
 
 class FollowingAxes:
@@ -119,12 +119,12 @@ class FollowingAxes:
         for nodes, follower, kept in self._parts:
             H[nodes] = _followed(follower, kept, H[nodes])
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
+    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the axes and what is written in them; arguments as of :class:`CarriedAxes`."""
         for nodes, follower, kept in self._parts:
             before = H[nodes]
             after = _followed(follower, kept, before)
-            write_in_new_axes(kinds, nodes, before, after, local, motion)
+            write_in_new_axes(kinds, nodes, before, after, written, motion)
             H[nodes] = after
 
 

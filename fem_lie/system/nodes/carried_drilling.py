@@ -16,6 +16,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.elements.shells.drilling import Parameters
+from fem_lie.lie.kinds import Written
 from fem_lie.mesh.shapes import nodes_of, tabulated
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -110,19 +111,19 @@ class CarriedDrilling:
             _lag(H, cells, slopes, moves, self._lag)
             _turn_frames(H, self._lag)
 
-    def turn_motion(self, H: Array, motion: Array, kinds: Indices, local: Flags) -> None:
+    def turn_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Turn the frames and what is written in them.
 
         Args:
             H: Frames, shape (≥ n, 4, 3).
             motion: Velocities, accelerations and the like, shape (k, n, 6).
             kinds: Group of each node, shape (n,).
-            local: Which of ``motion`` have components in the frames on any group, shape (k,).
+            written: How ``motion`` is written.
         """
         for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
             _lag(H, cells, slopes, moves, self._lag)
             _turn_frames(H, self._lag)
-            _turn_motion(motion, kinds, local, self._lag)
+            _turn_motion(motion, kinds, written.local, self._lag)
 
 
 def _slopes(body: Shell) -> Array:

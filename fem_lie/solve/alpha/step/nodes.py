@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
-from fem_lie.lie.kinds import all_from_local, move, to_group, to_local
+from fem_lie.lie.kinds import Written, all_from_local, move, to_group, to_local
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
@@ -42,11 +42,18 @@ class Motion(NamedTuple):
     rate1: Array
 
 
-WRITTEN_LOCALLY = np.isin(Motion._fields, ("twist1", "rate1"))
-"""Which of :attr:`State.motion` are twists on any group, shape (8,)."""
+_RATES = {"vdot": "v", "a": "v", "vdot1": "v1", "rate1": "twist1"}
 
-TWISTS: Indices = np.flatnonzero(WRITTEN_LOCALLY)
-"""Their numbers."""
+WRITTEN = Written(
+    local=np.isin(Motion._fields, ("twist1", "rate1")),
+    rate_of=np.array(
+        [Motion._fields.index(_RATES[f]) if f in _RATES else -1 for f in Motion._fields]
+    ),
+)
+"""How :attr:`State.motion` is written."""
+
+TWISTS: Indices = np.flatnonzero(WRITTEN.local)
+"""Which of :attr:`State.motion` are twists on any group."""
 
 
 class State(NamedTuple):
