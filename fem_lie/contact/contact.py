@@ -16,7 +16,7 @@ from fem_lie.contact.meeting import Sides as MeetingSides
 from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.surfaces import Ball, Surface
-from fem_lie.contact.table import Nodes, Side, balls_side, planes_side
+from fem_lie.contact.table import Nodes, Side, balls_side, number_of, planes_side
 
 Law: TypeAlias = Penalty | Impact
 
@@ -148,8 +148,8 @@ class Contact:
     def contents(self, nodes: Nodes) -> object:
         """All that its forces are made of."""
         if self._lines:
-            sides = [(each.pieces(), each.faces()) for each in (self.a, self.b)]
-            return repr(sides), repr(self.law)
+            first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
+            return *first, *second, repr(self.law)
         a, b, flat, same = self.sides(nodes)
         return *a, *b, flat, same, repr(self.law)
 
@@ -208,6 +208,18 @@ class Contact:
         for e in too_deep[np.argsort(g[too_deep], kind="stable")][:1]:
             at = ", ".join(f"{x:g}" for x in places[e])
             raise ValueError(f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart")
+
+
+def _numbers_of(surface: Surface, nodes: Nodes) -> list[Array]:
+    """All that lines, or planes, consist of."""
+    pieces, faces = surface.pieces(), surface.faces()
+    owners = [number_of(*owner, nodes) for piece in pieces for owner in piece.owners]
+    owners += [number_of(*face.owner, nodes) for face in faces]
+    shapes = [np.append(each.origin, each.normal) for each in faces]
+    for piece in pieces:
+        sizes = piece.length, piece.chord, piece.radius, float(piece.goes_on)
+        shapes.append(np.concatenate([piece.ends.ravel(), piece.tangents.ravel(), sizes]))
+    return [np.array(owners), np.array(shapes)]
 
 
 def _largest(*sides: list[Ball]) -> float:

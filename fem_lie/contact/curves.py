@@ -76,8 +76,8 @@ _STRETCH = 1e-4
 
 
 @uncounted
-def set_curves(H: Array, strands: Strands) -> None:
-    """Ends and tangents at frames ``H``, and stretches if these are others by now."""
+def set_curves(H: Array, strands: Strands, stretched: bool) -> None:
+    """Ends and tangents at frames ``H``, and, if wanted, stretches if these are others by now."""
     for i in range(strands.nodes.shape[0]):
         for k in range(2):
             node = strands.nodes[i, k]
@@ -90,7 +90,7 @@ def set_curves(H: Array, strands: Strands) -> None:
         C = strands.curves[i]
         chord = minus(load_row(C, 1), load_row(C, 0))
         stretch = np.sqrt(dot(chord, chord)) / strands.chords[i]
-        if abs(stretch - strands.stretches[i]) > _STRETCH:
+        if stretched and abs(stretch - strands.stretches[i]) > _STRETCH:
             strands.stretches[i] = stretch
         for k in range(2):
             store_row(C, 2 + k, scaled(strands.stretches[i], load_row(C, 2 + k)))

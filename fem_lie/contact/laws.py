@@ -11,10 +11,11 @@ from fem_lie._arrays import number, positive
 class Penalty:
     """Surfaces push each other apart where they overlap: ``½ k g²`` at a gap ``g < 0``.
 
-    The force is ``p = max(0, −k g − c ġ)``: it never pulls. It is for statics and for
-    :class:`~fem_lie.GeneralisedAlpha`. A body of mass m that meets a fixed one at a speed v goes in
-    by ``v √(m/k)``, and is in contact for ``π √(m/k)``, which steps have to resolve. Along lines
-    all is per length of the first one.
+    The force is ``p = max(0, −k g − c ġ)``: it never pulls. It is for statics, for
+    :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of
+    mass m that meets a fixed one at a speed v goes in by ``v √(m/k)``, and is in contact for
+    ``π √(m/k)``, which steps have to resolve where nothing conserves energy. Along lines all is per
+    length of the first one.
 
     Attributes:
         stiffness: k, force per length.

@@ -102,6 +102,23 @@ class Sides(ABC):
     def meet(self, H: Array) -> Meeting:
         """Where they do at frames ``H``."""
 
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
+        """Where they do at the start of a step, and at its end if places move along the sides.
+
+        ``known``: by the list of pairs that there is.
+        """
+        if not known:
+            self.near.cover(start, end)
+        return [self._meet(start)]
+
+    @abstractmethod
+    def _meet(self, H: Array) -> Meeting:
+        """Likewise at frames, by that list."""
+
+    @abstractmethod
+    def settle(self) -> None:
+        """Take what steps see of the sides from where these met last."""
+
     @property
     def seen(self) -> Array:
         """What :meth:`meet` remembers of frames before, shape (n, 3)."""
@@ -126,6 +143,9 @@ class Balls(Sides):
     def meet(self, H: Array) -> Meeting:
         """See the base class."""
         self.near.update(H)
+        return self._meet(H)
+
+    def _meet(self, H: Array) -> Meeting:
         if self.near.version != self._version:
             self._version, count = self.near.version, len(self.near.now)
             self._meeting = Meeting(
@@ -138,6 +158,9 @@ class Balls(Sides):
                 _sliding(count),
             )
         return self._meeting
+
+    def settle(self) -> None:
+        """See the base class; there is nothing."""
 
 
 class Lines(Sides):
@@ -154,10 +177,14 @@ class Lines(Sides):
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
         self._version = -1
+        self._settled = self._stretches
 
     def meet(self, H: Array) -> Meeting:
         """See the base class."""
         self.near.update(H)
+        return self._meet(H, stretched=True)
+
+    def _meet(self, H: Array, *, stretched: bool = False) -> Meeting:
         if self.near.version != self._version:
             self._version = self.near.version
             self._runs = self._found_runs()
@@ -172,22 +199,44 @@ class Lines(Sides):
                 np.zeros(most, dtype=np.int64),
                 _sliding(most),
             )
-        set_curves(H, self._a)
-        set_curves(H, self._b)
+        set_curves(H, self._a, stretched)
+        set_curves(H, self._b, stretched)
         room = self._room
         k = _set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
         return room._replace(pairs=room.pairs[:k])
 
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
+        """See the base class; tangents have the lengths that were settled."""
+        kept, found = self._stretches, []
+        self._stretch(self._settled)
+        if not known:
+            self.near.cover(start, end)
+        found += [_copied(self._meet(H)) for H in (start, end)]
+        self._stretch(kept)
+        return found
+
+    def settle(self) -> None:
+        """See the base class."""
+        self._settled = self._stretches
+
+    @property
+    def _stretches(self) -> Array:
+        return np.concatenate([self._a.stretches, self._b.stretches])
+
+    def _stretch(self, stretches: Array) -> None:
+        self._a.stretches[:], self._b.stretches[:] = np.split(stretches, [len(self._a.stretches)])
+
     @property
     def seen(self) -> Array:
         """See the base class; stretches come last."""
-        stretches = np.concatenate([self._a.stretches, self._b.stretches])
-        return np.concatenate([self.near.seen, np.tile(stretches[:, np.newaxis], 3)])
+        stretches = np.stack([self._stretches, self._settled, self._settled], axis=1)
+        return np.concatenate([self.near.seen, stretches])
 
     def see_again(self, seen: Array) -> None:
         """See the base class."""
-        n = len(seen) - len(self._a.stretches) - len(self._b.stretches)
-        self._a.stretches[:], self._b.stretches[:] = np.split(seen[n:, 0], [len(self._a.stretches)])
+        n = len(seen) - len(self._settled)
+        self._stretch(seen[n:, 0])
+        self._settled = seen[n:, 1].copy()
         self.near.see_again(seen[:n])
 
     def _found_runs(self) -> Indices:
@@ -200,6 +249,26 @@ class Lines(Sides):
         first = np.flatnonzero(begins)
         last = np.append(first[1:], len(i))[: len(first)] - 1
         return np.stack([i[first], j[first], j[last], first], axis=1)
+
+
+def _copied(at: Meeting) -> Meeting:
+    """One that stays when sides meet elsewhere."""
+    a, b = _copied_side(at.a), at.b if at.flat else _copied_side(at.b)
+    slides = Sliding(*(array.copy() for array in at.sliding))
+    return Meeting(
+        a, b, at.flat, at.pairs.copy(), at.weight[: len(at.pairs)].copy(), at.first.copy(), slides
+    )
+
+
+def _copied_side(side: Side) -> Side:
+    return Side(
+        side.nodes.copy(),
+        side.weights.copy(),
+        side.levers.copy(),
+        side.radii.copy(),
+        side.normals.copy(),
+        side.owners.copy(),
+    )
 
 
 def _strands(pieces: Sequence[Piece], nodes: Nodes) -> Strands:

@@ -57,15 +57,28 @@ class NearPairs:
 
     def update(self, H: Array) -> None:
         """Make the list that of frames ``H`` if places have moved too far since it was made."""
-        if self.fixed:
-            return
+        if not self.fixed and self._moved(H) > self.patience:
+            self.see_again(self._at)
+
+    def cover(self, start: Array, end: Array) -> None:
+        """Make the list have all that touch at either end of a step."""
+        self.update(start)
+        if not self.fixed and (moved := self._moved(end)) > self._skin:
+            self._widen(2.0 * moved)
+            self._moved(start)
+            self.see_again(self._at)
+
+    def _widen(self, skin: float) -> None:
+        self._reach += skin - self._skin
+        self._skin, self.patience = skin, 0.5 * skin
+
+    def _moved(self, H: Array) -> float:
+        """How far places have moved since the list was made."""
         n = len(self._a.radii)
         places(H, self._a, self._at[:n])
         if not self._same:
             places(H, self._b, self._at[n:])
-        if moved_by(self._at, self._before) <= self.patience:
-            return
-        self.see_again(self._at)
+        return moved_by(self._at, self._before)
 
     @property
     def seen(self) -> Array:

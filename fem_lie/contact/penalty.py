@@ -12,9 +12,10 @@ from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.kinematics import SLOTS, add_row, bends, gap, place, rate, slot
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.meeting import Meeting, Sides
+from fem_lie.contact.over_steps import BY_GAP, CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.surfaces import MOST_NODES
 from fem_lie.contact.table import GROUND, Side
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.term import Done, Ends, Pairs, Term
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
 
@@ -22,6 +23,9 @@ _log = logging.getLogger(__name__)
 
 _DEEP = 0.1
 """Part of the least radius: what overlaps by more is told of, once."""
+
+
+_NONE = np.empty((0, 0))
 
 
 class Numbers(NamedTuple):
@@ -107,10 +111,15 @@ def _tangents(
     at: Meeting,
     law: Numbers,
     viscous: bool,
+    given: Array,
     by_frames: Array,
     by_twists: Array,
 ) -> None:
-    """Derivatives of the forces, or of what damping adds, in frames and in twists: added."""
+    """Derivatives of the forces, or of what damping adds, in frames and in twists: added.
+
+    ``given`` are secants of a step instead, (≥ 2, m), or nothing, (0, 0).
+    """
+    over_step = given.shape[0] > 0
     nodes, rows, changes = (
         np.empty(SLOTS, dtype=np.int64),
         np.zeros((SLOTS, 6)),
@@ -120,7 +129,10 @@ def _tangents(
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         g, n, P = gap(H, at.a, at.b, i, j, at.flat)
-        if g >= 0.0:
+        if over_step:
+            if given[SLOPE, e] == 0.0:
+                continue
+        elif g >= 0.0:
             continue
         bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
         if not at.flat:
@@ -130,6 +142,8 @@ def _tangents(
             speed = _speed(H, v, at.a, at.b, i, j, at.flat, P, n)
             f, by_gap, by_speed = _damping(law, g, speed)
             _changes_of_speed(v, nodes, G, changes)
+        elif over_step:
+            f, by_gap = law.k * given[SLOPE, e], law.k * given[BY_GAP, e]
         block, weight = at.first[e], at.weight[e]
         for s in range(SLOTS):
             for t in range(SLOTS):
@@ -206,6 +220,7 @@ class PenaltyForces(Term):
         self._law = Numbers(float(law.stiffness), float(law.damping), float(law.ramp))
         self.viscous = self.in_space = law.damping > 0.0
         self.on_ground = sides.on_ground
+        self.conserved = self.secant = not self.viscous
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -271,8 +286,38 @@ class PenaltyForces(Term):
         count = len(self._sides.near.blocks[0])
         by_frames = np.zeros((count, 6, 6))
         by_twists = np.zeros((count if viscous else 0, 6, 6))
-        _tangents(H, v, at, self._law, viscous, by_frames, by_twists)
+        _tangents(H, v, at, self._law, viscous, _NONE, by_frames, by_twists)
         return by_frames, by_twists
+
+    # --- over a step ---
+
+    def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
+        """See the base class."""
+        k, work = self._law.k, 0.0
+        parts = mixed(ends, self._sides.meet_ends(ends.start, ends.end, known=False))
+        for at, secants, share in parts:
+            add_secants(ends, at, k, share, out, ground)
+            work += share * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
+        at, secants, _ = parts[-1]
+        return Done(k * float(secants[END] @ at.weight), k * work, 0.0)
+
+    def tangent_over_step(self, ends: Ends, H: Array) -> Array:
+        """See the base class."""
+        none, still = np.empty((0, 6, 6)), np.zeros((len(H), 6))
+        blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
+        # the list of pairs is that of the pattern of the matrix
+        for at, secants, share in mixed(
+            ends, self._sides.meet_ends(ends.start, ends.end, known=True)
+        ):
+            _tangents(H, still, at, self._law, False, share * secants, blocks, none)
+        return blocks
+
+    def overlaps(self, H: Array) -> bool:
+        """See the base class."""
+        touches = bool((self._measured(H, np.empty((0, 6)), viscous=False)[1][0] < 0.0).any())
+        if not touches:
+            self._sides.settle()
+        return touches
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""

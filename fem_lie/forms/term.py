@@ -30,6 +30,36 @@ class PushedPieces(NamedTuple):
     across: Array
 
 
+class Ends(NamedTuple):
+    """Both ends of a step of nodes, and what is between them, each of shape (≥ nodes, 4, 3).
+
+    Attributes:
+        start: Rows (x, d₁, d₂, d₃) at the start.
+        end: At the end.
+        mean: Means of both.
+        delta: Increments.
+    """
+
+    start: Array
+    end: Array
+    mean: Array
+    delta: Array
+
+
+class Done(NamedTuple):
+    """What forces over a step have done.
+
+    Attributes:
+        stored: Energy at the end.
+        work: Done on the term, as it was stored or lost.
+        lost: Of that.
+    """
+
+    stored: float
+    work: float
+    lost: float
+
+
 class FollowingTable(NamedTuple):
     """Forces as a sum over cells, on nodes that follow those of the equations.
 
@@ -71,6 +101,7 @@ class Term(ABC):
         within_joints: Whether the sums over all joints have its forces, their power, and what
             :meth:`geometric` is, but not its tangents.
         conserved: Whether conserving schemes have its forces over a step.
+        secant: Whether they have them by :meth:`add_over_step`.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
         on_ground: Whether ground is the other side of some of the forces.
         amplitude: Factor of a load, which may be changed.
@@ -81,7 +112,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = on_ground = False
+    conserved = secant = on_ground = False
 
     # --- forces ---
 
@@ -211,6 +242,29 @@ class Term(ABC):
         assert not len(seen)
 
     # --- over a step ---
+
+    def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
+        """Add forces that do exactly the work by which the stored energy changes.
+
+        Asked of terms that have secants.
+
+        Args:
+            ends: Of the step.
+            out: Forces and moments about the mean places of nodes, global components, (nodes, 6).
+            ground: Force and moment about the origin on ground, (6,).
+        """
+        raise NotImplementedError
+
+    def tangent_over_step(self, ends: Ends, H: Array) -> Array:
+        """Twice the derivative of these in the twists at the end, in frames ``H`` half-way.
+
+        Of the shape of :meth:`tangent`; ``mean`` and ``delta`` of ``ends`` are those of all nodes.
+        """
+        raise NotImplementedError
+
+    def overlaps(self, H: Array) -> bool:
+        """Whether there are any such forces at frames ``H``; asked of the same."""
+        raise NotImplementedError
 
     @property
     def pieces(self) -> PushedPieces | None:

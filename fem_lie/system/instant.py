@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.forms.term import Ends
 from fem_lie.scene.choices import Choices
 
 ALL = Choices(gyroscopic=True, geometric=True)
@@ -53,6 +54,7 @@ class Plan(NamedTuple):
         at_rest: Step size ``h`` of a matrix that finds accelerations, and impulses in joints:
             ``M + h² K/4``, at rest with the true stress, with a scale that suits it. Nothing else
             of this plan counts then.
+        ends: Of a step, of all nodes, for terms whose forces are those over a step; default: none.
         spread: Overwritten where a scale is found: by how much constraints that are one vector
             change each with forces of the size of their scales, shape of ``vectors`` of the
             unknowns; default: not asked for.
@@ -71,6 +73,7 @@ class Plan(NamedTuple):
     border_only: bool = False
     steady: bool = False
     at_rest: float | None = None
+    ends: Ends | None = None
     spread: Array | None = None
 
 

@@ -282,7 +282,7 @@ class System:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()
         tangent.add_inertia(state, self.kinds, loads, factors)
-        tangent.add_terms(H, forces.own)
+        tangent.add_terms(H, forces.own, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
         if plan.choices.geometric:

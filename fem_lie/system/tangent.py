@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.term import Ends, Pairs, Term
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.motions import add_turnings
@@ -168,16 +168,21 @@ class Tangent:
         motion, parts = (H, still, still), (self.A, self.K)
         inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, (1.0, 0.0), parts)
 
-    def add_terms(self, H: Array, kept: Sequence[Array], wanted: Wanted = _all) -> None:
+    def add_terms(
+        self, H: Array, kept: Sequence[Array], wanted: Wanted = _all, ends: Ends | None = None
+    ) -> None:
         """Terms, with the stress that they carry, to ``K``.
 
         Args:
             H: Frames.
             kept: See :meth:`~fem_lie.system.terms.all_terms.Terms.add_forces`.
             wanted: Which of them.
+            ends: Of a step, for those that have secants; default: at ``H`` alone.
         """
         for (term, place), forces in zip(self._parts, kept, strict=True):
-            if wanted(term):
+            if ends is not None and term.secant:
+                add_blocks(self.K, place, term.tangent_over_step(ends, H))
+            elif wanted(term):
                 add_blocks(self.K, place, term.tangent(H, forces))
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:

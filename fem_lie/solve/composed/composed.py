@@ -133,6 +133,8 @@ def _refuse(equations: Equations) -> None:
             "Composed has no nodes that are no frames (Cable, Net, ThinShell, Solid): use "
             "EnergyMomentum or GeneralisedAlpha"
         )
+    if any(term.secant for term in tables.terms):
+        raise ValueError("Composed has no contacts by penalty: use EnergyMomentum")
     for what, given in reasons.items():
         if given:
             raise ValueError(

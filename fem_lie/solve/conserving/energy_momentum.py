@@ -110,6 +110,11 @@ class EnergyMomentum(Integrator):
                 "conserving schemes move nodes that are no frames (Cable, Net, ThinShell, Solid) by"
                 " constant steps: wanted the size of the step as a number and nothing that jumps"
             )
+        if any(term.secant for term in equations.tables.terms):
+            raise ValueError(
+                "conserving schemes have contacts by penalty in constant steps: wanted the size of "
+                "the step as a number and nothing that jumps"
+            )
         return variable.run(options, equations, duration, choice, saving, progress)
 
     def told(self) -> Options:
@@ -120,7 +125,8 @@ class EnergyMomentum(Integrator):
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for what these schemes cannot do."""
     unknowns, straight = equations.unknowns, is_straight(equations)
-    apart = [term.label for term in equations.tables.terms if not (term.conserved or straight)]
+    terms = [term for term in equations.tables.terms if not (term.conserved or straight)]
+    apart = [f"{term.label} with damping" if term.viscous else term.label for term in terms]
     drilling = ", ".join(unknowns.drilling)
     apart_too = [] if straight else unknowns.other_constraints
     reasons = dict.fromkeys(apart_too, True) | {

@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
+from fem_lie.solve.conserving.between.pushes import Pushes
 from fem_lie.solve.conserving.step.records import (
     Leaders,
     LegEnds,
@@ -84,7 +85,14 @@ def room_for_step(equations: Equations, cells: Cells, legs: Legs, *, dissipates:
         own=z((3, n, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
+        pushed=pushes_of(equations).room(n),
     )
+
+
+def pushes_of(equations: Equations) -> Pushes:
+    """Of terms that have secants."""
+    known = equations.tables
+    return Pushes(known.terms, known.leader, known.offset, equations.unknowns.moving)
 
 
 def legs_of(equations: Equations, follows: bool) -> Legs:

@@ -47,7 +47,7 @@ class Run(Steps):
         if self._alone:
             return self._stretch(history)
         last = history.next_stop(self.index)
-        if self.rule is None or self._changing:
+        if self.rule is None or self._changing or self._pushes:
             last = self.index + 1
         if self._held and last > self.index + 1:
             # reactions need the accelerations of the last two steps
@@ -64,7 +64,12 @@ class Run(Steps):
         tables, s = self.equations.tables, self.s
         ruled = self.rule is not None and self._factors is not None and not self.told[STILL]
         known = len(s.weights) == 0 or s.sizes[-1] > 0.0
-        return ruled and known and tables.complete and not (self._changing or self._held)
+        return (
+            ruled
+            and known
+            and tables.complete
+            and not (self._changing or self._held or self._pushes)
+        )
 
     def _stretch(self, history: History) -> bool:
         """As many steps as can be made and recorded by the loop alone; whether one was made."""
@@ -132,7 +137,7 @@ class Run(Steps):
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
         if Record.ENERGIES in history.filled:
-            history.elastic[row] += s.W.sum()
+            history.elastic[row] += s.W.sum() + self._pushes.energy
         history.keep(
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
         )
@@ -169,7 +174,7 @@ class Run(Steps):
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
         kept |= {"V1": self.this.V1, "r": self.this.r, "scale": self.model.scale}
         kept |= {"counters": self.counters, "numbers": self.numbers, "counts": self.counts}
-        kept["told"] = self.told
+        kept["told"], kept["pushes"] = self.told, self._pushes.saved
         kept |= {f"local.{k}": part for k, part in enumerate(self.cells.local_fields)}
         return super().memory() | kept
 
@@ -187,6 +192,7 @@ class Run(Steps):
             self._take_loads()
         self.cells.restore([kept[f"local.{k}"] for k in range(len(self.cells.local_fields))])
         super().restore(kept)
+        self._pushes.restore(kept["pushes"])
         self._note_rates()
         self._factors = self._kept_factors(kept)
 

@@ -20,6 +20,7 @@ from fem_lie.solve.conserving.memory import (
     legs_of,
     model_of,
     pieces_of,
+    pushes_of,
     room_for_step,
     start_state,
 )
@@ -101,6 +102,7 @@ class RunState(Integration[History]):
         self.this: Step = (
             room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
         )
+        self._pushes = pushes_of(equations)
         scheme = Scheme(self.h, options.loss, options.learning)
         self.model = model_of(equations, self.cells, scheme, legs)
         self._packed = Packed(self.model, self.s, self.this)
@@ -144,6 +146,7 @@ class RunState(Integration[History]):
         self.rates = EndRates.at(spatial(s.H[:n], v[:n], vdot))
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
+        self._pushes.at_rest(s.H)
         now = Instant(s.H, v, vdot, s.weights)
         equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
@@ -283,6 +286,8 @@ class RunState(Integration[History]):
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
+        if self._pushes and self.counters[corrections.ITERATION] > 1:
+            plan = plan._replace(ends=self._pushes.ends)
         # unknowns are along half-way axes, elements and constraints are felt at the end
         plan = plan._replace(stressed=H, choices=self.choices, lag=0.5 * self.h * v[:, 3:])
         return equations.fill(now, self._found, plan)

@@ -14,8 +14,8 @@ import logging
 import numpy as np
 
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import corrections, loop, nodes
+from fem_lie.solve.conserving.touching import Touching
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ _SHARE = 0.4
 """Of the cost of a matrix, what a step may go on for instead: the next steps gain by it, too."""
 
 
-class Steps(RunState):
+class Steps(Touching):
     """How steps are made.
 
     Attributes:
@@ -148,8 +148,26 @@ class Steps(RunState):
         numbers[corrections.FELT] = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
-        counters = self.counters
-        given = self._given(rule, self.options.max_iterations * (_SLOW if always else 1))
+        """Steps up to ``last``; with pushes that is the next one."""
+        limit = self.options.max_iterations * (_SLOW if always else 1)
+        if not self._pushes:
+            return self._go_free(last, rule, limit, always=always)
+        if self.counters[corrections.ITERATION] == 0:
+            self._begin()
+        if not self._pushes_ahead():
+            self._part()
+            before = self._kept_copy()
+            code = self._go_free(last, rule, limit, always=always)
+            if code != loop.DONE or not self._pushes.overlap(self.s.H):
+                return code
+            self._take_again(before)
+            self._begin()
+        return loop.DONE if self._touch(limit) else loop.FAILED
+
+    def _go_free(
+        self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
+    ) -> int:
+        counters, given = self.counters, self._given(rule, limit)
         while True:
             packed = self._packed
             tables = packed.model, packed.state, packed.step

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
-from fem_lie.forms.term import FollowingTable, Pairs, PushedPieces, Term
+from fem_lie.forms.term import Done, Ends, FollowingTable, Pairs, PushedPieces, Term
 from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
 from fem_lie.system.terms.near import FollowingCells
 
@@ -30,7 +30,7 @@ class Followed(Term):
         self.term, self.label = term, term.label
         self.load, self.viscous, self.in_space = term.load, term.viscous, term.in_space
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
-        self.conserved, self.turning = term.conserved, term.turning
+        self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
         self.on_ground = term.on_ground
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
         # Ad(C⁻¹): twist of a node from that of its leader
@@ -193,6 +193,20 @@ class Followed(Term):
     def see_again(self, seen: Array) -> None:
         """See the base class."""
         self.term.see_again(seen)
+
+    # --- over a step: on nodes of bodies ---
+
+    def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
+        """See the base class."""
+        return self.term.add_over_step(ends, out, ground)
+
+    def tangent_over_step(self, ends: Ends, H: Array) -> Array:
+        """See the base class; ``H`` are frames of leaders."""
+        return self._moved(self.term.tangent_over_step(ends, self._frames(H)))
+
+    def overlaps(self, H: Array) -> bool:
+        """See the base class; ``H`` are frames of leaders."""
+        return self.term.overlaps(self._frames(H))
 
     @property
     def pieces(self) -> PushedPieces | None:

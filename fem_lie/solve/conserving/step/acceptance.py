@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import inlined, uncounted
+from fem_lie._jit import inlined, linked, uncounted
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.joints.equations.terms import unwrap
@@ -38,6 +38,12 @@ from fem_lie.solve.conserving.step.dissipation import (
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import solution_of, span_of
 from fem_lie.system.nodes.loads import Loads
+
+
+@linked
+def packed_accept(model: PackedModel, state: Indices, step: Indices) -> None:
+    """:func:`accept`, from Python."""
+    accept(model, state, step)
 
 
 @uncounted

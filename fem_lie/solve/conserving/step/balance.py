@@ -23,6 +23,7 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between.cayley import left_moment, span
+from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
 from fem_lie.solve.conserving.step.dissipation import (
     MEMORY,
@@ -58,6 +59,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, anew: bool) -
     for k in range(losses.shape[0]):
         losses[k] = 0.0
     _make_up(state.carry, this.step, forces)
+    _add_pushed(this.pushed, forces, losses)
     add_from_nodes(packed, starts, steps, anew)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
@@ -89,6 +91,19 @@ def _make_up(carry: Array, step: Array, forces: Array) -> None:
         f = load(carry[i], 0)
         store(forces[i], 0, f)
         store(forces[i], 3, left_moment(load(carry[i], 3), f, load(step[i], 0)))
+
+
+@inlined
+def _add_pushed(pushed: Array, forces: Array, losses: Array) -> None:
+    """Add the forces that are given."""
+    n = forces.shape[0]
+    if pushed.shape[0] == 0:
+        return
+    for k in range(6):
+        for i in range(n):
+            forces[i, k] += pushed[i, k]
+        losses[BY_REACTIONS + k] += pushed[n + ON_GROUND, k]
+    losses[DAMPING] += pushed[n + LOSS, 0]
 
 
 @inlined

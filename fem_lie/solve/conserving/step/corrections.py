@@ -98,6 +98,12 @@ def size(measure: Array, x: Array) -> float:
     return largest
 
 
+@compiled
+def size_of(measure: Array, x: Array) -> float:
+    """:func:`size`, from Python."""
+    return size(measure, x)
+
+
 @inlined
 def lags(numbers: Array, tolerance: float, patience: int, spare: float) -> bool:
     """Whether at its present rate the iteration would go on for more than ``spare`` iterations."""

@@ -87,6 +87,12 @@ def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
                 change[side, leg, k] -= state.border[side, leg, k]
 
 
+@linked
+def packed_correct(model: PackedModel, state: Indices, step: Indices) -> None:
+    """:func:`correct`, from Python."""
+    correct(model, state, step)
+
+
 @uncounted
 def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Apply the correction."""

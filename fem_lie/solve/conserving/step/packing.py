@@ -183,4 +183,5 @@ def step_of(table: Indices) -> Step:
         many_frames(table, 22),
         numbers3(table, 23),
         numbers1(table, 24),
+        sixes(table, 25),
     )

@@ -227,6 +227,8 @@ class Step(NamedTuple):
         turnings: What the matrix lacks of dissipation, see :mod:`.dissipation`, (2, 3, 6 n);
             without dissipation (2, 0, 6 n).
         gains: Of the cells' energies, (M,).
+        pushed: Forces that are given, on the leaders and on ground, and what they lose, see
+            :mod:`fem_lie.solve.conserving.between.pushes`, (n + 2, 6); without any (0, 6).
     """
 
     step: Array
@@ -254,6 +256,7 @@ class Step(NamedTuple):
     own: Array
     turnings: Array
     gains: Array
+    pushed: Array
 
 
 class Span(NamedTuple):

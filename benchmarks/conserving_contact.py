@@ -1,0 +1,130 @@
+"""Energy and momenta of conserving steps over impacts: bodies, beams, and lines along each other.
+
+    python -m benchmarks.conserving_contact [--cases box corners beams lines5 lines90] [--long]
+
+Nothing holds the bodies and nothing is lost, so energy, momentum and angular momentum stay. Steps
+are given in periods of contact, 2π √(m/k) with the mass that an impact moves. With ``--long`` the
+ball in the turning box makes 10⁵ steps.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+
+import fem_lie as fl
+
+SECTION = fl.Section.circle(0.02, fl.Material(2e8, 0.3, 1000.0))
+Case = tuple[fl.Scene, fl.Contact]
+
+
+def ball(place: tuple[float, ...], velocity: tuple[float, ...]) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 4e-3 * np.eye(3), place)
+    body.move(velocity)
+    return body
+
+
+def scene_of(*items: object) -> fl.Scene:
+    scene = fl.Scene(gravity=(0, 0, 0))
+    for item in items:
+        scene.add(item)
+    return scene
+
+
+def box(k: float) -> Case:
+    """A ball within a free box that turns."""
+    outer, one = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), ball((0.1, 0.05, 0), (1, 0.7, 0.4))
+    outer.turn((0.5, 1, 2), about=outer.centre)
+    outer.move((-1 / 3, -0.7 / 3, -0.4 / 3))
+    inside = fl.Box(outer.centre, (1, 1, 1), inside=True)
+    touch = fl.Contact(fl.Sphere(one.centre, 0.1), inside, fl.Penalty(k))
+    return scene_of(outer, one, touch), touch
+
+
+def corners(k: float) -> Case:
+    """A box that turns, with its corners on the face of another body."""
+    table = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9]))
+    one = fl.RigidBody(1.0, np.diag([0.02, 0.03, 0.04]), (0.1, 0.05, 0.5))
+    one.turn((2, 1, 3), about=one.centre)
+    one.move((0, 0, -1))
+    face = fl.Plane(table.centre, (0, 0, 1))
+    touch = fl.Contact(fl.Box(one.centre, (0.3, 0.4, 0.5)), face, fl.Penalty(k))
+    return scene_of(table, one, touch), touch
+
+
+def beams(k: float) -> Case:
+    """A ball that is hit by the round nodes of a beam."""
+    beam, one = (
+        fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=6),
+        ball((0.7, 0.2, 0.05), (0, 0, 0)),
+    )
+    beam.move((0, 5, 0))
+    nodes = fl.Vertices([fl.Point(beam, n) for n in range(len(beam.frames))], 0.02)
+    touch = fl.Contact(nodes, fl.Sphere(one.centre, 0.15), fl.Penalty(k))
+    return scene_of(beam, one, touch), touch
+
+
+def lines(k: float, angle: float) -> Case:
+    """Two beams across each other that meet and slide."""
+    c, s = 0.5 * np.cos(np.radians(angle)), 0.5 * np.sin(np.radians(angle))
+    lower = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), SECTION, cells=6)
+    upper = fl.Beam.straight((-c + 0.1, -s, 0.05), (c + 0.1, s, 0.05), SECTION, cells=6)
+    upper.move((1, 0.5, -5))
+    touch = fl.Contact(fl.Line(lower, 0.02), fl.Line(upper, 0.02), fl.Penalty(k))
+    return scene_of(lower, upper, touch), touch
+
+
+CASES: dict[str, tuple[Callable[[float], Case], float, float, float]] = {
+    "box": (box, 1e4, 0.75, 3.0),
+    "corners": (corners, 1e4, 0.75, 3.0),
+    "beams": (beams, 1e4, 0.2, 0.1),
+    "lines90": (lambda k: lines(k, 90.0), 1e6, 0.2, 0.1),
+    "lines5": (lambda k: lines(k, 5.0), 1e6, 0.2, 0.1),
+}
+"""Scene, stiffness, mass that moves, duration."""
+
+
+def run(name: str, periods: float, scheme: fl.EnergyMomentum, steps: int | None = None) -> None:
+    """Print a row of the table."""
+    build, k, mass, duration = CASES[name]
+    size = periods * 2 * np.pi * np.sqrt(mass / (k if name[:5] != "lines" else 0.06 * k))
+    count = max(int(duration / size), 20) if steps is None else steps
+    (scene, touch), began = build(k), perf_counter()
+    result = scheme.run(scene, duration=count * size, step=size, progress=False)
+    spent = (perf_counter() - began) / count
+    some = range(0, len(result.times), max(1, len(result.times) // 2000))
+    found = fl.contact_forces(result, touch, some)
+    print(
+        f"{name:8s} {periods:5.2f} periods {count:7d} steps, {(found.touching > 0).mean():4.0%} in "
+        f"contact: energy {result.balance_error:.1e} momentum {result.momentum_error:.1e} angular "
+        f"{result.angular_momentum_error:.1e}, {result.iterations[-1] / count:.1f} iterations, "
+        f"{result.factorisations} matrices, {result.divided} steps divided, {1e6 * spent:.0f} µs, "
+        f"overlap {found.penetration.max():.1e}",
+        flush=True,
+    )
+
+
+def main() -> None:
+    """All rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
+    parser.add_argument("--periods", nargs="+", type=float, default=[0.02, 0.2, 0.9, 2.0])
+    parser.add_argument("--decaying", type=float, help="radius of EnergyDecaying")
+    parser.add_argument("--long", action="store_true")
+    given = parser.parse_args()
+    scheme = fl.EnergyMomentum()
+    if given.decaying is not None:
+        scheme = fl.EnergyDecaying(radius=given.decaying)
+    if given.long:
+        run("box", 0.2, scheme, 100_000)
+        return
+    for name in given.cases:
+        for periods in given.periods:
+            run(name, periods, scheme)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,195 @@
+"""Forces of contacts over a step, which do exactly the work by which the potential changes.
+
+With ``U`` the potential of a gap, an overline for the mean of both ends and ``Δ`` for what changes,
+distance and gap are quadratic or bilinear in the rows of the nodes, so that these are exact::
+
+    balls    d₁² − d₀² = 2 Δ̄·δΔ,  Δg = ±(d₁² − d₀²)/(d₀ + d₁),  F = ± σ 2 Δ̄/(d₀ + d₁)
+    plane    Δg = n̄·δΔ + δn·Δ̄,                                  F = σ n̄
+    both     σ = ΔU/Δg = ½ k (g₀ + g₁) where both ends overlap, else (U₁ − U₀)/Δg
+
+A force ``F`` at the levers of the mean has neither resultant nor moment, and does the work ``ΔU``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.kinematics import gap, normal_of, place
+from fem_lie.contact.meeting import Meeting
+from fem_lie.contact.surfaces import MOST_NODES
+from fem_lie.contact.table import GROUND, UNUSED, Side
+from fem_lie.forms.term import Ends
+from fem_lie.lie.motions import global_components
+from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
+
+_KNOWN = 1e-13
+"""Part of potentials by which they differ surely."""
+
+
+class Secant(NamedTuple):
+    """Of one pair of places over a step.
+
+    Attributes:
+        σ: ``ΔU/Δg`` for a stiffness of one.
+        by_gap: Twice its derivative in the gap at the end.
+        start: Potential at the start for a stiffness of one.
+        end: At the end.
+        change: Of the gap.
+    """
+
+    σ: float
+    by_gap: float
+    start: float
+    end: float
+    change: float
+
+
+SLOPE, BY_GAP, START, END, CHANGE = range(5)
+"""Places of these in arrays."""
+
+
+@inlined_uncounted
+def _secant(g0: float, g1: float, change: float) -> Secant:
+    """Between gaps that differ by ``change``."""
+    a, b = min(g0, 0.0), min(g1, 0.0)
+    U0, U1 = 0.5 * a * a, 0.5 * b * b
+    if a < 0.0 and b < 0.0:
+        return Secant(0.5 * (a + b), 1.0, U0, U1, change)
+    if (a == 0.0 and b == 0.0) or change == 0.0:
+        return Secant(0.0, 0.0, U0, U1, change)
+    if b < 0.0:
+        return Secant(U1 / change, 2.0 * (b - U1 / change) / change, U0, U1, change)
+    return Secant(-U0 / change, 2.0 * U0 / (change * change), U0, U1, change)
+
+
+@inlined_uncounted
+def _moved(delta: Array, side: Side, i: int) -> Vector:
+    """How a place of a side moves with increments of the rows."""
+    u = (0.0, 0.0, 0.0)
+    for k in range(MOST_NODES):
+        node = side.nodes[i, k]
+        if node == UNUSED:
+            break
+        if node != GROUND:
+            u = plus(u, scaled(side.weights[i, k], load_row(delta[node], 0)))
+            u = plus(u, global_components(delta[node], load_row(side.levers[i], k)))
+    return u
+
+
+@inlined_uncounted
+def _between(ends: Ends, at: Meeting, e: int) -> tuple[Secant, Vector, Vector]:
+    """Secant of a pair, direction ``F/σ``, and the mean of the place of the first side."""
+    i, j = at.pairs[e]
+    g0, _, _ = gap(ends.start, at.a, at.b, i, j, at.flat)
+    g1, _, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
+    P, Q = place(ends.mean, at.a, i), place(ends.mean, at.b, j)
+    apart, moved = minus(P, Q), minus(_moved(ends.delta, at.a, i), _moved(ends.delta, at.b, j))
+    if at.flat:
+        n, turned = normal_of(ends.mean, at.b, j), (0.0, 0.0, 0.0)
+        if at.b.nodes[j, 0] != GROUND:
+            turned = normal_of(ends.delta, at.b, j)
+        return _secant(g0, g1, dot(n, moved) + dot(turned, apart)), n, P
+    sign = 1.0 if at.b.radii[j] >= 0.0 else -1.0
+    reach = at.a.radii[i] + at.b.radii[j]
+    n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), apart)
+    return _secant(g0, g1, dot(n, moved)), n, P
+
+
+@inlined_uncounted
+def _push(mean: Array, side: Side, i: int, F: Vector, out: Array, ground: Array) -> None:
+    """Add a force on a place to forces and moments on nodes, or on ground about the origin."""
+    for k in range(MOST_NODES):
+        node = side.nodes[i, k]
+        if node == UNUSED:
+            break
+        c = load_row(side.levers[i], k)
+        if node == GROUND:
+            store(ground, 0, plus(load(ground, 0), F))
+            store(ground, 3, plus(load(ground, 3), cross(c, F)))
+        else:
+            arm = global_components(mean[node], c)
+            store(out[node], 0, plus(load(out[node], 0), scaled(side.weights[i, k], F)))
+            store(out[node], 3, plus(load(out[node], 3), cross(arm, F)))
+
+
+@inlined_uncounted
+def _push_plane(
+    mean: Array, side: Side, j: int, P: Vector, F: Vector, out: Array, ground: Array
+) -> None:
+    """Add a force on a plane at ``P``, likewise."""
+    node = side.nodes[j, 0]
+    if node == GROUND:
+        store(ground, 0, plus(load(ground, 0), F))
+        store(ground, 3, plus(load(ground, 3), cross(P, F)))
+    else:
+        arm = minus(P, load_row(mean[node], 0))
+        store(out[node], 0, plus(load(out[node], 0), F))
+        store(out[node], 3, plus(load(out[node], 3), cross(arm, F)))
+
+
+@uncounted
+def _add(ends: Ends, at: Meeting, k: float, share: float, out: Array, ground: Array) -> None:
+    for e in range(at.pairs.shape[0]):
+        secant, n, P = _between(ends, at, e)
+        if secant.σ == 0.0:
+            continue
+        F = scaled(share * at.weight[e] * k * secant.σ, n)
+        _push(ends.mean, at.a, at.pairs[e, 0], F, out, ground)
+        if at.flat:
+            _push_plane(ends.mean, at.b, at.pairs[e, 1], P, scaled(-1.0, F), out, ground)
+        else:
+            _push(ends.mean, at.b, at.pairs[e, 1], scaled(-1.0, F), out, ground)
+
+
+@compiled
+def add_secants(ends: Ends, at: Meeting, k: float, share: float, out: Array, ground: Array) -> None:
+    """Add ``share`` of the forces over a step, as residuals have them.
+
+    Args:
+        ends: Of the step.
+        at: Where the sides meet.
+        k: Stiffness.
+        share: Of the forces.
+        out: Forces and moments about the mean places of all nodes, global components, (N, 6).
+        ground: Force and moment about the origin on ground, (6,).
+    """
+    _add(ends, at, k, share, out, ground)
+
+
+@compiled
+def secants(ends: Ends, at: Meeting, out: Array) -> None:
+    """Secants of all pairs for a stiffness of one, in the order of :class:`Secant`: (5, m)."""
+    for e in range(at.pairs.shape[0]):
+        secant, _, _ = _between(ends, at, e)
+        out[SLOPE, e], out[BY_GAP, e] = secant.σ, secant.by_gap
+        out[START, e], out[END, e], out[CHANGE, e] = secant.start, secant.end, secant.change
+
+
+def mixed(ends: Ends, both: list[Meeting]) -> list[tuple[Meeting, Array, float]]:
+    """Places of which forces over a step are made, their secants (5, m) and their shares.
+
+    Where places follow along curves, those of the start have moved on at the end: what is nearest
+    then is nearer than they are, and integrated between other ends. So potentials at the end are
+    too small at places of the start, and those at the start at places of the end: a mean of both
+    forces does the work ``U₁ − U₀``, and pushes at levers that there are.
+
+    Args:
+        ends: Of the step.
+        both: Where the sides meet at its start, and at its end if that is elsewhere.
+    """
+    found = [(at, np.empty((5, len(at.pairs)))) for at in both]
+    for at, out in found:
+        secants(ends, at, out)
+    if len(found) == 1:
+        return [(*found[0], 1.0)]
+    (U0, lower_end), (lower_start, U1) = (
+        (float(out[START] @ at.weight), float(out[END] @ at.weight)) for at, out in found
+    )
+    by_start, by_end = U0 - lower_start, U1 - lower_end
+    known = by_start + by_end > _KNOWN * (U0 + U1)
+    share = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
+    return [(*found[0], share), (*found[1], 1.0 - share)]

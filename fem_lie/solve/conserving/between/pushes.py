@@ -1,0 +1,120 @@
+"""Forces over a step that Python asks terms for, and compiled steps add as they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.forms.term import Ends, Term
+from fem_lie.solve.conserving.between.cayley import follow, span
+
+ON_GROUND, LOSS = 0, 1
+"""Rows of pushes after those of the nodes: on ground, and what was lost, in its first number."""
+BESIDE = 2
+"""How many these are."""
+
+
+_MOST = 0.5
+"""Part by which forces may be changed to do the work that is wanted of them."""
+
+
+class Pushes:
+    """The forces of terms that have secants, such as contacts, on the nodes that lead.
+
+    Attributes:
+        energy: That these terms have stored at the end of the last step.
+        ahead: At the end of the step that is looked at.
+        debt: By how much more was stored than the work on them.
+        ends: Of that step, of all nodes.
+    """
+
+    def __init__(self, terms: Sequence[Term], leader: Indices, offset: Array, moving: int) -> None:
+        """Choose the terms.
+
+        Args:
+            terms: All that add forces.
+            leader: Of each node, (N,).
+            offset: Frame of each in that of its leader, (N, 4, 3).
+            moving: Nodes that lead.
+        """
+        self._terms = [term for term in terms if term.secant]
+        self._leader, self._offset = leader, offset
+        self.energy = self.ahead = self.debt = 0.0
+        self._trivial, total = moving == len(leader), len(leader)
+        self._on_all, self._ground = np.zeros((total, 6)), np.zeros(6)
+        self.ends = Ends(*np.zeros((4, total, 4, 3)))
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._terms)
+
+    def room(self, moving: int) -> Array:
+        """For :meth:`set`, of shape (moving + 2, 6); (0, 6) if there are none."""
+        return np.zeros((moving + BESIDE if self else 0, 6))
+
+    def overlap(self, H: Array) -> bool:
+        """Whether anything pushes at frames ``H``."""
+        return any(term.overlaps(H) for term in self._terms)
+
+    def at_rest(self, H: Array) -> None:
+        """Find the stored energy at frames ``H``."""
+        self.energy = sum(term.energy(H) for term in self._terms)
+
+    @property
+    def saved(self) -> Array:
+        """What the next steps depend on."""
+        return np.array([self.energy, self.debt])
+
+    def restore(self, saved: Array) -> None:
+        """Be as when that was :attr:`saved`."""
+        self.energy, self.debt = (float(value) for value in saved)
+
+    def set(self, H: Array, step: Array, rows: Array, leak: float, out: Array) -> None:
+        """Forces over a step, into ``out``.
+
+        Args:
+            H: Frames at its start, (≥ n, 4, 3).
+            step: Translation and rotation of the nodes, (n, 6).
+            rows: Ends, means, half-way frames and increments, (4, ≥ n, 4, 3), overwritten.
+            leak: Energy that round-off has brought in, which they take back with the debt.
+            out: See :meth:`room`.
+        """
+        end, mean, middle, delta = rows
+        span(H, step, delta, mean, end, middle)
+        n, ends = len(step), self.ends
+        for given, own in zip((H, end, mean, delta), ends, strict=True):
+            if self._trivial:
+                own[:] = given[:n]
+            else:
+                follow(given, self._leader, self._offset, own)
+        self._on_all[:] = self._ground[:] = out[:] = 0.0
+        work, self.ahead = 0.0, 0.0
+        for term in self._terms:
+            done = term.add_over_step(ends, self._on_all, self._ground)
+            self.ahead += done.stored
+            work += done.work
+            out[n + LOSS, 0] += done.lost
+        out[n + ON_GROUND] = self._ground
+        np.add.at(out, self._leader, self._on_all)
+        if not self._trivial:
+            arms = ends.mean[:, 0] - mean[self._leader, 0]
+            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
+        # what is stored differs from the work by digits of places, and where places follow
+        owed = self.debt + self.ahead + out[n + LOSS, 0] - self.energy - work
+        part = _part(owed + leak, work)
+        out *= 1.0 + part
+        self._owed = owed - part * work
+
+    def accept(self) -> None:
+        """Go on from the end of the step that was looked at."""
+        self.energy, self.debt = self.ahead, self._owed
+
+
+def _part(missing: float, work: float) -> float:
+    """By which forces are changed for missing work: little where they do none."""
+    if work == 0.0 or missing == 0.0:
+        return 0.0
+    part = missing / work
+    return part if abs(part) <= _MOST else _MOST**2 / part

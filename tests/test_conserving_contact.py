@@ -1,0 +1,65 @@
+"""Contacts by penalty in conserving steps: what stays over impacts, in steps as long as these."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks.conserving_contact import CASES
+
+
+def run(name, periods, count, scheme=None):
+    build, k, mass, _ = CASES[name]
+    scene, touch = build(k)
+    step = periods * 2 * np.pi * np.sqrt(mass / (k if name[:5] != "lines" else 0.06 * k))
+    scheme = fl.EnergyMomentum() if scheme is None else scheme
+    return scheme.run(scene, duration=count * step, step=step, progress=False), touch
+
+
+@pytest.mark.parametrize(
+    ("name", "periods", "count"),
+    [("box", 0.9, 40), ("corners", 0.2, 30), ("beams", 0.2, 10), ("lines90", 0.2, 8)],
+)
+def test_energy_and_momenta_stay_over_impacts(name, periods, count):
+    result, touch = run(name, periods, count)
+    found = fl.contact_forces(result, touch)
+    assert found.touching.max() > 0
+    assert result.elastic.max() > 0.01 * result.kinetic[0]
+    assert result.energy_error < 5e-12
+    assert result.momentum_error < 1e-13
+    assert result.angular_momentum_error < 1e-13
+
+
+def test_decaying_steps_never_gain_energy():
+    result, _ = run("beams", 0.2, 10, fl.EnergyDecaying(radius=0.5))
+    energy = result.total_energy
+    assert np.diff(energy).max() < 1e-11 * energy[0]
+    assert result.balance[-1, 2] > 1e-3 * energy[0]
+    assert result.balance_error < 5e-12
+    assert result.angular_momentum_error < 1e-13
+
+
+def test_what_ground_gives_is_booked():
+    """A ball between two slopes of ground."""
+    ball = fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 1))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(ball)
+    skin, law = fl.Sphere(ball.centre, 0.1), fl.Penalty(1e4)
+    scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (0.3, 0, 1), at=(0, 0, 0.5)), law))
+    scene.add(fl.Contact(skin, fl.Plane(fl.ground(), (-1, 0, 1), at=(0, 0, 0)), law))
+    result = fl.EnergyMomentum().run(scene, duration=1.5, step=5e-3, progress=False)
+    assert result.impulses[-1, 1, 0] != 0.0
+    assert result.energy_error < 1e-12
+    assert result.momentum_error < 1e-13
+    assert result.angular_momentum_error < 1e-13
+
+
+def test_a_run_goes_on_to_the_last_bit_from_amid_an_impact(tmp_path):
+    build, k, _, _ = CASES["lines90"]
+    options = {"duration": 0.012, "step": 1e-3, "progress": False}
+    scheme, file = fl.EnergyMomentum(), tmp_path / "run.h5"
+    whole = scheme.run(build(k)[0], **options)
+    scheme.run(build(k)[0], **options, file=file, checkpoint_every=5)
+    assert whole.elastic[5] > 0.0
+    resumed = scheme.resume(build(k)[0], file, progress=False)
+    for name in ("frames", "velocities", "elastic"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
