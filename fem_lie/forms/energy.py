@@ -61,6 +61,10 @@ class StrainEnergy:
             return ufl.derivative(self.strain, y, dy)
         return ufl.dot(ufl.diff(self.strain, z), _derivative(z, y, dy))
 
+    def rate(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
+        """Of the strain, as it is damped: nil in rigid motions."""
+        return self.change(y, dy)
+
     def stiffness(
         self, stress: Expr, moduli: Expr, y: fem.Function, dy: ufl.Argument, by: ufl.Argument
     ) -> Expr:

@@ -175,8 +175,8 @@ class LocalFrameForms:
         test, rate = ufl.TestFunction(space), fem.Function(space)
 
         def work(change: fem.Function | ufl.Argument) -> ufl.Form:
-            stress = energy.viscosity * energy.change(y, change)
-            return energy.weight * ufl.inner(energy.change(y, test), stress) * energy.dx
+            stress = energy.viscosity * energy.rate(y, change)
+            return energy.weight * ufl.inner(energy.rate(y, test), stress) * energy.dx
 
         self.viscous = self._wrapping.form(
             kernels.viscous_kernel, [V], [CompiledForm(work(rate))], extra=[self.velocity, rate]

@@ -42,6 +42,8 @@ from fem_lie.lie.kinds import SLOPE, NodeKind, pull, pull_derivative, push
 
 _STRETCH, _BENDING = 0, 4
 """Where they are in a section's stiffness on (Γ, κ)."""
+_THIN = 1e-12
+"""Of the metric of rotations, about an axis along which all of a cell lies."""
 
 
 @frame_function
@@ -142,7 +144,7 @@ class HermiteCable(Formulation):
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent; of the stiffness only stretch and bending count."""
         mesh = nodal.function.function_space.mesh
-        first, second = _hermite(nodal, cells)
+        first, second, arms = _hermite(nodal, cells)
         EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))
         squared = ufl.dot(first, first)
         stretch, turn = ufl.sqrt(squared), ufl.cross(first, second) / squared
@@ -170,6 +172,7 @@ class HermiteCable(Formulation):
             viscosity=_viscosity(mesh, cells.viscosity, shares),
             weight=cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh),
             forces=Forces(force_kernel, [cellwise(mesh, reads)]),
+            arms=arms,
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, _SLOPES)
 
@@ -197,8 +200,28 @@ def _viscosity(
     return ufl.diag(ufl.as_vector([stretch, bending, bending, bending]))
 
 
+@dataclass(frozen=True)
 class _CableEnergy(StrainEnergy):
-    """With points of its own."""
+    """With points of its own.
+
+    Attributes:
+        arms: Vectors that turn with a cell: chord and slopes, as long as it is.
+    """
+
+    arms: tuple[Expr, ...] = ()
+
+    def rate(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
+        """The curvature is a vector in space: its rate without the turning of the cell."""
+        spin, moments = ufl.as_vector([0.0] * 3), 0.0 * ufl.Identity(3)
+        for arm in self.arms:
+            spin += ufl.cross(arm, ufl.derivative(arm, y, dy))
+            moments += ufl.dot(arm, arm) * ufl.Identity(3) - ufl.outer(arm, arm)
+        # no spin about a straight line
+        metric = moments + _THIN * ufl.tr(moments) * ufl.Identity(3)
+        turned = ufl.cross(
+            ufl.inv(metric) * spin, ufl.as_vector([self.strain[k] for k in (1, 2, 3)])
+        )
+        return self.change(y, dy) - ufl.as_vector([0.0, *turned])
 
     def quadrature_element(self) -> basix.ufl._ElementBase:
         """Element of the stress: its values at the points of both rules."""
@@ -246,8 +269,8 @@ def signs(ends: Array) -> Array:
     return np.sign(np.einsum("mj,mj->m", b[:, 0] - a[:, 0], a[:, 1] + b[:, 1]))
 
 
-def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr]:
-    """``x′`` and ``x″`` of the cubic through places and slopes of both ends."""
+def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr, tuple[Expr, ...]]:
+    """``x′`` and ``x″`` of the cubic through places and slopes of both ends; chord and slopes."""
     mesh = nodal.function.function_space.mesh
     space = fem.functionspace(mesh, ("DG", 1))
     along = fem.Function(space)
@@ -260,4 +283,4 @@ def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr]:
     b = a + turn
     first = 6 * ξ * (1 - ξ) * chord / length + (1 - 4 * ξ + 3 * ξ**2) * a + (3 * ξ**2 - 2 * ξ) * b
     second = 6 * (1 - 2 * ξ) * chord / length + (6 * ξ - 4) * a + (6 * ξ - 2) * b
-    return first, second / length
+    return first, second / length, (chord, length * a, length * b)

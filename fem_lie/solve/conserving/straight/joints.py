@@ -44,7 +44,7 @@ def _add_forces(
     driven: Array,
     h: float,
 ) -> None:
-    """Forces of joints on halves into ``this.outer``; increments of constraints, and books."""
+    """Add forces of joints to ``this.outer``; increments of constraints, and books."""
     n, g = this.step.shape[0], span.turns.shape[0]
     mean, delta, forces = rows
     set_nodes(kinds, this.mean, this.step, mean, delta)
@@ -65,7 +65,6 @@ def _add_forces(
     )
     losses[WORK] += work
     losses[DAMPING] += loss
-    this.outer[:] = 0.0
     give(span, this.mean, forces, this.outer)
 
 
@@ -129,7 +128,7 @@ class Joints:
         self._rows.mean[here], self._rows.delta[here] = 0.5 * (before + after), after - before
 
     def add_forces(self, state: State, this: Step, h: float) -> None:
-        """Forces on halves into ``this.outer``, increments of constraints, and books."""
+        """Add forces to ``this.outer``; increments of constraints, and books."""
         span = self._span
         span.middle[:], span.J[:] = self._grips.locate(this.mean)
         if span.turns.any():

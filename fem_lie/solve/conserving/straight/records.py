@@ -89,7 +89,7 @@ class Step(NamedTuple):
         r: What is wrong with the balance, along the axes in the middle, and with the constraints,
             (6 n + m,).
         q: For inertia, (2, n, 4, 3).
-        outer: Forces of joints on both halves, (n, 6).
+        outer: Forces of joints, and viscous ones, on both halves, (n, 6).
         change: Increments of the constraints less those of their targets, (m,).
     """
 

@@ -21,7 +21,7 @@ from fem_lie.solve.conserving.straight.cells import energies_at
 from fem_lie.solve.conserving.straight.joints import Joints
 from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.solve.conserving.straight.rows import gathered
-from fem_lie.solve.conserving.straight.scene import model_of
+from fem_lie.solve.conserving.straight.scene import model_of, viscous_terms
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.convergence import DIVERGED, ROTATION, ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.integration import Integration
@@ -107,6 +107,8 @@ class StraightRun(Integration[Recorder]):
         self._still, self._work = z((n, 6)), z(unknowns.size)
         at_rest = Instant(*equations.start, self._still, self.s.weights)
         self._found = equations.residual(at_rest, self.s.scale, self._work)
+        self._viscous = viscous_terms(equations)
+        self._twists, self._viscous_forces = z((2, n, 6))
         self._factors: Factors | None = None
         self._made = self._factorisations = self._iterations = 0
         self._increment, self._before = np.inf, z(m)
@@ -241,6 +243,11 @@ class StraightRun(Integration[Recorder]):
         steps.move(model, s, this, self.h)
         if self.joints.any:
             self.joints.add_forces(s, this, self.h)
+        for term in self._viscous:
+            steps.mean_rates(model, this, self.h, self._twists)
+            self._viscous_forces[:] = 0.0
+            term.add_viscous_forces(this.mean, self._twists, self._viscous_forces)
+            steps.add_viscous(model, this, self.h, self._twists, self._viscous_forces)
         steps.residual(model, s, this, self.h)
 
     def _solve(self) -> None:

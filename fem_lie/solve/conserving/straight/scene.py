@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
+from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.straight.measure import measure_cells
 from fem_lie.solve.conserving.straight.records import Model
@@ -27,7 +28,6 @@ def check(equations: Equations) -> None:
     known = [term for term in terms if term.rates is None and not term.within_joints]
     pairs = equations.tables.pairs_of_all
     apart = [term.label for term in known if term.tables is None or term.settles]
-    viscous = [f"viscous {term.label}" for term in known if term.viscous]
     reasons = {
         "frames (Beam, Shell, RigidBody)": bool((unknowns.kinds < SLOPE).any()),
         "constraints of velocities, or joints that slide or roll": pairs is None,
@@ -35,7 +35,7 @@ def check(equations: Equations) -> None:
         "(Revolute, Fixed; Spherical at another place)": pairs is not None and pairs.loose,
         "nodes that follow others": unknowns.moving < unknowns.total,
         "strains that change": unknowns.strains_change,
-        ", ".join(dict.fromkeys(apart + viscous)): bool(apart or viscous),
+        ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     for what, given in reasons.items():
         if given:
@@ -43,6 +43,12 @@ def check(equations: Equations) -> None:
                 "conserving schemes have nodes that are no frames (Cable, Net, ThinShell, Solid) "
                 f"without {what}: use GeneralisedAlpha"
             )
+
+
+def viscous_terms(equations: Equations) -> list[Term]:
+    """Those whose damping goes with strain rates."""
+    known = equations.tables.terms
+    return [t for t in known if t.viscous and t.rates is None and not t.within_joints]
 
 
 def model_of(equations: Equations) -> Model:

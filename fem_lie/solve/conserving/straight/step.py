@@ -19,10 +19,13 @@ from fem_lie.lie.kinds.kind import SLOPE, axes, carry, first, straight
 from fem_lie.lie.kinds.motion import from_local, to_local
 from fem_lie.lie.tuples import (
     combined,
+    dot,
     load,
     load_row,
+    plus,
     rotate,
     rotate_back,
+    scaled,
     store,
     store_row,
 )
@@ -86,9 +89,10 @@ def correct(model: Model, state: State, this: Step, x: Array) -> None:
 
 @compiled
 def move(model: Model, state: State, this: Step, h: float) -> None:
-    """Rows in the middle and at the end of the step, rates at its end; empty books."""
+    """Rows in the middle and at the end of the step, rates at its end; no forces, empty books."""
     step, half = this.step, np.empty(6)
     this.losses[:] = 0.0
+    this.outer[:] = 0.0
     for i in range(step.shape[0]):
         for k in range(6):
             half[k] = 0.5 * step[i, k]
@@ -98,10 +102,35 @@ def move(model: Model, state: State, this: Step, h: float) -> None:
 
 
 @compiled
+def mean_rates(model: Model, this: Step, h: float, out: Array) -> None:
+    """Mean velocities (n, 6) along the axes of the nodes in the middle of the step."""
+    for i in range(out.shape[0]):
+        d1, d2, d3 = axes(model.kinds[i], this.mean[i])
+        for at in (0, 3):
+            rate = scaled(1.0 / h, load(this.step[i], at))
+            store(out[i], at, rotate_back(d1, d2, d3, rate))
+
+
+@compiled
+def add_viscous(model: Model, this: Step, h: float, rates: Array, forces: Array) -> None:
+    """Add forces (n, 6) along these axes, at these velocities, and book what they take.
+
+    They do not oppose rigid motions: these are motions of the middle of the step, by
+    ``ω × r̄``, however far the step turns.
+    """
+    for i in range(rates.shape[0]):
+        d1, d2, d3 = axes(model.kinds[i], this.mean[i])
+        for at in (0, 3):
+            f = load(forces[i], at)
+            this.losses[DAMPING] += h * dot(f, load(rates[i], at))
+            store(this.outer[i], at, plus(load(this.outer[i], at), rotate(d1, d2, d3, f)))
+
+
+@compiled
 def residual(model: Model, state: State, this: Step, h: float) -> None:
     """Twice the balance of momenta over the step, along the axes in the middle, into ``this.r``.
 
-    Nodes have moved, and forces of joints are there.
+    Nodes have moved, and the outer forces are there.
     """
     kinds, (step, mean, end), forces, q = model.kinds, this[:3], this.forces, this.q
     n = step.shape[0]
