@@ -1,10 +1,13 @@
 """Discrete rods without twist, and nets: closed forms, and laws of mechanics."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import fem_lie as fl
+from benchmarks import nets
 from demos.elastica import BENDING, FORCE, LENGTH, elastica
 from fem_lie import lie
 from fem_lie.lie import kinds
@@ -269,3 +272,11 @@ def test_refused(case):
     call, words = case
     with pytest.raises((ValueError, TypeError), match=words):
         call()
+
+
+def test_a_net_that_is_hit_converges():
+    """Three unknowns at each node that is not pinned."""
+    runs = [nets.run(parts, 2.5e-3) for parts in (1, 2, 4)]
+    assert runs[0].unknowns == 3 * 11 * 11
+    moved = [nets.distance(*pair) for pair in pairwise(runs)]
+    assert moved[1] < 8e-4 and moved[1] < 0.6 * moved[0]
