@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from benchmarks import elastic_bar
 from benchmarks.conserving_contact import CASES
 
 
@@ -63,3 +64,10 @@ def test_a_run_goes_on_to_the_last_bit_from_amid_an_impact(tmp_path):
     resumed = scheme.resume(build(k)[0], file, progress=False)
     for name in ("frames", "velocities", "elastic"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+def test_a_bar_on_a_wall_gains_nothing_and_does_not_rattle():
+    found = elastic_bar.run(fl.EnergyDecaying(radius=0.8), 5.0)
+    assert found["energy"] <= 1.0 + 1e-12
+    assert found["noise"] < 0.03
+    assert abs(found["force"] - 1.0) < 0.015
