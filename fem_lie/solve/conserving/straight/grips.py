@@ -50,7 +50,7 @@ from fem_lie.solve.conserving.straight.rows import (
     largest_cell,
 )
 
-_STILL = 1e-14
+_STILL = 1e-12
 """Of ``|s|²`` over the square of the size: what is missing is round-off there."""
 
 
