@@ -1,4 +1,4 @@
-"""The demo of explicit steps, shortened: figures against their references."""
+"""Demos of nets, shortened: figures against their references."""
 
 import importlib
 
@@ -12,3 +12,13 @@ def test_wave_in_a_net():
     assert record["momentum_error"] <= 1e-12
     assert record["angular_momentum_error"] <= 1e-12
     assert record["highest"] > 1e-3
+
+
+def test_space_net():
+    """Momenta stay while corner masses pull it open."""
+    module = importlib.import_module("demos.space_net")
+    record = module.main(unknowns=1e3, steps=5, cells=20)
+    assert (record["meshes"], record["unknowns"]) == (2, 3 * (9 + 12 * 19) + 24)
+    assert record["energy_error"] <= 1e-3
+    assert record["momentum_error"] <= 1e-12
+    assert record["angular_momentum_error"] <= 1e-7

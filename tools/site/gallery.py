@@ -43,7 +43,7 @@ GROUPS = {
     ),
     "Motion": (
         "double_pendulum heavy_top free_rigid_body rotating_beam flapping_plate tumbling_plate "
-        "wave_in_a_net pendulum_conservation variational_pendulum"
+        "wave_in_a_net space_net pendulum_conservation variational_pendulum"
     ),
     "Studies": (
         "local_frame_claims speed_against_error speed_against_error_shells order_four time_error "
