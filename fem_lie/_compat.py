@@ -21,6 +21,10 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.algorithms.transformer import strip_variables
+from ufl.core.expr import Expr
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -49,6 +53,16 @@ def custom_form(
         mesh._cpp_object,
     ]
     return fem.Form(form_cpp_class(np.float64)(*arguments))
+
+
+def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
+    """An expression at points of its cells, compiled once for all that are made alike.
+
+    FFCx names what it compiles after the count of each ``ufl.variable``, so derivatives with
+    respect to one are taken first.
+    """
+    lowered = apply_derivatives(apply_algebra_lowering(value))
+    return fem.Expression(strip_variables(lowered), np.asarray(points))
 
 
 def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:

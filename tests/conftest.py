@@ -1,9 +1,15 @@
-"""Order of the tests, and patience with each other's compilers."""
+"""Order of the tests, their random numbers, and patience with each other's compilers."""
 
+import os
 import time
 from pathlib import Path
 
 import dolfinx.jit
+from hypothesis import settings
+
+# the same examples in each run; HYPOTHESIS_PROFILE=default looks for others
+settings.register_profile("same", derandomize=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 _PATIENCE = 600
 # forms take FFCx and the C compiler up to minutes, and another process may be at them

@@ -5,7 +5,7 @@ To test another element or energy, write a function ``name(comm) -> Model`` and 
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 
 from mpi4py import MPI
 
@@ -63,6 +63,15 @@ class Model:
 
     def energy_value(self) -> float:
         return fem.assemble_scalar(self.forms.energy)
+
+    @cached_property
+    def stress(self) -> fem.Expression:
+        """σ(ε) at the points of the carried stress, which DOLFINx evaluates."""
+        energy, mesh = self.energy, self.frames.function.function_space.mesh
+        strain = ufl.variable(energy.strain)
+        degree = energy.dx.metadata()["quadrature_degree"]
+        points = basix.make_quadrature(mesh.basix_cell(), degree)[0]
+        return _compat.expression(ufl.diff(energy.law(strain), strain), points)
 
     def residual(self) -> np.ndarray:
         return fem.assemble_vector(self.forms.residual).array.copy()

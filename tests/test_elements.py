@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from models import BEAMS, ELEMENTS, D, built, few, hellinger_reissner_linear, straight, superpose
 
-from fem_lie import lie
+from fem_lie import _compat, lie
 from fem_lie.elements.beams.directors import director_strains, midpoint_strains
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
@@ -129,7 +129,7 @@ def test_director_strains_of_an_arc():
     q = NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
     q.frames[np.argsort(q.frames[:, 0, 0])] = circle(count, angle, 1.0 / angle)
     stretch, curvature = director_strains(q)
-    strain = fem.Expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.arange(count, dtype=np.int32))
     values = values.reshape(count, 6)  # DOLFINx 0.11 keeps the axis of the points
     # θ²/12 of the angle θ of one element
@@ -148,7 +148,7 @@ def test_midpoint_strains_are_mean_rotation_and_angle(angle, tolerance):
     R = lie.rotation(q.frames[first])
     q.frames[1 - first] = lie.frame(q.frames[first, 0] + way, R @ lie.so3_exp(turn))
     stretch, curvature, _ = midpoint_strains(q)
-    strain = fem.Expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.zeros(1, dtype=np.int32)).ravel()
     middle = R @ lie.so3_exp(turn / 2)
     # sums of a few products of order one

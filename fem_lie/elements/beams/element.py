@@ -196,7 +196,7 @@ def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fe
         _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
     )
     f = fem.Function(fem.functionspace(mesh, element))
-    f.interpolate(fem.Expression(expression, element.custom_quadrature()[0]))
+    f.interpolate(_compat.expression(expression, element.custom_quadrature()[0]))
     return f
 
 

@@ -13,6 +13,7 @@ from dolfinx import fem
 from dolfinx import mesh as dolfinx_mesh
 from ufl.core.expr import Expr
 
+from fem_lie import _compat
 from fem_lie._arrays import Array
 from fem_lie.elements.shells import drilling_strain, strains
 from fem_lie.elements.shells.maps import FIVE, SIX
@@ -221,7 +222,7 @@ class ShellCells:
         return f
 
     def _expression(self, value: Expr, degree: int) -> fem.Expression:
-        return fem.Expression(value, basix.make_quadrature(self._cell, degree)[0])
+        return _compat.expression(value, basix.make_quadrature(self._cell, degree)[0])
 
     def _surface(self, y: fem.Function, jacobian: Expr, here: Expr) -> Surface:
         step, count = self._per_node, self._shapes.count

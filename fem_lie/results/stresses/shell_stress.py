@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import basix
 import numpy as np
 import numpy.typing as npt
-from dolfinx import fem
 
+from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices, vector
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.stresses.nodal_values import (
@@ -33,7 +33,7 @@ class ShellStress:
     def __init__(self, shell: Shell) -> None:
         self._assembly = Shell.assemble([shell])
         rule = integration(shell)[0]
-        self._expression = fem.Expression(self._assembly.stress, rule)
+        self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
         self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from dolfinx import fem
 
+from fem_lie import _compat
 from fem_lie._arrays import Array, instance
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, cellwise
@@ -171,7 +172,7 @@ def solid_stresses(result: Located, solid: Solid, step: int = -1) -> SolidStress
     strains = solid.formulation.strains(NodalFrames(mesh, degree), degree)
     strains.place(own[solid.connectivity])
     parameters = [cellwise(mesh, column) for column in solid.parameters.T]
-    stress = fem.Expression(strains.cauchy(solid.material, parameters), points)
+    stress = _compat.expression(strains.cauchy(solid.material, parameters), points)
     cells = np.arange(solid.mesh.cells, dtype=np.int32)
     at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
     shapes = tabulated(solid.mesh.cell, degree, points)[0]
