@@ -139,6 +139,7 @@ from fem_lie.solve.composed.compositions import Composition, FiveStages, TripleJ
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.explicit.asynchronous import Asynchronous
 from fem_lie.solve.explicit.explicit import Explicit
+from fem_lie.solve.hamel.hamel import Hamel
 from fem_lie.solve.motion.policies import (
     Automatic,
     ConstraintsOnly,
@@ -239,6 +240,7 @@ __all__ = [
     "Geodesic",
     "GoalError",
     "Group",
+    "Hamel",
     "HellingerReissner",
     "HermiteCable",
     "HuWashizu",

@@ -86,6 +86,7 @@ MAY_IMPORT = {
     "solve.explicit": {"solve.motion"},
     "solve.composed": {"solve.conserving"},
     "solve.multirate": {"solve.conserving"},
+    "solve.hamel": {"solve.conserving.between"},
 }
 """Rooms and what they may import besides; what those may is theirs, too."""
 

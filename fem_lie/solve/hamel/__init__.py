@@ -1,0 +1,1 @@
+"""Rigid bodies by velocities in their own frames, which edges and rolling discs bind there."""

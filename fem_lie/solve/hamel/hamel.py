@@ -1,0 +1,136 @@
+r"""Hamel's form: velocities in moving frames are the variables, and what binds them is bound there.
+
+Of a rigid body the variables are the velocities ``ξ = (V, W)`` of the mass centre along its axes.
+An edge binds a constant component of them, ``ξ = Z η``; what is left are the ``η``. Over a step
+with the means ``ξ̄ = ½ (ξ₀ + ξ₁) = Z η̄``, ``R₁ = R₀ cay(h W̄)`` and ``R̄ = ½ (R₀ + R₁)``::
+
+    Zᵀ [M (ξ₁ − ξ₀)/h − (m V̄ × W̄, J W̄ × W̄) − (m R̄ᵀ g, 0)] = 0,        x₁ = x₀ + h R̄ V̄
+
+which are Hamel's equations: no multipliers, and the edge holds at the ends and within. Times ``ξ̄``,
+they say that kinetic energy and that of gravity stay, to round-off. A disc that rolls on a plane
+with the normal ``N`` has the velocity ``v̄ = c̄ × w̄`` of its rotation alone, with the arm to the
+point of contact ``c̄ = −ρ (N − γ̄ d̄)/σ̄``, where ``d̄`` and ``σ̄`` are means over the step of its
+axis and of ``σ = |N × d|``, and ``γ̄ = N·d̄``. That is a discrete gradient: the disc stays on the
+plane to round-off, and the force in the contact does no work. Within steps the disc does not slip;
+at their ends the velocities that are told are those of rolling, and the energy of these goes up and
+down with the step squared and does not drift, for that of the steps stays.
+
+The schemes are symmetric, of second order. Sources: Ball & Zenkov, in Geometry, Mechanics, and
+Dynamics (2015) 477; Shi, Berchenko-Kogan, Zenkov & Bloch, J. Nonlinear Sci. 27 (2017) 241.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.rigid import RigidBody
+from fem_lie.joints import Joint
+from fem_lie.joints.rolling import KnifeEdge, RollingDisc
+from fem_lie.lie.motions import Group
+from fem_lie.results import Result
+from fem_lie.scene import Scene
+from fem_lie.solve.hamel.run import HamelRun
+from fem_lie.solve.hamel.step import Bodies
+from fem_lie.solve.motion.integrator import Integrator, why_steps_change
+from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations
+
+
+@dataclass(frozen=True)
+class Hamel(Integrator):
+    """Rigid bodies under gravity, each free, on an edge or a disc that rolls on the ground.
+
+    What binds velocities (:class:`~fem_lie.KnifeEdge`, :class:`~fem_lie.RollingDisc`) is solved for
+    in the frames of the bodies, without multipliers; joint forces in results are those of the
+    equations of motion. :meth:`run` makes constant steps.
+
+    Example:
+        >>> sledge = fl.RigidBody(1.5, (0.05, 0.05, 0.05))
+        >>> sledge.turn((0, 0, 2.0), about=(-0.3, 0, 0))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(sledge)
+        >>> blade = fl.KnifeEdge(fl.ground(), sledge.centre, at=(-0.3, 0, 0), axis=(0, 1, 0))
+        >>> _ = scene.add(blade)
+        >>> result = fl.Hamel().run(scene, duration=1.0, step=0.01)
+        >>> bool(result.energy_error < 1e-13)
+        True
+    """
+
+    def _equations(self, scene: Scene) -> Equations:
+        _refuse(scene)
+        return Equations(scene, dynamics=True, group=Group.R3xSO3)
+
+    def _integration(self, equations: Equations, step: float) -> HamelRun:
+        return HamelRun(equations, step, _bodies(equations.scene))
+
+    def _follow(
+        self,
+        scene: Scene,
+        duration: float,
+        choice: StepChoice,
+        saving: Saving,
+        progress: bool | None,
+    ) -> Result:
+        given = why_steps_change(scene, duration, choice)
+        raise ValueError(
+            "Hamel makes constant steps: wanted the size of the step as a number and nothing that "
+            f"jumps, got {given}; use GeneralisedAlpha"
+        )
+
+
+def _refuse(scene: Scene) -> None:
+    """Raise ``ValueError`` for what the scheme cannot do."""
+    bound = [joint.b.body for joint in scene.joints]
+    kinds = KnifeEdge | RollingDisc
+    on_ground = all(isinstance(j, kinds) and j.a.is_ground for j in scene.joints)
+    around = (scene.connections, scene.links, scene.contacts, scene.clamps, scene.motions)
+    reasons = {
+        "bodies that are not rigid": not all(isinstance(b, RigidBody) for b in scene.bodies),
+        "joints but KnifeEdge and RollingDisc on the ground": not on_ground,
+        "bodies with two of these": len(set(bound)) < len(bound),
+        "loads but gravity": bool(scene.loads),
+        "springs, drives, links, contact, clamps and motions": any(around),
+    }
+    for what, given in reasons.items():
+        if given:
+            raise ValueError(f"Hamel has no {what}: use GeneralisedAlpha")
+
+
+def _bodies(scene: Scene) -> Bodies:
+    """What stays the same of all bodies of a scene, in their order."""
+    n, z = len(scene.bodies), np.zeros
+    found = Bodies(
+        z(n), z((n, 3, 3)), z((n, 6, 6)), z((n, 6, 6)), z(n, dtype=np.int64), z(n), z((n, 2, 3)),
+        z((n, 3)), scene.gravity.copy(),
+    )  # fmt: skip
+    joints: dict[object, Joint] = {joint.b.body: joint for joint in scene.joints}
+    for i, body in enumerate(scene.bodies):
+        assert isinstance(body, RigidBody)
+        second = body.gram[1:, 1:]
+        found.mass[i], found.turning[i] = body.gram[0, 0], np.trace(second) * np.eye(3) - second
+        joint, Z = joints.get(body), np.eye(6)
+        if joint is not None:
+            _, frame = joint.frames()
+            x, R = body.frames[0, 0], body.frames[0, 1:].T
+            place, axis = R.T @ (frame[0] - x), R.T @ frame[3]
+            if isinstance(joint, RollingDisc):
+                plane, _ = joint.frames()
+                found.radius[i], found.normal[i] = joint.radius, plane[3]
+                found.disc[i] = place, axis
+            else:
+                Z = _complement(np.concatenate([axis, np.cross(place, axis)]))
+        k = Z.shape[1]
+        M = np.zeros((6, 6))
+        M[:3, :3], M[3:, 3:] = found.mass[i] * np.eye(3), found.turning[i]
+        found.columns[i], found.allowed[i, :, :k] = k, Z
+        found.inverse[i, :k, :k] = np.linalg.inv(Z.T @ M @ Z)
+    return found
+
+
+def _complement(row: Array) -> Array:
+    """Orthonormal columns across a row, (6, 5)."""
+    return np.asarray(np.linalg.svd(row[np.newaxis])[2][1:].T)

@@ -1,0 +1,131 @@
+"""A run of Hamel's form: the compiled steps, results and checkpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, TOTAL
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.results import Result
+from fem_lie.results.record import Record
+from fem_lie.solve.hamel import step
+from fem_lie.solve.motion.consistent import accelerations, check_velocities
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Never
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations
+
+PREFIX = "fem_lie_dynamics_"
+_AT_A_TIME = 20_000
+"""Steps times bodies after which the loop comes back to be interrupted."""
+
+
+class HamelRun(Integration[Recorder]):
+    """One integration."""
+
+    def __init__(self, equations: Equations, size: float, bodies: step.Bodies) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            equations: Of the scene.
+            size: Step size.
+            bodies: What stays the same of them.
+        """
+        super().__init__(Never(), equations, size)
+        self._bodies, n = bodies, equations.unknowns.moving
+        self.H, self.s = equations.start.frames.copy(), np.zeros((n, 6))
+        self.impulses, self._made = np.zeros((2, 6)), 0
+        self._solver: DirectSolver | None = None
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return Recorder(self.equations, steps, self.h, saving, progress, store)
+
+    def start(self) -> None:
+        """See the base class."""
+        check_velocities(self.equations, self.h)
+        self.s[:] = self.equations.start.velocities[: len(self.s)]
+        rolls = self._bodies.radius > 0.0
+        self.s[rolls, :3] = self._rolling[rolls]
+
+    @property
+    def _rolling(self) -> Array:
+        """Velocities in space of mass centres whose discs do not slip, (n, 3); of others any."""
+        bodies, found = self._bodies, np.zeros((len(self.s), 3))
+        for i in np.flatnonzero(bodies.radius > 0.0):
+            arm = step.contact(self.H[i], bodies.disc[i], bodies.normal[i], bodies.radius[i])
+            found[i] = np.cross(arm, self.s[i, 3:] @ self.H[i, 1:])
+        return found
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.H
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._made
+
+    def _advance(self, history: Recorder) -> bool:
+        most = max(1, _AT_A_TIME // len(self.s))
+        last = min(history.next_stop(self._made), self._made + most)
+        count = last - self._made
+        step.run(self.H, self.s, (*self._bodies,), self.h, count, self.impulses)
+        self._made = history.count = last
+        return bool(np.isfinite(self.s).all())
+
+    def _failure(self, steps: int) -> str:
+        return (
+            f"step {self.index} of {steps} (h = {self.h:g}) failed: no velocity was found, or a "
+            "disc lies in its plane; a smaller step may help"
+        )
+
+    # --- results ---
+
+    def _record(self, history: Recorder) -> bool:
+        history.show_progress(self._made)
+        wanted = history.wants(self._made)
+        if wanted:
+            equations, n = self.equations, len(self.s)
+            v = equations.start.velocities.copy()
+            rates: Array = np.zeros((n, 6))
+            rolls = self._bodies.radius > 0.0
+            v[:n] = self.s
+            v[:n][rolls, :3] = np.einsum("nai,ni->na", self.H[:n, 1:], self._rolling)[rolls]
+            weights: Array = np.zeros(equations.unknowns.m)
+            time = self._made * self.h
+            if Record.FORCES in history.filled and len(weights):
+                solver = self._solver or DirectSolver(equations.matrix, PREFIX)
+                self._solver = solver
+                rates, weights = accelerations(equations, solver, self.H, v, time, self.h)
+            booked = np.zeros(TOTAL)
+            booked[BY_LOADS:BY_REACTIONS], booked[BY_REACTIONS:] = self.impulses
+            history.fill(time, self.H, v[:n], rates, weights, booked)
+        return wanted
+
+    def _result(self, history: Recorder) -> Result:
+        return history.result(0, history.seconds)
+
+    # --- checkpoints ---
+
+    _STATE = ("H", "s", "impulses")
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept = {name: getattr(self, name).copy() for name in self._STATE}
+        return kept | {"made": np.array([self._made])} | super().memory()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        for name in self._STATE:
+            getattr(self, name)[:] = kept[name]
+        self._made = int(kept["made"][0])
+        super().restore(kept)
