@@ -173,8 +173,8 @@ def _roll(
     for k in range(3):
         for i in range(3):
             K[k, i] = J[k, i] - mass * a[k] * a[i] + (mass * dot(a, a) if i == k else 0.0)
-    inverse: Array = np.linalg.inv(K)
-    previous = np.inf
+    inverse, previous = np.empty((3, 3)), np.inf
+    inverse[:] = np.linalg.inv(K)
     W, ψ, v, F = W0, scaled(h, rotate(d1, d2, d3, W0)), v0, v0
     arm = a
     start = rotate(d1, d2, d3, axis)
