@@ -27,6 +27,8 @@ from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import call_kernel, integer_pointer, pointer
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
+NOTHING, COORDINATES, ITSELF = 0, 1, 2
+"""What of the energy forces find."""
 
 
 class CellTable(NamedTuple):
@@ -37,11 +39,13 @@ class CellTable(NamedTuple):
             Shape (M, 4), as the next two.
         w: Address of the packed coefficients, the frames of the nodes first.
         c: Address of the constants.
-        at: Offset in ``w`` of the local fields (first three) or the twists (last), shape (M, 4).
+        at: Offset in ``w`` of the local fields (first three) or the twists (last), and of forces
+            that find the energy, of that, shape (M, 4).
         x: Address of the coordinates of the cell, shape (M,).
         n_s: Number of local fields, shape (M,).
         unknowns: Per node, five or six, shape (M,).
-        shares: Whether forces find the coordinates of which the energy is made, 0 or 1, shape (M,).
+        shares: What forces find of the energy: the coordinates of which it is made, or itself, see
+            :data:`NOTHING`, shape (M,).
         first: First place of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells, in the numbering of all nodes.
     """
@@ -117,15 +121,18 @@ class Cells:
         assert isinstance(assembly, Assembly)
         forms, count = assembly.forms, len(assembly.cells)
         forms.increment.x.array[:] = 0.0  # local fields are brought to the frames as they are
-        # forces that are written by hand leave no coordinates behind
-        shares = forms.residual_kernel is kernels.residual_kernel
+        shares, found = NOTHING, forms.local
+        if forms.residual_kernel is kernels.residual_kernel:
+            shares = COORDINATES
+        elif forms.found_energy is not None:
+            shares, found = ITSELF, forms.found_energy
         packed: list[_Form | None] = [
             _Form(
                 forms.energy,
-                kernels.energy_again_kernel if shares else kernels.energy_kernel,
+                kernels.energy_again_kernel if shares == COORDINATES else kernels.energy_kernel,
                 forms.local,
             ),
-            _Form(forms.residual, forms.residual_kernel, forms.local),
+            _Form(forms.residual, forms.residual_kernel, found),
             None,
             None,
         ]
@@ -149,7 +156,7 @@ class Cells:
             "x": x.ctypes.data + steps * x[0].size,
             "n_s": np.full(count, 0 if forms.local is None else forms.local_size),
             "unknowns": np.full(count, forms.increment.function_space.dofmap.bs),
-            "shares": np.full(count, int(shares)),
+            "shares": np.full(count, shares),
             "nodes": start + assembly.cells.astype(np.int64),
         }
 
@@ -277,7 +284,10 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
             row[5] = 0.0
             for k in range(b):
                 row[k] = out[b * i + k]
-        if shares[e]:
+        if shares[e] == ITSELF:
+            W[e] = pointer(w[e, RESIDUAL])[at[e, RESIDUAL]]
+            continue
+        if shares[e] == COORDINATES:
             _take_coordinates(w[e], c[e])
         out[0] = 0.0
         call_kernel(

@@ -22,10 +22,12 @@ class Forces(NamedTuple):
         kernel: Of UFCx's signature. Behind the rows of the nodes is room for the coordinates, where
             a map computes them, then what it reads.
         reads: What that is, without the state.
+        energy: One of these, if it writes the energy of the cell there: a number.
     """
 
     kernel: Any
     reads: Sequence[fem.Function] = ()
+    energy: fem.Function | None = None
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,8 @@ class LocalFrameForms:
         energy: Functional, rank 0.
         residual: Forces and moments in the nodal frames, rank 1, on the space of ``increment``.
         residual_kernel: What stands behind it.
+        found_energy: Where that leaves the energy of a cell, one of the functions of the form, or
+            ``None``.
         tangent: Its derivative with respect to local-frame increments, rank 2.
         increment: Function ``h`` read by :meth:`carry`: translation, rotation in nodal frames.
         local: The element-local fields ``s``, or ``None``.
@@ -62,6 +64,7 @@ class LocalFrameForms:
     energy: fem.Form
     residual: fem.Form
     residual_kernel: Any
+    found_energy: fem.Function | None
     tangent: fem.Form
     viscous: fem.Form | None = None
     viscous_tangent: fem.Form | None = None
@@ -195,7 +198,7 @@ class LocalFrameForms:
         V, form = self.increment.function_space, self._wrapping.form
         self._stored = energy
         self.energy = form(kernels.energy_kernel, [], [energy])
-        self.residual_kernel = forces.kernel
+        self.residual_kernel, self.found_energy = forces.kernel, forces.energy
         self.residual = form(forces.kernel, [V], residual, forces.reads)
         self.tangent = form(kernels.tangent_kernel, [V, V], tangent)
 

@@ -9,7 +9,7 @@ nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, C
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numba
@@ -27,7 +27,8 @@ from fem_lie.elements.beams.element import (
     flexible_cells,
     with_bending_flexibility,
 )
-from fem_lie.forms.energy import StrainEnergy
+from fem_lie.elements.beams.geodesic_forces import force_kernel
+from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frame_map import FrameMap, frame_function
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import Pointer
@@ -123,11 +124,14 @@ class Geodesic(Formulation):
         unloaded = _relative(nodal)
         if self.bending_flexibility:
             cells = flexible_cells(cells, unloaded)
-        d, d0, length = (cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths))
-        viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
-        energy = geodesic_energy(
-            d, d0, length, cellwise(mesh, cells.stiffness), mesh, cells.eigenstrain, viscosity
+        d, d0, length, found = (
+            cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths, np.zeros(len(unloaded)))
         )
+        viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
+        D, eigenstrain = cellwise(mesh, cells.stiffness), cells.eigenstrain
+        energy = geodesic_energy(d, d0, length, D, mesh, eigenstrain, viscosity)
+        forces = Forces(force_kernel, [length, D, eigenstrain, d0, found], found)
+        energy = replace(energy, forces=forces)
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:

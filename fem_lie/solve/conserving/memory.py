@@ -20,7 +20,7 @@ from fem_lie.solve.conserving.step.records import (
     State,
     Step,
 )
-from fem_lie.solve.conserving.step.series import DENSE
+from fem_lie.solve.conserving.step.series import DENSE, WHOLE
 from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.loads import Loads
@@ -125,21 +125,23 @@ def model_of(equations: Equations, cells: Cells, scheme: Scheme, legs: Legs) -> 
         driven=np.zeros(m),
         supported=known.supported.astype(np.int64),
         legs=legs,
-        ends=ends_of(legs, n),
+        ends=ends_of(legs, n, unknowns.size),
     )
 
 
-def ends_of(legs: Legs, n: int) -> LegEnds:
+def ends_of(legs: Legs, n: int, size: int) -> LegEnds:
     """Of legs of ``n`` nodes: where they are too many for a dense matrix, none."""
     nodes, at_node = np.unique(legs.nodes, return_inverse=True)
     rows, at_row = np.unique(legs.constraints, return_inverse=True)
     count = 6 * len(nodes) + len(rows)
     if count > DENSE:
-        return LegEnds(np.zeros(0, np.int64), np.zeros((2, 0), np.int64), np.zeros((0, 0)))
+        none = np.zeros(0, np.int64), np.zeros((2, 0), np.int64)
+        return LegEnds(*none, np.zeros((0, 0)), np.zeros((0, size)))
     own = 6 * nodes[:, None] + np.arange(6)
     unknowns = np.concatenate([own.ravel(), 6 * n + rows]).astype(np.int64)
     at = np.stack([6 * at_node, 6 * len(nodes) + at_row]).astype(np.int64)
-    return LegEnds(unknowns, at, np.zeros((count, count)))
+    columns = np.zeros((count if count * size <= WHOLE else 0, size))
+    return LegEnds(unknowns, at, np.zeros((count, count)), columns)
 
 
 def pieces_of(terms: Iterable[Term]) -> Pieces:

@@ -221,7 +221,7 @@ class RunState(Integration[History]):
         """The same, with what :mod:`.step.series` wants of the inverse."""
         ends = self.model.ends
         if len(ends.unknowns):
-            set_inverse(factors.plain, ends.unknowns, self.this.r, ends.inverse)
+            set_inverse(factors.plain, ends, self.this.r)
         return factors
 
     def _fill_here(self, scale: Array | None) -> Array:

@@ -123,7 +123,9 @@ def model_of(packed: PackedModel) -> Model:
         numbers1(table, 30),
         integer_sixes(table, 34),
         Legs(integers1(table, 31), integers1(table, 32)),
-        LegEnds(integers1(table, 35), integers2(table, 36), numbers2(table, 37)),
+        LegEnds(
+            integers1(table, 35), integers2(table, 36), numbers2(table, 37), numbers2(table, 38)
+        ),
     )
 
 

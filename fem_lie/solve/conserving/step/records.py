@@ -76,11 +76,14 @@ class LegEnds(NamedTuple):
         at: Of each leg, where among them its node begins and where its multiplier is, (2, legs).
         inverse: Of the matrix that is kept, columns of the inverse in these unknowns, (k, k).
             Without any (0, 0) all unknowns are solved for instead.
+        columns: The same in all unknowns, (k, 6 n + m), or, where these are too many, none: then a
+            solution is made for the sum of terms.
     """
 
     unknowns: Indices
     at: Indices
     inverse: Array
+    columns: Array
 
 
 class Model(NamedTuple):

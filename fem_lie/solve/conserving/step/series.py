@@ -25,6 +25,8 @@ MOST, MOST_DENSE = 4, 12
 """Terms of the series, at most; and where they are products with a dense matrix."""
 DENSE = 60
 """Unknowns that constraints touch, for which such products are quicker than solutions."""
+WHOLE = 50_000
+"""Numbers of whole columns of the inverse in these, which are quicker than a solution then, too."""
 CLOSE, NEARLY = 1e-6, 1e-4
 """Terms that are left out, over the first one: in the first correction of a step, and later."""
 FALLS = 0.5
@@ -71,9 +73,12 @@ def correction(
     allowed = max(close * first, fine)
     if ends.inverse.shape[0] > 0 and turnings.shape[1] == 0:
         terms, falls = _all_terms(measure, scale, r, legs, ends, change, (first, allowed))
-        solve(factors, rest, work, term)
-        for i in range(x.shape[0]):
-            x[i] += term[i]
+        if ends.columns.shape[0] > 0:
+            for a in range(ends.columns.shape[0]):
+                _add(rest[ends.unknowns[a]], ends.columns[a], x)
+        else:
+            solve(factors, rest, work, term)
+            _add(1.0, term, x)
         return size(measure, x), terms, falls
     before, put = first, x
     for k in range(MOST):
@@ -146,6 +151,13 @@ def _all_terms(
     return terms, falls
 
 
+@inlined
+def _add(factor: float, given: Array, x: Array) -> None:
+    """``x += factor · given``."""
+    for i in range(x.shape[0]):
+        x[i] += factor * given[i]
+
+
 @uncounted
 def growth(
     measure: Array,
@@ -198,16 +210,19 @@ def growth(
 
 
 @compiled
-def set_inverse(factors: PlainFactors, unknowns: Indices, r: Array, inverse: Array) -> None:
-    """Columns of the inverse in some unknowns, as rows of ``inverse``; ``r`` as above."""
+def set_inverse(factors: PlainFactors, ends: LegEnds, r: Array) -> None:
+    """Columns of the inverse in the unknowns of ``ends``, into it; ``r`` as above."""
     _, _, work, rest, term = solution_of(r)
+    unknowns, whole = ends.unknowns, ends.columns.shape[0] > 0
     rest[:] = 0.0
     for b in range(unknowns.shape[0]):
         rest[unknowns[b]] = 1.0
         solve(factors, rest, work, term)
         rest[unknowns[b]] = 0.0
         for a in range(unknowns.shape[0]):
-            inverse[b, a] = term[unknowns[a]]
+            ends.inverse[b, a] = term[unknowns[a]]
+        if whole:
+            ends.columns[b, :] = term
 
 
 @inlined
