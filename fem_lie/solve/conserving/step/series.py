@@ -74,11 +74,11 @@ def correction(
     if ends.inverse.shape[0] > 0 and turnings.shape[1] == 0:
         terms, falls = _all_terms(measure, scale, r, legs, ends, change, (first, allowed))
         if ends.columns.shape[0] > 0:
-            for a in range(ends.columns.shape[0]):
-                _add(rest[ends.unknowns[a]], ends.columns[a], x)
+            _add_columns(ends, rest, x)
         else:
             solve(factors, rest, work, term)
-            _add(1.0, term, x)
+            for i in range(x.shape[0]):
+                x[i] += term[i]
         return size(measure, x), terms, falls
     before, put = first, x
     for k in range(MOST):
@@ -151,11 +151,21 @@ def _all_terms(
     return terms, falls
 
 
-@inlined
-def _add(factor: float, given: Array, x: Array) -> None:
-    """``x += factor · given``."""
-    for i in range(x.shape[0]):
-        x[i] += factor * given[i]
+@uncounted
+def _add_columns(ends: LegEnds, rest: Array, x: Array) -> None:
+    """``x += S⁻¹ rest``, where ``rest`` is nil but in the unknowns of ``ends``; four at a time."""
+    columns, unknowns = ends.columns, ends.unknowns
+    count = columns.shape[0]
+    for a in range(0, count - 3, 4):
+        c0, c1, c2, c3 = columns[a], columns[a + 1], columns[a + 2], columns[a + 3]
+        f0, f1 = rest[unknowns[a]], rest[unknowns[a + 1]]
+        f2, f3 = rest[unknowns[a + 2]], rest[unknowns[a + 3]]
+        for i in range(x.shape[0]):
+            x[i] += (f0 * c0[i] + f1 * c1[i]) + (f2 * c2[i] + f3 * c3[i])
+    for a in range(count - count % 4, count):
+        factor, column = rest[unknowns[a]], columns[a]
+        for i in range(x.shape[0]):
+            x[i] += factor * column[i]
 
 
 @uncounted
