@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import models
 import numpy as np
 import pytest
 from dolfinx import fem
-from mpi4py import MPI
 
 from fem_lie import lie
 from fem_lie.elements.beams.element import CellData

@@ -14,8 +14,8 @@ import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled, inlined
-from fem_lie._jit.stack import stack
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
 _KERNEL, _CELLS, _NODES, _FIRST, _W, _WIDTH, _C, _X, _EXTENT = range(9)
@@ -70,7 +70,7 @@ def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, place: Pointer) ->
     count = row[_NODES]
     first = row[_FIRST] + count * e
     w = pointer(row[_W] + 8 * row[_WIDTH] * e)
-    packed, k = numba.carray(w, (12 * count,)), 0
+    packed, k = vector_at(w, 12 * count), 0
     for i in range(first, first + count):
         for a in range(4):
             for j in range(3):
@@ -81,7 +81,7 @@ def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, place: Pointer) ->
     return first
 
 
-@compiled
+@uncounted
 def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Array) -> None:
     """Sum all forms over their cells, at nodal frames ``H``.
 
@@ -96,11 +96,12 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
     for f in range(rows.shape[0]):
         most = max(most, rows[f, _NODES] * unknowns)
     place = stack(most)
-    values = numba.carray(place, (most,))
+    values = vector_at(place, most)
     for f in range(rows.shape[0]):
         count = rows[f, _NODES]
         for e in range(rows[f, _CELLS]):
-            values[:] = 0.0
+            for k in range(most):
+                values[k] = 0.0
             first = _add_cell(H, rows[f], nodes, e, place)
             if unknowns == 0:
                 out[0] += values[0]

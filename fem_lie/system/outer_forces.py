@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
@@ -65,7 +65,7 @@ def _turned(H: Array, local: Vector) -> Vector:
     return rotate(load_row(H, 1), load_row(H, 2), load_row(H, 3), local)
 
 
-@compiled
+@uncounted
 def add_local(kinds: Indices, H: Array, forces: Array, at: int, sign: float, out: Array) -> None:
     """Add forces of nodes (n, 6), in their axes, times ``sign``, to ``out`` at ``at``."""
     for i in range(forces.shape[0]):
@@ -73,7 +73,7 @@ def add_local(kinds: Indices, H: Array, forces: Array, at: int, sign: float, out
         add_wrench(out, at, load_row(H[i], 0), scaled(sign, f), scaled(sign, m))
 
 
-@compiled
+@uncounted
 def add_loads(
     kinds: Indices,
     H: Array,

@@ -12,13 +12,12 @@ The node ``count`` and those after it do not move by themselves: ground and pres
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
-from fem_lie._jit.stack import stack
+from fem_lie._jit import compiled, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.one_pair import (
     ROOM,
@@ -34,7 +33,7 @@ from fem_lie.joints.equations.relative_motion import force, variation
 from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
 
 
-@compiled
+@uncounted
 def evaluate(
     H: Array, v: Array, table: JointTable, weights: Array, scale: Array, count: int, r: Array
 ) -> None:
@@ -49,7 +48,7 @@ def evaluate(
         count: Number of nodes that move.
         r: Residual, shape (≥ 6 count + m,), updated.
     """
-    work = numba.carray(stack(ROOM), (ROOM,))
+    work = vector_at(stack(ROOM), ROOM)
     A, B, z, p, f, c, sides, moved = room(work)
     m = len(table.targets)
     for row in range(m):
@@ -70,7 +69,7 @@ def evaluate(
                     r[6 * node + k] += moved[k]
 
 
-@compiled
+@uncounted
 def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array) -> None:
     """Forces on the frames that do not move by themselves, the last rows of ``H``.
 
@@ -81,7 +80,7 @@ def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array)
         weights: See there.
         out: One row of six for each of these frames, overwritten.
     """
-    work = numba.carray(stack(ROOM), (ROOM,))
+    work = vector_at(stack(ROOM), ROOM)
     A, B, z, p, f, c, sides, moved = room(work)
     out[:] = 0.0
     count = H.shape[0] - out.shape[0]
@@ -99,10 +98,10 @@ def reactions(H: Array, v: Array, table: JointTable, weights: Array, out: Array)
                     out[row, k] += moved[k]
 
 
-@compiled
+@uncounted
 def violations(H: Array, table: JointTable, out: Array) -> None:
     """``Φ``, shape (m,): the sum of terms minus the target of each constraint."""
-    work = numba.carray(stack(ROOM), (ROOM,))
+    work = vector_at(stack(ROOM), ROOM)
     A, B, z, _, f, _, _, _ = room(work)
     m = len(table.targets)
     for row in range(m):
@@ -151,7 +150,7 @@ def damper_loss(H: Array, v: Array, table: JointTable) -> float:
     return loss
 
 
-@compiled
+@uncounted
 def wrenches(
     H: Array, v: Array, table: JointTable, weights: Array, pairs: Indices, side: Indices, out: Array
 ) -> None:
@@ -159,7 +158,7 @@ def wrenches(
 
     ``out`` has one row of six for each of ``pairs``.
     """
-    work = numba.carray(stack(ROOM), (ROOM,))
+    work = vector_at(stack(ROOM), ROOM)
     A, B, z, p, f, c, sides, _ = room(work)
     for i in range(pairs.shape[0]):
         j = pairs[i]

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie.lie import motions
 from fem_lie.lie.kinds.forces import pull, push
 from fem_lie.lie.kinds.kind import SLOPE, axes, set_axes
@@ -215,21 +215,21 @@ def rigid_motions(kinds: Indices, H: Array, about: Array) -> Array:
     return out
 
 
-@compiled
+@uncounted
 def shown_all(kinds: Indices, H: Array, v: Array, out: Array) -> None:
     """:func:`shown` for nodes (n,), shapes (n, 6)."""
     for i in range(kinds.shape[0]):
         shown(kinds[i], H[i], v[i], out[i])
 
 
-@compiled
+@uncounted
 def push_all(kinds: Indices, H: Array, v: Array, out: Array) -> None:
     """:func:`push` for nodes (n,), shape (n, 4, 3)."""
     for i in range(kinds.shape[0]):
         push(kinds[i], H[i], v[i], out[i])
 
 
-@compiled
+@uncounted
 def pull_all(kinds: Indices, H: Array, f: Array, sign: float, r: Array) -> None:
     """:func:`pull` for nodes (n,), shapes (n, 4, 3) and (6 n,)."""
     for i in range(kinds.shape[0]):

@@ -16,7 +16,8 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.kinds.all_nodes import push_all
 from fem_lie.lie.kinds.forces import acceleration, acceleration_derivatives, pull
@@ -33,10 +34,10 @@ PlainMotion: TypeAlias = tuple[Array, Array, Array]
 """Frames (≥ n, 4, 3) of all nodes, local velocities (n, 6) and their rates, as a plain tuple."""
 
 
-@compiled
+@uncounted
 def accelerations(kinds: Indices, H: Array, v: Array, a: Array, out: Array) -> None:
     """``q̈ = L a + L̇ v``; shapes (n,), (n, 4, 3), (n, 6), (n, 6), (n, 4, 3)."""
-    local = np.empty((4, 3))
+    local = matrix_at(stack(12), 4, 3)
     for i in range(v.shape[0]):
         acceleration(kinds[i], H[i], v[i], a[i], local, out[i])
 
@@ -57,7 +58,7 @@ def multiply_row(i: int, indptr: Indices, indices: Indices, G: Array, q: Array, 
         out[a, 0], out[a, 1], out[a, 2] = s0, s1, s2
 
 
-@compiled
+@uncounted
 def multiply(indptr: Indices, indices: Indices, G: Array, q: Array, out: Array) -> None:
     """``out = G q`` for block-sparse ``G`` (nnz, 4, 4) acting on nodal vectors (n, 4, 3)."""
     for i in range(indptr.shape[0] - 1):
@@ -167,7 +168,7 @@ def invariants(
     return invariants_of_rates(H, qdot, indptr, indices, G, p)
 
 
-@compiled
+@uncounted
 def invariants_of_rates(
     H: Array, qdot: Array, indptr: Indices, indices: Indices, G: Array, p: Array
 ) -> Invariants:
@@ -189,13 +190,13 @@ def invariants_of_rates(
     return energy, p0, p1, p2, l0, l1, l2
 
 
-@compiled
+@uncounted
 def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
     """Twists (n, 6) in the frames of rates (n, 4, 3) of (x, d₁, d₂, d₃), without what deforms them.
 
     ``(Rᵀẋ, Σ turning_l Rᵀḋ_l)``, see :func:`turning_of`.
     """
-    turned = np.empty((4, 3))
+    turned = matrix_at(stack(12), 4, 3)
     for i in range(qdot.shape[0]):
         for k in range(4):
             for a in range(3):

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import uncounted
 from fem_lie.bodies.turning import FoldedElementError
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class ElementTurns:
             warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
 
 
-@compiled
+@uncounted
 def nearest(H: Array, nodes: Indices, limits: Array, whole: Indices) -> Found:
     """Row whose turn is the largest part of its limit, that turn, and whether it is to be judged.
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit import compiled, inlined, linked, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
+from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import inertia, pull_all, pull_derivative, push_all, tangent, turn
@@ -33,7 +35,7 @@ def add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
         r[3 + a] -= following[3 + a]
 
 
-@compiled
+@uncounted
 def _add_moments(H: Array, moment: Array, following: Array, r: Array) -> None:
     """Of all nodes, (n, 3) and (n, 6); ``r`` (6 n,)."""
     for i in range(moment.shape[0]):
@@ -58,7 +60,7 @@ def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) 
         block[5, 4] -= n0
 
 
-@compiled
+@uncounted
 def nodal_residual(
     kinds: Indices,
     motion: PlainMotion,
@@ -94,16 +96,17 @@ def add_joints(
     terms.evaluate(H, v, joint_table(joints), weights, scale, count, r)
 
 
-@compiled
+@uncounted
 def add_following(H: Array, following: PlainFollowing, r: Array) -> None:
     """Add the forces of cells whose nodes follow others, to those of their leaders."""
     leader, offset, frames, forces, rows, nodes = following
-    moved = np.empty(6)
+    moved = vector_at(stack(6), 6)
     expand(H, leader, offset, frames)
     for i in range(leader.shape[0]):
         for k in range(6):
             forces[i, k] = 0.0
-    add_cells(frames, (rows, nodes), 6, forces.reshape(-1))
+    flat = vector_at(pointer(forces.ctypes.data), 6 * forces.shape[0])
+    add_cells(frames, (rows, nodes), 6, flat)
     for i in range(leader.shape[0]):
         lie.apply_adjoint_inverse_transposed(offset[i], forces[i], moved)
         for k in range(6):

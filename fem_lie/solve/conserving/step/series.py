@@ -14,7 +14,7 @@ times what is known: all terms cost less than one solution, and one more is made
 
 from __future__ import annotations
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.linear.factors import PlainFactors, solve
