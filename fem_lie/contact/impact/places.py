@@ -88,8 +88,18 @@ def _part_places(touch: Touch, masses: Masses, H: Array, w: Work, k: int, sweeps
 
 
 @uncounted
-def settle_places(touch: Touch, masses: Masses, H: Array, w: Work, limits: tuple[int, int]) -> bool:
-    """Move bodies until nothing overlaps; whether a contact has joined."""
+def settle_places(
+    touch: Touch, masses: Masses, H: Array, w: Work, limits: tuple[int, int, bool]
+) -> bool:
+    """Move bodies until nothing overlaps; whether a contact has joined, and it ended with that.
+
+    Args:
+        touch: Pairs.
+        masses: Of the bodies.
+        H: Frames, updated.
+        w: Work.
+        limits: Iterations, sweeps in one, and whether to end where a contact joins.
+    """
     for _ in range(limits[0]):
         k, worst, grew = 0, 0.0, False
         for at in range(w.many[0]):
@@ -100,11 +110,12 @@ def settle_places(touch: Touch, masses: Masses, H: Array, w: Work, limits: tuple
             if g < 0.0 or w.nu[c] > 0.0:
                 if not w.joined[c]:
                     w.joined[c] = grew = True
-                    w.axis[c] = axis_of(H, touch, c)
+                    if w.gaps[c] > touch.closed[c]:  # else rows of the start have their tangents
+                        w.axis[c] = axis_of(H, touch, c)
                 w.near[k], w.apart[c] = c, g
                 k += 1
                 worst = max(worst, (-g if w.nu[c] == 0.0 else abs(g)) / touch.closed[c])
-        if grew:
+        if grew and limits[2]:
             return True
         if worst < _EXACT / CLOSED:
             return False

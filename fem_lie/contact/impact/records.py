@@ -127,6 +127,8 @@ def work_of(m: int, n: int) -> Work:
         z((m, 3)),
         z((n, 6)),
         dense_of(m),
+        z((m, 3)),
+        z((n, 6)),
     )
     whole = np.zeros(m, dtype=np.int64)
     return Work(

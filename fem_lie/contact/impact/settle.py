@@ -66,7 +66,7 @@ def _pass(
     factor: float,
     tolerance: float,
     told: Array,
-    limits: tuple[int, int],
+    limits: tuple[int, int, bool],
 ) -> bool:
     """One pass from the end without contacts to ``H`` and ``v``; whether a contact has joined."""
     k = set_cones(h, touch, masses, w, factor)
@@ -172,10 +172,12 @@ def _guarded(
     factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
     passes, tries, last = 0, 0, False
     for attempt in range(_MOST):
-        wanted, limits = (_ROUGH, (1, 3)) if attempt == 0 else (tolerance, (_PLACES, _SWEEPS))
+        grows = attempt < _GROWING
+        limits = (_PLACES, _SWEEPS, grows) if attempt > 0 else (1, 3, grows)
+        wanted = tolerance if attempt > 0 else _ROUGH
         grew = _pass(h, touch, masses, H, v, w, factor, wanted, told, limits)
         _copy_frames(H, w.H[1])
-        if grew and attempt < _GROWING:
+        if grew:
             continue
         passes += 1
         if passes < _PASSES:

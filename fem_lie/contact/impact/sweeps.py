@@ -57,6 +57,8 @@ class Cones(NamedTuple):
         r: Impulses; start and solution, shape (·, 3).
         W: Change of the bodies' velocities, shape (n, 6).
         dense: Room.
+        before: Impulses after the last sweep, shape (·, 3).
+        turned: Velocities then, shape (n, 6).
     """
 
     bodies: Indices
@@ -68,6 +70,8 @@ class Cones(NamedTuple):
     r: Array
     W: Array
     dense: Dense
+    before: Array
+    turned: Array
 
 
 @inlined_uncounted

@@ -1,0 +1,161 @@
+"""Piles of balls that fall from a lattice and come to rest: cost per contact, beside MuJoCo's.
+
+    tools/run python3 -m benchmarks.piles --balls 100 1000 10000 --steps 150
+
+Balls of 0.05 m are dropped with a jitter, into a drum of 24 flat staves (``--drum``) or into a box,
+friction 0.3, without restitution, steps of 2e-3 s. Printed are the most contacts in a step, the
+largest residual of the cones and overlap in any step, sweeps, and microseconds of the processor per
+contact and step, of the last third of the steps. MuJoCo (elliptic cones, its own softness, the same
+steps) has a process of its own in turn with ours, where pip can have it; it is given the least
+tolerance of which Newton's method makes use, and says by how much balls overlap.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+from time import process_time
+
+import numpy as np
+
+import fem_lie as fl
+from benchmarks.peer_scenes import environment
+
+RADIUS, FRICTION, STEP, DENSITY, GRAVITY, STAVES = 0.05, 0.3, 2e-3, 1000.0, 9.81, 24
+MASS = DENSITY * 4 / 3 * np.pi * RADIUS**3
+PACKAGE, MODULE = "mujoco==3.3.7", "mujoco"
+LIMIT = 900.0  # seconds for MuJoCo's answer
+
+Wall = tuple[np.ndarray, np.ndarray]
+
+PEER = """
+import json, sys, time
+import mujoco, numpy as np
+given = json.load(sys.stdin)
+z = lambda v: " ".join(repr(float(x)) for x in v)
+balls = "".join(
+    f'<body pos="{z(p)}"><freejoint/><geom type="sphere" size="{given["radius"]}"'
+    f' mass="{given["mass"]}"/></body>' for p in given["places"])
+walls = "".join(
+    f'<geom type="plane" size="0 0 1" pos="{z(p)}" zaxis="{z(n)}"/>' for p, n in given["walls"])
+xml = (f'<mujoco><option timestep="{given["step"]}" cone="elliptic" jacobian="sparse"'
+       f' gravity="0 0 -{given["gravity"]}"/><size memory="2G"/>'
+       f'<default><geom friction="{given["friction"]} 0 0" condim="3"/></default>'
+       f'<worldbody>{walls}{balls}</worldbody></mujoco>')
+model = mujoco.MjModel.from_xml_string(xml)
+data, seconds, contacts, deep = mujoco.MjData(model), [], [], []
+for _ in range(given["steps"]):
+    before = time.process_time()
+    mujoco.mj_step(model, data)
+    seconds.append(time.process_time() - before)
+    contacts.append(int((data.contact.dist < 0).sum()))
+    deep.append(float(-data.contact.dist.min(initial=0.0)))
+print(json.dumps([seconds, contacts, deep]))
+"""
+
+
+def lattice(count: int, drum: bool) -> tuple[np.ndarray, list[Wall]]:
+    """Centres, shape (count, 3), and places and normals of walls and floor."""
+    rng, gap = np.random.default_rng(1), 2.1 * RADIUS
+    across = max(4, round(count ** (1 / 3) * (1.13 if drum else 1.0)))
+    radius = 0.5 * across * gap
+    grid = np.array(list(np.ndindex(8 * count // across**2 + 8, across, across)))[:, ::-1]
+    places = gap * (grid + 0.5) - [radius, radius, 0.0]
+    if drum:
+        places = places[np.hypot(places[:, 0], places[:, 1]) < radius - 1.1 * RADIUS]
+    places = places[:count] + 0.02 * RADIUS * rng.standard_normal((count, 3))
+    sides = STAVES if drum else 4
+    angles = 2 * np.pi * np.arange(sides) / sides
+    out = np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], axis=1)
+    return places, [(np.zeros(3), np.array([0, 0, 1.0])), *((radius * n, -n) for n in out)]
+
+
+def pile(places: np.ndarray, walls: list[Wall]) -> fl.Scene:
+    """All of them, which touch each other and the walls."""
+    scene, moment = fl.Scene(gravity=(0, 0, -GRAVITY)), np.full(3, 0.4 * MASS * RADIUS**2)
+    centres = [scene.add(fl.RigidBody(MASS, moment, place)).centre for place in places]
+    balls, law = fl.Vertices(centres, RADIUS), fl.Impact(FRICTION)
+    scene.add(fl.Contact(balls, balls, law))
+    for at, normal in walls:
+        scene.add(fl.Contact(balls, fl.Plane(fl.ground(), normal, at), law))
+    return scene
+
+
+def ours(places: np.ndarray, walls: list[Wall], steps: int) -> str:
+    """A row of the table."""
+    scene, scheme, seconds = pile(places, walls), fl.GeneralisedAlpha(radius=0.8), []
+    last = steps - steps // 3
+    for count in (last, steps):  # the last third is what the longer run takes more
+        before = process_time()
+        result = scheme.run(
+            scene, duration=count * STEP, step=STEP, save_every=steps, progress=False
+        )
+        seconds.append(process_time() - before)
+    told = result.contacts
+    assert told is not None
+    cost = (seconds[1] - seconds[0]) / max(told.contacts[last:].sum(), 1.0)
+    return (
+        f"{told.contacts.max():.0f} contacts, residual {told.cone_residual.max():.1e}, "
+        f"overlap {told.penetration.max():.1e} m, sweeps {told.sweeps[last:].mean():.0f} on "
+        f"average, {1e6 * cost:.0f} µs per contact and step"
+    )
+
+
+def peer(places: np.ndarray, walls: list[Wall], steps: int) -> str:
+    """A row of MuJoCo's."""
+    environment.PACKAGES["mujoco"], environment.IMPORTS["mujoco"] = [PACKAGE], MODULE
+    for python in environment.candidates():
+        inside = environment.folder(python, "mujoco") / "bin" / "python"
+        if environment.has(inside, "mujoco") or environment.install(python, "mujoco"):
+            break
+    else:
+        return f"MuJoCo is skipped: no Python here can have {PACKAGE} by pip"
+    given = {
+        "places": places.tolist(),
+        "walls": [(at.tolist(), normal.tolist()) for at, normal in walls],
+        "radius": RADIUS,
+        "mass": MASS,
+        "friction": FRICTION,
+        "gravity": GRAVITY,
+        "step": STEP,
+        "steps": steps,
+    }
+    try:
+        done = subprocess.run(
+            [inside, "-c", PEER],
+            input=json.dumps(given),
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+            check=True,
+        )
+    except subprocess.TimeoutExpired:
+        return f"MuJoCo: no answer in {LIMIT:.0f} s"
+    seconds, contacts, deep = (np.array(each) for each in json.loads(done.stdout))
+    last = steps - steps // 3
+    cost = seconds[last:].sum() / max(contacts[last:].sum(), 1.0)
+    return (
+        f"{contacts.max()} contacts, overlap {deep.max():.1e} m, "
+        f"{1e6 * cost:.0f} µs per contact and step"
+    )
+
+
+def main() -> None:
+    """Print the rows of each number of balls."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--balls", type=int, nargs="+", default=[100, 1000], metavar="N")
+    parser.add_argument("--steps", type=int, default=150)
+    parser.add_argument("--drum", action="store_true", help="a drum in place of a box")
+    given = parser.parse_args()
+    pile_of = "drum" if given.drum else "box"
+    ours(*lattice(30, given.drum), 30)  # what is compiled is there then
+    for count in given.balls:
+        places, walls = lattice(count, given.drum)
+        for name, run in (("fem_lie", ours), ("MuJoCo", peer)):
+            found = run(places, walls, given.steps)
+            print(f"{count} balls, {pile_of}, {name}: {found}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
