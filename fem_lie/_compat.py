@@ -21,6 +21,7 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
+from dolfinx.mesh import GhostMode
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
 from ufl.algorithms.transformer import strip_variables
@@ -159,13 +160,12 @@ def _refuse_branches(comm: MPI.Intracomm, valence: int) -> None:
         )
 
 
-def ghost_options() -> dict[str, Any]:
-    """Options of ``dolfinx.mesh.create_mesh`` that give each process copies of neighbouring cells.
+def ghost_options(mode: GhostMode = GhostMode.shared_facet) -> dict[str, Any]:
+    """Options of ``dolfinx.mesh.create_mesh``: by default processes copy neighbouring cells.
 
     From 0.10 on a partitioner wants to know how many cells meet at a facet. The branch can go with
     0.9.
     """
-    mode = dolfinx.mesh.GhostMode.shared_facet
     limit = (2,) if VERSION >= (0, 10) else ()
     return {"partitioner": dolfinx.mesh.create_cell_partitioner(mode, *limit)}
 

@@ -14,6 +14,12 @@ import pytest
 
 def on_ranks(script: ModuleType, ranks: int, out: Path) -> None:
     """``mpirun -n ranks script out``; the script has to end well and without warnings."""
+    code, text = output_of_ranks(script, ranks, str(out))
+    assert code == 0, text
+
+
+def output_of_ranks(script: ModuleType, ranks: int, argument: str) -> tuple[int, str]:
+    """How ``mpirun -n ranks script argument`` ends, and all that it writes."""
     command = shutil.which("mpirun")
     if command is None:
         pytest.skip("no mpirun here")
@@ -23,11 +29,12 @@ def on_ranks(script: ModuleType, ranks: int, out: Path) -> None:
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
+        "OMPI_MCA_mpi_yield_when_idle": "1",  # ranks that wait leave the core to others
         "OMP_NUM_THREADS": "1",
     }
     many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
-    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), str(out)]
+    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), argument]
     run = subprocess.run(
         [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=120
     )
-    assert run.returncode == 0, run.stdout + run.stderr
+    return run.returncode, run.stdout + run.stderr

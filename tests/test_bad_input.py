@@ -1,7 +1,5 @@
 """Bad input: an error that says what was given and what is wanted, before anything is computed."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -189,10 +187,3 @@ def test_error_says_what_is_wrong(name):
 def test_scene_refuses_what_is_not_a_part_of_one():
     with pytest.raises(TypeError, match="bodies, joints, links, contacts, loads"):
         fl.Scene().add(SECTION)
-
-
-def test_scenes_refuse_more_than_one_rank(monkeypatch):
-    world = SimpleNamespace(COMM_WORLD=SimpleNamespace(size=3))
-    monkeypatch.setattr("fem_lie.system.nodes.shared_setup.MPI", world)
-    with pytest.raises(ValueError, match=r"one rank, got 3.*local_frame_forms"):
-        System(scene_with(bar()), dynamics=True)

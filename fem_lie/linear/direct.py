@@ -19,6 +19,7 @@ from fem_lie.linear.equilibrated import (
     SingularMatrixError,
 )
 from fem_lie.linear.factors import Solution, addresses
+from fem_lie.ranks.shared_factors import SharedMatrix, shared
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
@@ -78,8 +79,11 @@ DEFAULTS: dict[str, dict[str, object]] = {
 }
 """PETSc's options of packages, unless they are given."""
 
-RESCUES = (Method("lu", "mumps"), Method("lu", "superlu"))
+RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
 """What comes after the methods of a scene where their solutions are not accurate."""
+
+ON_RANKS = ("mumps",)
+"""Packages that factorise on several ranks together."""
 
 NEGATIVE = 12
 """MUMPS' INFOG of the number of negative pivots."""
@@ -91,6 +95,9 @@ class DirectSolver:
     The matrix is equilibrated with the scene's own length, mass and time, and the first solution
     with each factorisation is checked: where its residual is not round-off it is refined once, as
     all with these factors are then, and where that does not help, the next method is tried.
+
+    On several ranks MUMPS factorises what is large on all of them, see
+    :mod:`fem_lie.ranks.shared_factors`; each makes the matrix and has the solution.
 
     Any other direct solver of PETSc can be chosen at run time with
     ``-<prefix>pc_factor_mat_solver_type``.
@@ -111,6 +118,10 @@ class DirectSolver:
         self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
         self._own = Equilibrated(kkt)
         self._symmetric = all(method.kind == "cholesky" for method in methods)
+        self._shares, self._rescues = shared(len(kkt.units), prefix), RESCUES
+        if self._shares:
+            self._methods = (Method("cholesky" if self._symmetric else "lu", "mumps"),)
+            self._rescues = tuple(method for method in RESCUES if method.package in ON_RANKS)
         self._take_over()
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
@@ -124,11 +135,13 @@ class DirectSolver:
             PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF)
             for array in (self._scaled, self._found, self._left)
         )
-        self._change = self._matrix.createVecRight()
+        self._change = self._own.matrix.createVecRight()
 
     def _take_over(self) -> None:
         """The matrix that is there now, for which there are no solvers yet."""
-        self._matrix = self._own.matrix
+        self._local = self._own.matrix
+        self._shared = SharedMatrix(self._own.csr) if self._shares else None
+        self._matrix = self._local if self._shared is None else self._shared.matrix
         if self._symmetric:
             self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._solvers: dict[Method, PETSc.KSP] = {}
@@ -141,8 +154,10 @@ class DirectSolver:
         """
         # packages that met what is not finite fail on all that comes after
         self._own.take()
-        if self._own.matrix is not self._matrix:
+        if self._own.matrix is not self._local:
             self._take_over()
+        if self._shared is not None:
+            self._shared.take()
         self._idle = self._own.idle()
         self._set_up()
         self.factorisations += 1
@@ -199,9 +214,9 @@ class DirectSolver:
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The matrix that was factorised times ``x``."""
-        given, product = self._matrix.createVecs()
+        given, product = self._local.createVecs()
         given.array[:] = x / self._own.right
-        self._matrix.mult(given, product)
+        self._local.mult(given, product)
         return np.asarray(product.array / self._own.left, dtype=np.float64)
 
     def solve(self) -> None:
@@ -211,7 +226,7 @@ class DirectSolver:
             InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
         """
         np.multiply(self.right_hand_side, self._own.left, self._scaled)
-        self._ksp.solve(self._b, self._x)
+        self._solve_scaled(self._b, self._x)
         if self._refines:
             self._refine()
         elif not self._checked:
@@ -221,6 +236,13 @@ class DirectSolver:
             multipliers[:] = self._idle.remove(multipliers)
         np.multiply(self._found, self._own.right, self.solution)
 
+    def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """With the last factors, both of the equilibrated equations."""
+        if self._shared is None:
+            self._ksp.solve(b, x)
+        else:
+            self._shared.solve(self._ksp, b.array, x.array)
+
     @property
     def by_call(self) -> Solution:
         """:meth:`solve` with the last factorisation for compiled loops.
@@ -228,7 +250,8 @@ class DirectSolver:
         It is none before the first solution, which is checked, and where something is done to them.
         """
         if self._by_call is None:
-            if self._idle is not None or self._refines or not self._checked:
+            kept = self._checked and self._idle is None and self._shared is None
+            if self._refines or not kept:
                 return Solution.none()
             call = addresses(self._ksp, self._b, self._x)
             scales = self._own.left, self._own.right
@@ -243,7 +266,9 @@ class DirectSolver:
             error = self._error()
             self._refines = True
         given = self._methods[1:]
-        others = iter((*given, *(method for method in RESCUES if method not in self._methods)))
+        others = iter(
+            (*given, *(method for method in self._rescues if method not in self._methods))
+        )
         while error > ACCURATE:
             _log.info("%s: residual %.1e", self._methods[0].package, error)
             method = next(others, None)
@@ -254,7 +279,7 @@ class DirectSolver:
                 )
             self._methods = (method,)
             self._set_up()
-            self._ksp.solve(self._b, self._x)
+            self._solve_scaled(self._b, self._x)
             error = self._error()
         self._checked = True
 
@@ -264,5 +289,5 @@ class DirectSolver:
     def _refine(self) -> None:
         """Solve for the residual, once."""
         self._error()
-        self._ksp.solve(self._r, self._change)
+        self._solve_scaled(self._r, self._change)
         self._found += self._change.array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import reduce
+from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.page.curves import Diagram, energies
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
+from fem_lie.ranks.files import before_reading, write_once
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.record import RECORDED_BY, Balanced, Record, if_recorded, row_shapes
 from fem_lie.results.resampling import resampled
@@ -175,7 +176,8 @@ class Result(Balanced, StateSeries):
             OSError: It cannot be written, as on a full disk; the message names it.
         """
         numbers = {name: getattr(self, name) for name in NUMBERS}
-        write(path, Stored(self._kept, numbers, self.info, self.steps, self.contacts))
+        stored = Stored(self._kept, numbers, self.info, self.steps, self.contacts)
+        write_once(path, partial(write, path, stored))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -185,6 +187,7 @@ class Result(Balanced, StateSeries):
             FileNotFoundError: There is no such file.
             ValueError: It is not a file of results, or one of another version.
         """
+        before_reading(path)
         found = read(path, _ARRAYS)
         values: dict[str, Any] = {**found.arrays, **found.numbers}
         return cls(**values, info=found.info, steps=found.steps, contacts=found.contacts)

@@ -83,7 +83,7 @@ class System:
             without_coupling: Whether inertia is lumped.
 
         Raises:
-            ValueError: More than one rank; no body; no inertia though needed; redundant joints.
+            ValueError: No body; no inertia though needed; redundant joints.
         """
         if not scene.bodies:
             raise ValueError("the scene has no body")

@@ -23,6 +23,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.ranks.files import place, place_to_go_on
 from fem_lie.results import file as results_file
 from fem_lie.results.record import Record
 from fem_lie.results.rows import ResultRows, write_all
@@ -73,7 +74,7 @@ class Checkpoints:
         """
         if every < 1:
             raise ValueError(f"checkpoint_every must be at least 1, got {every}")
-        self._path, self.every, self.plan, self._fingerprint = Path(path), every, plan, fingerprint
+        self._path, self.every, self.plan, self._fingerprint = place(path), every, plan, fingerprint
         self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0
 
@@ -88,6 +89,7 @@ class Checkpoints:
         """
         file = Path(path)
         require_files(file)
+        file = place_to_go_on(file, _beside(file))
         with np.load(_beside(file), allow_pickle=False) as stored:
             kept = {name: stored[name] for name in stored.files}
         if "fingerprint" not in kept or "record" not in kept:

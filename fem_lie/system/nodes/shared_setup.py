@@ -11,21 +11,11 @@ import weakref
 from collections import Counter
 from typing import Any
 
-from mpi4py import MPI
-
 from fem_lie._arrays import Array
 from fem_lie.bodies.told import Told, told_of_body
+from fem_lie.ranks.together import end_together
 from fem_lie.scene import Scene
 from fem_lie.system.nodes.numbering import Numbering
-
-
-def refuse_ranks() -> None:
-    """Raise ``ValueError`` if there is more than one rank."""
-    if MPI.COMM_WORLD.size > 1:
-        raise ValueError(
-            f"scenes run on one rank, got {MPI.COMM_WORLD.size}; the forms of "
-            "local_frame_forms run on any number"
-        )
 
 
 def numbering_for(scene: Scene, user: object) -> Numbering:
@@ -34,10 +24,9 @@ def numbering_for(scene: Scene, user: object) -> Numbering:
     It is shared with scenes that differ in loads and drives alone, if there are any.
 
     Raises:
-        ValueError: There is more than one rank, or two bodies were given the same name after they
-            were added.
+        ValueError: Two bodies were given the same name after they were added.
     """
-    refuse_ranks()
+    end_together()
     if scene.family is None:
         return numbered(scene)
     if scene.family.setup is None:
@@ -87,10 +76,9 @@ def numbered(scene: Scene) -> Numbering:
     """The numbering of its nodes, with the assembled forms of the elements, made anew.
 
     Raises:
-        ValueError: There is more than one rank, or two bodies were given the same name after they
-            were added.
+        ValueError: Two bodies were given the same name after they were added.
     """
-    refuse_ranks()
+    end_together()
     twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
     if twice:
         raise ValueError(f"the scene has several bodies named {twice[0]!r}")

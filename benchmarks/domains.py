@@ -1,0 +1,232 @@
+"""Domain decomposition of shells in local frames: iterations of BDDC, over subdomains.
+
+    tools/run mpirun --oversubscribe -n 4 python3 -m benchmarks.domains --cells 32 32 [options]
+
+One rank has one subdomain. A square shell, flat or curved, six unknowns a node, biquadratic, is cut
+by DOLFINx's partitioner; the tangent in nodal local frames is assembled into PETSc's MATIS without
+ghost cells. Rigid motions in local frames are the near null space. Each call prints a row of a
+table in Markdown: subdomains, unknowns, on interfaces, iterations of conjugate gradients to
+1e-8, condition number, true residual, and processor seconds of set-up and solution of all ranks.
+
+--curved            a wave of height 0.2 instead of a plane
+--static            clamped along an edge and integrated in full, instead of with the inertia of a
+                    step of 1 ms
+--thickness T       of a square whose longer side is 1
+--plain             BDDC as it comes, instead of deluxe scaling and adaptive primal unknowns
+--threshold X       beyond which eigenvectors of interfaces are primal
+"""
+
+from __future__ import annotations
+
+import argparse
+from time import process_time
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import basix.ufl
+import dolfinx.mesh
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from dolfinx.mesh import GhostMode
+
+from fem_lie import _compat
+from fem_lie.forms.frames import NodalFrames, local_frame_forms
+
+E, NU, DENSITY = 2.1e11, 0.3, 7850.0
+STEP, SHEAR, DRILLING = 1e-3, 5 / 6, 0.1
+TOLERANCE, HEIGHT = 1e-8, 0.2
+LUMPS = np.array([1, 1, 1, 1, 4, 4, 4, 4, 16]) / 36
+
+
+def square(cells: tuple[int, int], curved: bool) -> dolfinx.mesh.Mesh:
+    """Quadrilaterals of a square in 3D, without ghost cells, made on the first rank."""
+    points, corners = np.empty((0, 3)), np.empty((0, 4), dtype=np.int64)
+    if MPI.COMM_WORLD.rank == 0:
+        m, n = cells
+        x, y = np.meshgrid(np.arange(m + 1), np.arange(n + 1), indexing="ij")
+        points = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]) / max(cells)
+        if curved:
+            points[:, 2] = HEIGHT * np.sin(3 * points[:, 0]) * np.cos(2 * points[:, 1])
+        k = np.arange(points.shape[0]).reshape(m + 1, n + 1)
+        corners = np.stack([k[:-1, :-1], k[1:, :-1], k[:-1, 1:], k[1:, 1:]], -1).reshape(-1, 4)
+    element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(3,))
+    options = _compat.ghost_options(GhostMode.none)
+    return dolfinx.mesh.create_mesh(MPI.COMM_WORLD, cells=corners, x=points, e=element, **options)
+
+
+def tilt(q: NodalFrames, x: np.ndarray) -> None:
+    """Turn frames to the normals of the wave."""
+    a = 3 * HEIGHT * np.cos(3 * x[:, 0]) * np.cos(2 * x[:, 1])
+    b = -2 * HEIGHT * np.sin(3 * x[:, 0]) * np.sin(2 * x[:, 1])
+    one = np.ones(len(x))
+    normal, first = np.column_stack([-a, -b, one]), np.column_stack([one, 0 * one, a])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    q.frames[:, 1:] = np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def energy(q: NodalFrames, thickness: float, degree: int) -> ufl.Form:
+    """Membrane, bending, shear and drilling energy of the unloaded place of all nodes."""
+    mesh = q.function.function_space.mesh
+    rest = fem.Function(q.function.function_space)
+    rest.x.array[:] = q.function.x.array
+    x0, d0 = (ufl.as_vector([rest[3 * k + j] for j in range(3)]) for k in (0, 3))
+    e0 = ufl.as_vector([rest[6 + j] for j in range(3)])
+    n0 = ufl.as_vector([rest[9 + j] for j in range(3)])
+    d1, d2, d3 = q.directors
+    F, B, F0, B0 = ufl.grad(q.position), ufl.grad(d3), ufl.grad(x0), ufl.grad(n0)
+    membrane = (F.T * F - F0.T * F0) / 2
+    bending = (F.T * B + B.T * F - F0.T * B0 - B0.T * F0) / 2
+    shear = F.T * d3 - F0.T * n0
+    t1, t2, s1, s2 = (A * ufl.as_vector(e) for A in (F, F0) for e in ([1, 0, 0], [0, 1, 0]))
+    drilling = ufl.dot(t1, d2) - ufl.dot(t2, d1) - ufl.dot(s1, e0) + ufl.dot(s2, d0)
+
+    def plane(e: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+        return E / (1 - NU**2) / 2 * (NU * ufl.tr(e) ** 2 + (1 - NU) * ufl.inner(e, e))
+
+    G = E / 2 / (1 + NU)
+    density = (
+        thickness * plane(membrane)
+        + thickness**3 / 12 * plane(bending)
+        + G * thickness / 2 * (SHEAR * ufl.dot(shear, shear) + DRILLING * drilling**2)
+    )
+    return density * ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": degree})
+
+
+def rigid_motions(q: NodalFrames, A: PETSc.Mat, owned: int) -> PETSc.NullSpace:
+    """The six in the frames of nodes, orthonormal."""
+    x, R = q.frames[:owned, 0], q.frames[:owned, 1:]
+    found = []
+    for k in range(6):
+        twist = np.eye(6)[k]
+        v = twist[:3] + np.cross(twist[3:], x)
+        turn = R @ twist[3:]
+        vector = A.createVecRight()
+        vector.array[:] = np.hstack([np.einsum("nij,nj->ni", R, v), turn]).ravel()
+        for other in found:
+            vector.axpy(-vector.dot(other), other)
+        vector.normalize()
+        found.append(vector)
+    return PETSc.NullSpace().create(vectors=found, comm=PETSc.COMM_WORLD)
+
+
+def inertia(q: NodalFrames, thickness: float) -> np.ndarray:
+    """Lumped, of this rank's cells alone, times that of accelerations in an implicit step."""
+    space = q.increment.function_space
+    constant = fem.functionspace(space.mesh, ("DG", 0))
+    areas = fem.assemble_vector(fem.form(ufl.TestFunction(constant) * ufl.dx)).array
+    stencil = space.dofmap.list
+    lumped = np.zeros(len(q.frames))
+    np.add.at(lumped, stencil, areas[: len(stencil), None] * LUMPS)
+    arm = np.repeat([1.0, thickness**2 / 12], 3)
+    alpha_m, alpha_f = 1 / 3, 4 / 9
+    beta = (1 + alpha_f - alpha_m) ** 2 / 4
+    factor = (1 - alpha_m) / (STEP**2 * beta * (1 - alpha_f))
+    return factor * DENSITY * thickness * lumped[:, None] * arm
+
+
+def matrix(q: NodalFrames, asked: argparse.Namespace) -> PETSc.Mat:
+    """The tangent, as a sum over subdomains."""
+    forms = local_frame_forms(energy(q, asked.thickness, 5 if asked.static else 3), q)
+    n = 6 * len(q.frames)
+    part = fem.assemble_matrix(forms.tangent).to_scipy(ghosted=True).tocsr()[:, :n]
+    part.sort_indices()
+    local = PETSc.Mat().createAIJ(
+        (n, n), csr=(part.indptr, part.indices, part.data), comm=PETSc.COMM_SELF
+    )
+    local.setBlockSize(6)
+    if not asked.static:
+        diagonal = local.getDiagonal()
+        diagonal.array[:] += inertia(q, asked.thickness).ravel()
+        local.setDiagonal(diagonal)
+    nodes = q.increment.function_space.dofmap.index_map
+    names = nodes.local_to_global(np.arange(len(q.frames), dtype=np.int32)).astype(np.int32)
+    to_all = PETSc.LGMap().create(names, bsize=6, comm=PETSc.COMM_WORLD)
+    A = PETSc.Mat().create(PETSc.COMM_WORLD)
+    A.setSizes(((6 * nodes.size_local, 6 * nodes.size_global),) * 2)
+    A.setBlockSize(6)
+    A.setType("is")
+    A.setLGMap(to_all, to_all)
+    A.setISLocalMat(local)
+    A.assemble()
+    A.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    A.setOption(PETSc.Mat.Option.SPD, True)
+    return A
+
+
+def solver(A: PETSc.Mat, asked: argparse.Namespace) -> PETSc.KSP:
+    """Conjugate gradients with BDDC."""
+    ksp = PETSc.KSP().create(PETSc.COMM_WORLD)
+    ksp.setOperators(A)
+    ksp.setType("cg")
+    ksp.getPC().setType("bddc")
+    ksp.setComputeSingularValues(True)
+    options = PETSc.Options()
+    if not asked.plain:
+        options["pc_bddc_use_deluxe_scaling"] = True
+        options["pc_bddc_adaptive_threshold"] = asked.threshold
+    ksp.setTolerances(rtol=TOLERANCE, max_it=1000)
+    ksp.setFromOptions()
+    return ksp
+
+
+def interface(q: NodalFrames) -> int:
+    """Unknowns of nodes that several subdomains have."""
+    nodes = q.increment.function_space.dofmap.index_map
+    several = fem.Function(fem.functionspace(q.function.function_space.mesh, ("Lagrange", 2)))
+    several.x.array[:] = 1.0
+    several.x.scatter_reverse(la.InsertMode.add)
+    shared = several.x.array[: nodes.size_local] > 1.5
+    return 6 * int(MPI.COMM_WORLD.allreduce(int(shared.sum())))
+
+
+def run(asked: argparse.Namespace) -> str:
+    """One row."""
+    world = MPI.COMM_WORLD
+    q = NodalFrames(square(tuple(asked.cells), asked.curved), 2)
+    space = q.increment.function_space
+    nodes, x = space.dofmap.index_map, space.tabulate_dof_coordinates()
+    if asked.curved:
+        tilt(q, x)
+    A = matrix(q, asked)
+    load = np.zeros((nodes.size_local, 6))
+    load[:, 2], load[:, 4] = 1 + x[: nodes.size_local, 0], 0.1
+    if asked.static:
+        edge = np.flatnonzero(np.isclose(x[: nodes.size_local, 0], 0.0))
+        held = 6 * (nodes.local_range[0] + edge)[:, None] + np.arange(6)
+        A.zeroRowsColumns(held.ravel().astype(np.int32), diag=E * asked.thickness)
+        load[edge] = 0.0
+    A.setNearNullSpace(rigid_motions(q, A, nodes.size_local))
+    b, found = A.createVecRight(), A.createVecRight()
+    b.array[:] = load.ravel()
+    ksp = solver(A, asked)
+    begin = process_time()
+    ksp.setUp()
+    middle = process_time()
+    ksp.solve(b, found)
+    seconds = world.allreduce(np.array([middle - begin, process_time() - middle]))
+    most, least = ksp.computeExtremeSingularValues()
+    condition = f"{most / least:.3g}"
+    left = (A * found - b).norm() / b.norm()
+    took = f"{ksp.getIterationNumber()}" if ksp.getConvergedReason() > 0 else "fails"
+    row = (world.size, 6 * nodes.size_global, interface(q), took, condition, f"{left:.0e}")
+    return "| " + " | ".join(map(str, (*row, f"{seconds[0]:.2f}", f"{seconds[1]:.2f}"))) + " |"
+
+
+def main() -> None:
+    """Print a row."""
+    asking = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
+    asking.add_argument("--cells", type=int, nargs=2, required=True)
+    asking.add_argument("--thickness", type=float, default=0.01)
+    asking.add_argument("--threshold", type=float, default=3.0)
+    for name in ("curved", "static", "plain"):
+        asking.add_argument(f"--{name}", action="store_true")
+    row = run(asking.parse_args())
+    if MPI.COMM_WORLD.rank == 0:
+        print(row, flush=True)
+
+
+if __name__ == "__main__":
+    main()

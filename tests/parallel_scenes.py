@@ -1,0 +1,76 @@
+"""What test_ranks.py compares between numbers of ranks: ``mpirun -n 2 parallel_scenes.py OUT``."""
+
+import faulthandler
+import sys
+from pathlib import Path
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+import fem_lie as fl
+
+PREFIXES = ("fem_lie_statics_", "fem_lie_dynamics_", "fem_lie_vibrations_")
+STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+
+
+def share_factors():
+    """However small a scene is, all ranks factorise its matrix together."""
+    for prefix in PREFIXES:
+        PETSc.Options(prefix)["shared_from"] = 1
+
+
+def sheet():
+    """A curved strip, held along an edge and pulled at a corner."""
+    mesh = fl.surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (4, 3))
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL))
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.PointLoad(shell["11"], force=(0.0, 300.0, 2e3)))
+    return scene, shell["11"]
+
+
+def pendulum():
+    """A flexible double pendulum."""
+    bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
+    lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(upper)
+    scene.add(lower)
+    scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
+    scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
+    return scene
+
+
+def results(file):
+    """Of statics, vibrations and motion; the motion goes to a file, which is read, too."""
+    scene, corner = sheet()
+    rest = fl.statics(scene, load_steps=2)
+    modes = fl.vibrations(scene, 3)
+    moved = fl.GeneralisedAlpha().run(pendulum(), duration=0.02, step=2e-3, file=file)
+    kept = fl.Result.load(file)
+    moved.save(file.with_suffix(".saved"))
+    saved = fl.Result.load(file.with_suffix(".saved"))
+    for other in (kept, saved):
+        np.testing.assert_array_equal(other.frames, moved.frames)
+    return {
+        "place": rest.position(corner),
+        "frequencies": modes.frequencies,
+        "frames": moved.frames,
+        "velocities": moved.velocities,
+        "joints": moved.joint_forces,
+        "energies": np.array([moved.kinetic, moved.elastic, moved.potential]),
+    }
+
+
+if __name__ == "__main__":
+    # a rank that fails leaves the others waiting for it
+    faulthandler.dump_traceback_later(100, exit=True)
+    share_factors()
+    out = Path(sys.argv[1])
+    found = results(out.with_suffix(".h5"))
+    if MPI.COMM_WORLD.rank == 0:
+        np.savez(out, **found)
