@@ -12,9 +12,9 @@ from time import process_time
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.contact.detection import near
-from fem_lie.contact.meeting import Lines
-from fem_lie.contact.surfaces import Piece
+from fem_lie.contact.sides.detection import near
+from fem_lie.contact.sides.meeting import Lines
+from fem_lie.contact.sides.surfaces import Piece
 
 SEGMENTS, RADIUS, LENGTH = 50, 0.1, 1.0
 

@@ -23,7 +23,7 @@ from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.lines import Cylinder, Line
-from fem_lie.contact.surfaces import Box, Plane, Sphere, Surface, Vertices
+from fem_lie.contact.sides.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.contact.detection import near
+from fem_lie.contact.sides.detection import near
 from fem_lie.system import System
 
 GRAVITY, RADIUS = 9.81, 0.1

@@ -1,1 +1,1 @@
-"""Contact: surfaces of bodies that touch, laws of what they do then, and who is near whom."""
+"""Contact: laws of what bodies do that touch, and the forces of penalties."""

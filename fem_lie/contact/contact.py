@@ -9,14 +9,14 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, text
 from fem_lie.bodies.body import Body
-from fem_lie.contact.kinematics import gaps
 from fem_lie.contact.laws import Impact, Penalty
-from fem_lie.contact.meeting import Balls, Lines
-from fem_lie.contact.meeting import Sides as MeetingSides
-from fem_lie.contact.pairs import NearPairs
 from fem_lie.contact.penalty import PenaltyForces
-from fem_lie.contact.surfaces import Ball, Surface
-from fem_lie.contact.table import Nodes, Side, balls_side, number_of, planes_side
+from fem_lie.contact.sides.kinematics import gaps
+from fem_lie.contact.sides.meeting import Balls, Lines
+from fem_lie.contact.sides.meeting import Sides as MeetingSides
+from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.surfaces import Ball, Surface
+from fem_lie.contact.sides.table import Nodes, Side, balls_side, number_of, planes_side
 
 Law: TypeAlias = Penalty | Impact
 

@@ -17,7 +17,7 @@ from fem_lie._arrays import instance, positive, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
-from fem_lie.contact.surfaces import Piece, Surface, initial_frame
+from fem_lie.contact.sides.surfaces import Piece, Surface, initial_frame
 
 _KINK = np.cos(np.radians(10.0))
 """Of the largest angle between e₁ at a node and the chord."""

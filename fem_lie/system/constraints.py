@@ -288,19 +288,6 @@ class Connections:
 
 def _joined(borders: Sequence[Border]) -> Border:
     """Of constraints one after the other."""
-    lengths = np.concatenate([np.diff(border.ptr) for border in borders])
-    ptr = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+    lengths = [np.diff(border.ptr) for border in borders]
+    ptr = np.cumsum(np.concatenate([[0], *lengths]), dtype=np.int64)
     return Border(ptr, np.concatenate([border.nodes for border in borders]).astype(np.int64))
-
-
-def refuse(redundant: Indices, connections: Connections) -> None:
-    """Raise ``ValueError`` that names the joints of redundant constraints if there are any."""
-    if len(redundant):
-        owner = dict.fromkeys(connections.owner[redundant])
-        names = "; ".join(connections.items[int(k)].label for k in owner)
-        raise ValueError(
-            f"{len(redundant)} of {len(connections.owner)} constraints are redundant, they follow "
-            f"from the other joints and clamps: {names}. Replace a joint by one with fewer "
-            "constraints (e.g. Spherical instead of Revolute) or remove it, or see "
-            "Scene(redundant=...)"
-        )

@@ -1,4 +1,4 @@
-"""What a scene consists of, and what was chosen for it: for logs and results."""
+"""What a scene consists of, and what was chosen for it: for logs, results and errors."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from fem_lie._arrays import Indices
 from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
 from fem_lie.lie.kinds import SLOPE, on_r3
+from fem_lie.system.constraints import Connections
 from fem_lie.system.nodes.numbering import Numbering
 from fem_lie.system.terms.all_terms import Terms
 
@@ -55,3 +56,16 @@ def catalogue(
     rows = np.searchsorted(supported, attachment.leader[nodes])
     supports = SupportInfo(attachment.leaders[supported], nodes, rows)
     return SceneInfo(numbering.bodies(), joints, mass, supports)
+
+
+def refuse(redundant: Indices, connections: Connections) -> None:
+    """Raise ``ValueError`` that names the joints of redundant constraints if there are any."""
+    if len(redundant):
+        owner = dict.fromkeys(connections.owner[redundant])
+        names = "; ".join(connections.items[int(k)].label for k in owner)
+        raise ValueError(
+            f"{len(redundant)} of {len(connections.owner)} constraints are redundant, they follow "
+            f"from the other joints and clamps: {names}. Replace a joint by one with fewer "
+            "constraints (e.g. Spherical instead of Revolute) or remove it, or see "
+            "Scene(redundant=...)"
+        )

@@ -19,7 +19,8 @@ from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.scene import Scene
 from fem_lie.scene.choices import Redundant
-from fem_lie.system.constraints import Connections, refuse
+from fem_lie.system.constraints import Connections
+from fem_lie.system.describe import refuse
 from fem_lie.system.frame_rows import FrameRows
 from fem_lie.system.instant import Forces, Instant, Plan
 from fem_lie.system.load_cases import LoadCases
@@ -95,8 +96,7 @@ class System:
         self.held, self.supported, self.length = rows.held, rows.supported, rows.length
         self.uncoupled, self._any_held = self.numbering.uncoupled, bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
-        self.table = self.connections.table
-        self.m = self.connections.m
+        self.table, self.m = self.connections.table, self.connections.m
         self._others = not self.connections.of_joints_only
         # without ties nothing is compiled for them, which would take seconds
         self._joined = len(self.table.nodes) > 0

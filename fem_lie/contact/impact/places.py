@@ -9,7 +9,7 @@ from fem_lie._jit import compiled, uncounted
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
 from fem_lie.contact.impact.sweeps import along, push
-from fem_lie.contact.kinematics import gap
+from fem_lie.contact.sides.kinematics import gap
 from fem_lie.lie.kinds import move
 from fem_lie.lie.motions import Group
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.impact.sweeps import Cones, dense_of
-from fem_lie.contact.table import Side
+from fem_lie.contact.sides.table import Side
 
 CLOSED = 1e-9
 """Gaps of closed contacts, as a part of a length of theirs; over a step it is a speed."""

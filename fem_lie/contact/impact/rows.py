@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.kinematics import gap
+from fem_lie.contact.sides.kinematics import gap
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,

@@ -35,7 +35,7 @@ from fem_lie.contact.impact.records import (
 )
 from fem_lie.contact.impact.sweeps import along
 from fem_lie.contact.impact.velocities import choose, join, set_cones
-from fem_lie.contact.kinematics import gap
+from fem_lie.contact.sides.kinematics import gap
 
 _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
 """Passes; most of them; in how many contacts may join; reductions of restitution."""

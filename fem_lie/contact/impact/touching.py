@@ -11,8 +11,8 @@ from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import set_gaps
 from fem_lie.contact.laws import Impact
-from fem_lie.contact.pairs import NearPairs
-from fem_lie.contact.table import Nodes, Side
+from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.table import Nodes, Side
 
 
 def _joined(sides: Sequence[Side]) -> Side:

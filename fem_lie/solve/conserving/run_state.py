@@ -279,9 +279,8 @@ class RunState(Integration[History]):
         Constraints are to hold at the end of a step, ``joints_at``, by forces at its mean.
         """
         equations, n = self.equations, self.moving
-        twists = np.zeros_like(equations.start.velocities)
-        twists[:n] = v
-        now = Instant(H, twists, a, self.s.weights)
+        now = Instant(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
+        now.v[:n] = v
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered
         h, still = (1.0 + self.options.loss * self.s.lag[REMEMBERS]) * self.h, np.zeros((n, 6))

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
-from fem_lie.lie.kinds import inertia
+from fem_lie._jit import compiled, linked
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.between.cayley import advance
 from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate
 from fem_lie.solve.renewal import PlainRule, due, learn
 from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational.packing import packed
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -30,142 +27,6 @@ STAGNANT, FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
 """Increments below the first, over those of the model, that do not fall by the second are noise."""
 
 
-class Packed(NamedTuple):
-    """Arrays of a run, in the order of :func:`_packed`.
-
-    Attributes:
-        H: Frames of all rows, (N, 4, 3).
-        rest: Digits that they have no room for, (n, 4, 3).
-        last: The last step, and the one before, each (n, 6).
-        earlier_step: The latter.
-        step: The present one.
-        before: Momenta at the start, (n, 6).
-        after: Those at the end.
-        multipliers: Present ones, and those of the last step, each (m,).
-        earlier: The latter.
-        gap: Violation of the constraints, (m,).
-        delta: What lies between the ends, see :func:`~.momenta.between`, each (N, 4, 3).
-        mean: See there.
-        end: See there.
-        middle: See there.
-        twists: See there, (N, 6).
-        still: Zeros, (N, 6).
-        none: Zeros, (m,).
-        driven: Zeros, (m,).
-        change: Of the constraints, (m,).
-        forces: Of nodes, (n, 6), likewise ``constraints``.
-        constraints: Of joints.
-        r: Residual, solution and room, each (6 n + m,).
-        x: The solution.
-        y: Room.
-        work: Room.
-        scale: Of the constraints, (m,).
-        measure: Of all unknowns.
-        held: Which of the nodes' are zero, (n, 6).
-        mass: Inertia.
-        joints: Their table.
-        known: What the rule has learned.
-        counters: See :data:`MADE`.
-        numbers: See :data:`MOTION`.
-        table: Of :func:`~fem_lie.system.nodes.sums.residual`.
-        books: Of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        told: Twists that these are told, in space and in the nodes' frames, each (n, 6).
-        local: The latter.
-        ahead: Multipliers that they are told, (m,).
-        targets: Of the constraints, (m,).
-    """
-
-    H: Array
-    rest: Array
-    last: Array
-    earlier_step: Array
-    step: Array
-    before: Array
-    after: Array
-    multipliers: Array
-    earlier: Array
-    gap: Array
-    delta: Array
-    mean: Array
-    end: Array
-    middle: Array
-    twists: Array
-    still: Array
-    none: Array
-    driven: Array
-    change: Array
-    forces: Array
-    constraints: Array
-    r: Array
-    x: Array
-    y: Array
-    work: Array
-    scale: Array
-    measure: Array
-    held: Indices
-    mass: inertia.PlainInertia
-    joints: tuple[Array, Indices]
-    known: Array
-    counters: Indices
-    numbers: Array
-    table: Indices
-    books: Indices
-    told: Array
-    local: Array
-    ahead: Array
-    targets: Array
-
-    @property
-    def arrays(self) -> list[Any]:
-        """One after the other."""
-        return [*self[:28], *self.mass, *self.joints, *self[30:]]
-
-
-@inlined
-def _packed(t: Indices) -> Packed:
-    return Packed(
-        numbers3(t, 0),
-        numbers3(t, 1),
-        numbers2(t, 2),
-        numbers2(t, 3),
-        numbers2(t, 4),
-        numbers2(t, 5),
-        numbers2(t, 6),
-        numbers1(t, 7),
-        numbers1(t, 8),
-        numbers1(t, 9),
-        numbers3(t, 10),
-        numbers3(t, 11),
-        numbers3(t, 12),
-        numbers3(t, 13),
-        numbers2(t, 14),
-        numbers2(t, 15),
-        numbers1(t, 16),
-        numbers1(t, 17),
-        numbers1(t, 18),
-        numbers2(t, 19),
-        numbers2(t, 20),
-        numbers1(t, 21),
-        numbers1(t, 22),
-        numbers1(t, 23),
-        numbers1(t, 24),
-        numbers1(t, 25),
-        numbers1(t, 26),
-        integers2(t, 27),
-        (integers1(t, 28), integers1(t, 29), numbers3(t, 30)),
-        (numbers1(t, 31), integers1(t, 32)),
-        numbers1(t, 33),
-        integers1(t, 34),
-        numbers1(t, 35),
-        integers2(t, 36),
-        integers2(t, 37),
-        numbers2(t, 38),
-        numbers2(t, 39),
-        numbers1(t, 40),
-        numbers1(t, 41),
-    )
-
-
 @compiled
 def _largest(x: Array, measure: Array) -> float:
     size = 0.0
@@ -179,7 +40,7 @@ def _largest(x: Array, measure: Array) -> float:
 @linked
 def weigh(table: Indices, h: float) -> None:
     """The residual of the momenta at the start, and of the constraints at the end."""
-    this = _packed(table)
+    this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
     rows = this.delta, this.mean, this.end, this.middle
     momenta.between(H, step, rows, h, this.twists)
@@ -200,7 +61,7 @@ def weigh(table: Indices, h: float) -> None:
 @linked
 def _begin(table: Indices) -> None:
     """Predict the step: as the last one changed."""
-    this = _packed(table)
+    this = packed(table)
     numbers, n = this.numbers, this.step.shape[0]
     for i in range(n):
         for k in range(6):
@@ -214,7 +75,7 @@ def _begin(table: Indices) -> None:
 
 @linked
 def _correct(table: Indices) -> None:
-    this = _packed(table)
+    this = packed(table)
     n = this.step.shape[0]
     momenta.correct(this.H, this.held, this.x, this.step)
     for c in range(this.scale.shape[0]):
@@ -225,7 +86,7 @@ def _correct(table: Indices) -> None:
 @linked
 def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) -> int:
     """One iteration, whose residual is known: whether the step is made, goes on, or fails."""
-    this = _packed(table)
+    this = packed(table)
     numbers = this.numbers
     solve(factors, this.r, this.y, this.x)
     increment, previous = _largest(this.x, this.measure), numbers[PREVIOUS]
@@ -248,7 +109,7 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
 @linked
 def _accept(table: Indices) -> None:
     """Go on from the end of the step."""
-    this = _packed(table)
+    this = packed(table)
     for c in range(this.gap.shape[0]):
         this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
     advance(this.H, this.rest, this.delta[: this.step.shape[0]])
@@ -261,7 +122,7 @@ def _accept(table: Indices) -> None:
 @linked
 def _book(table: Indices, h: float, loads: bool, joints: bool) -> None:
     """By the trapezoidal rule, with velocities along a line through the last two steps."""
-    this = _packed(table)
+    this = packed(table)
     for i in range(this.last.shape[0]):
         for k in range(6):
             this.told[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
@@ -290,7 +151,7 @@ def run(
         last: Step to reach.
         asked: Whether the loop came back for a matrix, which is made.
     """
-    (h, tolerance, most), this = given, _packed(table)
+    (h, tolerance, most), this = given, packed(table)
     counters = this.counters
     while counters[MADE] < last:
         if counters[ITERATION] == 0:

@@ -22,6 +22,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.variational import loop, momenta
+from fem_lie.solve.variational.packing import Packed
 from fem_lie.solve.variational.prescribed import prescribe
 from fem_lie.solve.variational.run_state import RunState
 
@@ -119,12 +120,12 @@ class VariationalRun(RunState):
         return True
 
     @cached_property
-    def _packed(self) -> loop.Packed:
+    def _packed(self) -> Packed:
         """What the compiled loop knows, once what it has is what a restored run goes on with."""
         table = self._found.table
         assert table is not None
         n, m = self._n, len(self.weights)
-        return loop.Packed(
+        return Packed(
             self.H,
             self.rest,
             self.steps[0],

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.contact.detection import moved_by, near
-from fem_lie.contact.kinematics import count_blocks, places
-from fem_lie.contact.table import Side
+from fem_lie.contact.sides.detection import moved_by, near
+from fem_lie.contact.sides.kinematics import count_blocks, places
+from fem_lie.contact.sides.table import Side
 
 _SKIN = 0.5
 """Part of the mean radius of balls."""

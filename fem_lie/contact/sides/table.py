@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.contact.surfaces import MOST_NODES, Ball, Face
+from fem_lie.contact.sides.surfaces import MOST_NODES, Ball, Face
 
 GROUND, UNUSED = -1, -2
 """Instead of a node: the frame that does not move, and none."""

@@ -16,8 +16,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.surfaces import MOST_NODES
-from fem_lie.contact.table import GROUND, UNUSED, Side
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled
 

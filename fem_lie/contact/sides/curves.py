@@ -13,8 +13,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.kinematics import normal_of, place
-from fem_lie.contact.table import GROUND, Side
+from fem_lie.contact.sides.kinematics import normal_of, place
+from fem_lie.contact.sides.table import GROUND, Side
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 

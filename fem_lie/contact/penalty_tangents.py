@@ -1,0 +1,154 @@
+"""What penalties push with, and derivatives of their forces, compiled."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie.contact.over_steps import BY_GAP, SLOPE
+from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import Side
+from fem_lie.lie.motions import local_components
+from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus
+
+
+class Numbers(NamedTuple):
+    """Of a law, for a weight of one.
+
+    Attributes:
+        k: Stiffness.
+        c: Damping.
+        ramp: Overlap over which that grows.
+    """
+
+    k: float
+    c: float
+    ramp: float
+
+
+@inlined_uncounted
+def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
+    """What damping adds to ``k g``, and how that changes with ``g`` and ``ġ``: nothing pulls."""
+    part, by_gap = 1.0, 0.0
+    if -g < law.ramp:
+        part, by_gap = -g / law.ramp, -1.0 / law.ramp
+    if law.k * g + part * law.c * speed >= 0.0:
+        return -law.k * g, -law.k, 0.0
+    return part * law.c * speed, by_gap * law.c * speed, part * law.c
+
+
+@inlined_uncounted
+def speed_of(
+    H: Array, v: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, n: Vector
+) -> float:
+    """``ġ`` of a pair."""
+    found = 0.0
+    for s in range(SLOTS):
+        node, sign, w, c = slot(H, a, b, i, j, flat, P, s)
+        if node >= 0:
+            found += sign * rate(H, v, node, w, c, n)
+    return found
+
+
+@compiled
+def tangents(
+    H: Array,
+    v: Array,
+    at: Meeting,
+    law: Numbers,
+    viscous: bool,
+    given: Array,
+    by_frames: Array,
+    by_twists: Array,
+) -> None:
+    """Derivatives of the forces, or of what damping adds, in frames and in twists: added.
+
+    ``given`` are secants of a step instead, (≥ 2, m), or nothing, (0, 0).
+    """
+    over_step = given.shape[0] > 0
+    nodes, rows, changes = (
+        np.empty(SLOTS, dtype=np.int64),
+        np.zeros((SLOTS, 6)),
+        np.zeros((SLOTS, 6)),
+    )
+    D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        if over_step:
+            if given[SLOPE, e] == 0.0:
+                continue
+        elif g >= 0.0:
+            continue
+        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
+        if not at.flat:
+            _slide(H, at, e, n, nodes, D, G)
+        f, by_gap, by_speed = law.k * g, law.k, 0.0
+        if viscous:
+            speed = speed_of(H, v, at.a, at.b, i, j, at.flat, P, n)
+            f, by_gap, by_speed = damping(law, g, speed)
+            _changes_of_speed(v, nodes, G, changes)
+        elif over_step:
+            f, by_gap = law.k * given[SLOPE, e], law.k * given[BY_GAP, e]
+        block, weight = at.first[e], at.weight[e]
+        for s in range(SLOTS):
+            for t in range(SLOTS):
+                if nodes[s] < 0 or nodes[t] < 0:
+                    continue
+                for p in range(6):
+                    for q in range(6):
+                        to_frame = by_gap * rows[t, q] + by_speed * changes[t, q]
+                        change = f * G[s, t, p, q] + rows[s, p] * to_frame
+                        by_frames[block, p, q] += weight * change
+                        if viscous:
+                            by_twists[block, p, q] += weight * by_speed * rows[s, p] * rows[t, q]
+                block += 1
+
+
+@inlined_uncounted
+def _slide(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, G: Array) -> None:
+    """``−m mᵀ/s``: the second place follows the first; see :class:`~.meeting.Sliding`."""
+    i, j = at.pairs[e]
+    t, slides = load_row(at.sliding.slopes, e), at.sliding
+    if t[0] == t[1] == t[2] == 0.0:
+        return
+    apart = minus(place(H, at.a, i), place(H, at.b, j))
+    distance = np.sqrt(dot(apart, apart))
+    for s in range(SLOTS):
+        if nodes[s] < 0:
+            continue
+        # −m, in what was room for turns of the normal
+        for p in range(6):
+            along = t[0] * D[s, 0, 0, p] + t[1] * D[s, 0, 1, p] + t[2] * D[s, 0, 2, p]
+            D[s, 1, 0, p] = along / distance
+        if s >= MOST_NODES:
+            f = local_components(H[nodes[s]], n)
+            turning = cross(load_row(slides.levers[e], s - MOST_NODES), f)
+            for p in range(3):
+                D[s, 1, 0, p] += slides.weights[e, s - MOST_NODES] * f[p]
+                D[s, 1, 0, 3 + p] += turning[p]
+    for a in range(SLOTS):
+        for b in range(SLOTS):
+            if nodes[a] >= 0 and nodes[b] >= 0:
+                for p in range(6):
+                    for q in range(6):
+                        product = D[a, 1, 0, p] * D[b, 1, 0, q]
+                        G[a, b, p, q] -= product * distance / slides.bends[e]
+
+
+@inlined_uncounted
+def _changes_of_speed(v: Array, nodes: Indices, G: Array, changes: Array) -> None:
+    """``∂ġ/∂h`` at constant twists, of each slot."""
+    changes[:] = 0.0
+    for s in range(SLOTS):
+        for t in range(SLOTS):
+            if nodes[s] < 0 or nodes[t] < 0:
+                continue
+            for p in range(6):
+                for q in range(6):
+                    changes[t, q] += v[nodes[s], p] * G[s, t, p, q]
