@@ -22,10 +22,13 @@ from dolfinx import fem, la
 from dolfinx.fem import IntegralType
 from dolfinx.fem.forms import form_cpp_class
 from dolfinx.mesh import GhostMode
+from ufl.algorithms.analysis import has_type
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
-from ufl.algorithms.transformer import strip_variables
+from ufl.classes import Variable
 from ufl.core.expr import Expr
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -56,14 +59,25 @@ def custom_form(
     return fem.Form(form_cpp_class(np.float64)(*arguments))
 
 
+class _WithoutVariables(MultiFunction):
+    """What variables stand for in their place."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def variable(self, o: Expr, value: Expr, label: Expr) -> Expr:
+        return value
+
+
 def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
     """An expression at points of its cells, compiled once for all that are made alike.
 
     FFCx names what it compiles after the count of each ``ufl.variable``, so derivatives with
     respect to one are taken first.
     """
-    lowered = apply_derivatives(apply_algebra_lowering(value))
-    return fem.Expression(strip_variables(lowered), np.asarray(points))
+    if has_type(value, Variable):
+        lowered = apply_derivatives(apply_algebra_lowering(value))
+        value = map_expr_dag(_WithoutVariables(), lowered)
+    return fem.Expression(value, np.asarray(points))
 
 
 def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:
