@@ -13,20 +13,18 @@ Each size of parts has a matrix of its own, and both are kept.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from fem_lie._arrays import instance
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.compositions import Composition, FiveStages
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.motion.integrator import Integrator, why_steps_change
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.system.equations import Equations
 
 _MOST_SIZES = 2
@@ -58,6 +56,11 @@ class Composed(Integrator):
         True
     """
 
+    _wanted_step: ClassVar[str] = (
+        "makes constant steps over smooth functions of time: wanted the size of the step as a "
+        "number and nothing that jumps (or use EnergyMomentum)"
+    )
+
     scheme: Integrator = field(default_factory=EnergyMomentum)
     composition: Composition = field(default_factory=FiveStages)
 
@@ -86,20 +89,6 @@ class Composed(Integrator):
 
     def _integration(self, equations: Equations, step: float) -> ComposedRun:
         return ComposedRun(self._inner.told(), equations, step, self.composition.halves)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "Composed makes constant steps over smooth functions of time: wanted the size of the "
-            f"step as a number and nothing that jumps, got {given}; use EnergyMomentum"
-        )
 
 
 def _check_parts(composition: Composition) -> None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,9 +28,8 @@ from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
 from fem_lie.solve.explicit.single_cells import CELLS, FIRST, NODES
 from fem_lie.solve.motion.integration import Integration
-from fem_lie.solve.motion.integrator import Integrator, why_steps_change
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.policies import Never
-from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
@@ -66,6 +65,11 @@ class Asynchronous(Integrator):
         True
     """
 
+    _wanted_step: ClassVar[str] = (
+        "chooses the steps of cells by itself: wanted the largest one as a number and nothing "
+        "that jumps"
+    )
+
     courant: float = 0.8
 
     def __post_init__(self) -> None:
@@ -81,20 +85,6 @@ class Asynchronous(Integrator):
 
     def _integration(self, equations: Equations, step: float) -> AsynchronousRun:
         return AsynchronousRun(equations, step, self.courant)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "Asynchronous chooses the steps of cells by itself: wanted the largest one as a number "
-            f"and nothing that jumps, got {given}"
-        )
 
 
 class AsynchronousRun(Integration[Recorder]):

@@ -23,14 +23,11 @@ import numpy as np
 
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.motions import Group
-from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit.run import ExplicitRun, limit_of
 from fem_lie.solve.explicit.stable import masses_of, node_name, refuse_surfaces
-from fem_lie.solve.motion.integrator import Integrator, why_steps_change
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.system.equations import Equations
 
 
@@ -77,20 +74,6 @@ class Explicit(Integrator):
                 f"{where}, got {step:g}"
             )
         return ExplicitRun(equations, step, masses, limit)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "Explicit makes constant steps: wanted the size of the step as a number and nothing "
-            f"that jumps, got {given}; use GeneralisedAlpha"
-        )
 
 
 def _refuse(equations: Equations) -> None:

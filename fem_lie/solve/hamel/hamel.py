@@ -30,13 +30,10 @@ from fem_lie.bodies.rigid import RigidBody
 from fem_lie.joints import Joint
 from fem_lie.joints.rolling import KnifeEdge, RollingDisc
 from fem_lie.lie.motions import Group
-from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.hamel.run import HamelRun
 from fem_lie.solve.hamel.step import Bodies
-from fem_lie.solve.motion.integrator import Integrator, why_steps_change
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.system.equations import Equations
 
 
@@ -66,20 +63,6 @@ class Hamel(Integrator):
 
     def _integration(self, equations: Equations, step: float) -> HamelRun:
         return HamelRun(equations, step, _bodies(equations.scene))
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "Hamel makes constant steps: wanted the size of the step as a number and nothing that "
-            f"jumps, got {given}; use GeneralisedAlpha"
-        )
 
 
 def _refuse(scene: Scene) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +43,11 @@ class Alone(Protocol):
 
 class Integrator(ABC):
     """Options of a scheme; :meth:`run` integrates."""
+
+    _wanted_step: ClassVar[str] = (
+        "makes constant steps: wanted the size of the step as a number and nothing that jumps "
+        "(or use GeneralisedAlpha)"
+    )
 
     def run(
         self,
@@ -157,7 +162,6 @@ class Integrator(ABC):
     def _integration(self, equations: Equations, step: float) -> Integration[Any]:
         """The state of a run with constant steps."""
 
-    @abstractmethod
     def _follow(
         self,
         scene: Scene,
@@ -166,7 +170,10 @@ class Integrator(ABC):
         saving: Saving,
         progress: bool | None,
     ) -> Result:
-        """A run with the steps of ``choice``."""
+        """A run with the steps of ``choice``; refused by schemes of constant steps."""
+        jumps = events(scene, duration)
+        given = f"something in the scene jumps at the times {list(jumps)}" if jumps else choice
+        raise ValueError(f"{type(self).__name__} {self._wanted_step}, got {given}")
 
     def _compiled(
         self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
@@ -203,12 +210,6 @@ def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy)
         raise ValueError(
             f"wanted tolerance ≥ 0 and max_iterations ≥ 1, got {tolerance}, {max_iterations}"
         )
-
-
-def why_steps_change(scene: Scene, duration: float, choice: StepChoice) -> str:
-    """What was given that makes steps unlike, for schemes that refuse it."""
-    jumps = events(scene, duration)
-    return f"something in the scene jumps at the times {list(jumps)}" if jumps else str(choice)
 
 
 def _number_of_steps(duration: float, step: float) -> int:

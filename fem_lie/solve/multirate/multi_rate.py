@@ -23,20 +23,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from fem_lie._arrays import instance
 from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
-from fem_lie.solve.motion.integrator import Integrator, why_steps_change
-from fem_lie.solve.motion.step_control import StepChoice
+from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.multirate.run import MultiRateRun
 from fem_lie.solve.multirate.split import domains, rows_of
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
 
 
@@ -65,6 +63,11 @@ class MultiRate(Integrator):
         >>> bool(result.energy_error < 1e-11)
         True
     """
+
+    _wanted_step: ClassVar[str] = (
+        "makes whole steps of one size: wanted it as a number and nothing that jumps (or use "
+        "EnergyMomentum)"
+    )
 
     steps: Mapping[Body, int]
     scheme: EnergyMomentum = field(default_factory=EnergyMomentum)
@@ -117,20 +120,6 @@ class MultiRate(Integrator):
         for part in (*parts.values(), between):
             _check_alike(part, equations)
         return MultiRateRun(self.scheme.told(), equations, step, parts, between)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "MultiRate makes whole steps of one size: wanted it as a number and nothing that "
-            f"jumps, got {given}; use EnergyMomentum"
-        )
 
 
 def _check_alike(part: Equations, whole: Equations) -> None:

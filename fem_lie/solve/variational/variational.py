@@ -35,19 +35,16 @@ Math. 9 (2009) 197; Leyendecker, Marsden & Ortiz, ZAMM 88 (2008) 677 (constraint
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.lie.motions import Group
-from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.motion.integrator import (
     Integrator,
     check_until_round_off,
-    why_steps_change,
 )
 from fem_lie.solve.motion.policies import Automatic, Policy
-from fem_lie.solve.motion.step_control import StepChoice
-from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
@@ -73,6 +70,11 @@ class Variational(Integrator):
         True
     """
 
+    _wanted_step: ClassVar[str] = (
+        "makes constant steps, for its energy would drift with others: wanted the size of the step "
+        "as a number and nothing that jumps (or use EnergyMomentum)"
+    )
+
     tolerance: float = 0.0
     policy: Policy = field(default_factory=Automatic)
     max_iterations: int = 100
@@ -89,20 +91,6 @@ class Variational(Integrator):
     def _integration(self, equations: Equations, step: float) -> VariationalRun:
         options = Options(self.tolerance, self.policy, self.max_iterations)
         return VariationalRun(options, equations, step)
-
-    def _follow(
-        self,
-        scene: Scene,
-        duration: float,
-        choice: StepChoice,
-        saving: Saving,
-        progress: bool | None,
-    ) -> Result:
-        given = why_steps_change(scene, duration, choice)
-        raise ValueError(
-            "Variational makes constant steps, for its energy would drift with others: wanted the "
-            f"size of the step as a number and nothing that jumps, got {given}; use EnergyMomentum"
-        )
 
 
 def _refuse(equations: Equations) -> None:
