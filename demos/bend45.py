@@ -10,7 +10,7 @@ The reference is the solution of the differential equations of the same rod, by 
 digits. (The often quoted 53.37 … 53.50 for the height of the tip are finite element solutions of
 coarse meshes, some with other shear stiffnesses.)
 
-Six elements can be chosen, by --formulation:
+Seven elements can be chosen, by --formulation:
 
 - geodesic lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
   second order. In equilibrium the stress varies within an element, though, as a constant force in
@@ -25,6 +25,8 @@ Six elements can be chosen, by --formulation:
 
 - rod has no shear: a cubic between two frames, of fourth order in bending, of second in torsion
   that varies along an element. Without shear the tip is 5e-5 from the reference.
+- spline is such a rod along the cubic spline through the nodes, once continuously differentiable,
+  with tangents and twist at its knots.
 - discrete has places, and edges that bend and twist against each other, of second order.
 - ancf has places and all three slopes, without rotations, and sections that deform. Bent, they
   become thinner: its limit differs by 1.7e-4, of the order of (thickness/radius)^2.
@@ -37,8 +39,9 @@ the root by T = 600 y and My = -600 x of the bent tip. Section forces are drawn 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -52,11 +55,13 @@ RESULTS = HERE.parent / "results"
 REFERENCE = np.array([47.15043857, 15.68480053, 53.47485879])
 FORCE = 600.0
 UNITS = Units(length="length", force="force")
-FORMULATIONS: dict[str, fl.Formulation | fl.AncfElement] = {
+Choice: TypeAlias = fl.Formulation | fl.AncfElement | None
+FORMULATIONS: dict[str, Choice] = {
     "geodesic": fl.Geodesic(),
     "director1": fl.Director(1),
     "director2": fl.Director(2),
     "rod": fl.Kirchhoff(),
+    "spline": None,
     "discrete": fl.DiscreteRod(),
     "plain": fl.Geodesic(bending_flexibility=False),
     "ancf": fl.AncfElement(),
@@ -64,7 +69,7 @@ FORMULATIONS: dict[str, fl.Formulation | fl.AncfElement] = {
 
 
 def solve(
-    elements: int, load_steps: int, formulation: fl.Formulation | fl.AncfElement
+    elements: int, load_steps: int, formulation: Choice
 ) -> tuple[dict[str, Any], fl.StaticResult, fl.SectionForces | None]:
     """Load it; a record of numbers, the equilibrium states and the section forces of the last.
 
@@ -79,6 +84,12 @@ def solve(
     if isinstance(formulation, fl.AncfElement):
         beam = scene.add(fl.AncfBeam(mesh, section, formulation=formulation, name="bend"))
         beam.clamp(beam["clamp"])
+    elif formulation is None:
+        points = mesh.points[np.argsort(np.linalg.norm(mesh.points, axis=1))]  # from the clamp on
+        ends = {"clamp": np.array([0]), "tip": np.array([elements])}
+        line = replace(fl.Spline.through(points).mesh(), named_points=ends)
+        beam = scene.add(fl.Rod(line, section))
+        scene.add(fl.Clamp(beam["clamp"]))
     else:
         make = fl.Beam if formulation.bends else fl.Rod
         beam = scene.add(make(mesh, section, formulation=formulation, name="bend"))

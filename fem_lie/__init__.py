@@ -87,7 +87,7 @@ from fem_lie.joints import (
 from fem_lie.joints.histories import Jumps, Table
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.mesh.curves import curve, polyline, straight
+from fem_lie.mesh.curves import Spline, curve, polyline, straight
 from fem_lie.mesh.gmsh_lines import read_curve
 from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
@@ -324,6 +324,7 @@ __all__ = [
     "SpaceError",
     "Sphere",
     "Spherical",
+    "Spline",
     "SplineCable",
     "Spring",
     "StaticResult",

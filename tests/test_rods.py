@@ -1,7 +1,10 @@
 """Rods without shear: Kirchhoff's and discrete ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 import fem_lie as fl
 from demos import bend45, catenary, rings
@@ -66,20 +69,67 @@ def test_elastica(name, bound, slenderness):
     assert iterations(result) <= 5
 
 
-@pytest.mark.parametrize(("name", "bound"), [("rod", 2e-4), ("discrete", 2e-3)])
+@pytest.mark.parametrize(("name", "bound"), [("rod", 2e-4), ("spline", 2e-4), ("discrete", 2e-3)])
 def test_45_degree_bend(name, bound):
     """To the point of beams with shear, of which there is 5e-5 here."""
     errors = [bend45.solve(n, 3, bend45.FORMULATIONS[name])[0]["tip_error"] for n in (8, 16)]
     assert errors[1] < bound and errors[0] / errors[1] > 2.5
 
 
+KNOTS = np.array([0, 0, 0, 0, 1, 1, 3, 3, 4, 4, 4, 4.0])
+CONTROL = np.array(
+    [(0, 0, 0), (1, 0, 0.2), (2, 1, 0), (3, 2, 0), (4, 2.5, 1), (5, 1, 0), (5.5, 0, 0), (6, 0, 1.0)]
+)
+
+
+@pytest.mark.parametrize("cells", [1, 3])
+def test_a_rod_along_a_spline_is_this_spline_with_more_knots(cells):
+    """Its length, and where knots are."""
+    spline = BSpline(KNOTS, CONTROL, 3)
+    rod = fl.Rod(fl.Spline.of(spline, 2 * cells).mesh(), section(100.0))
+    u = np.linspace(0, 4, 100001)
+    arc = np.linalg.norm(np.diff(spline(u), axis=0), axis=1).sum()
+    assert rod.lengths.sum() == pytest.approx(arc, rel=1e-7)
+    again = fl.Rod(fl.Spline.of(spline.insert_knot(2.0, m=2), cells).mesh(), section(100.0))
+    np.testing.assert_allclose(again.frames[-1, :2], rod.frames[-1, :2], atol=1e-13)
+
+
+def quarter(cells: int) -> float:
+    """Error of a quarter ring, clamped, loaded across its plane, by a parameter of any speed."""
+    u = np.linspace(0, 1, cells + 1)
+    φ, rate = 0.5 * np.pi * (0.6 * u + 0.4 * u**2), 0.5 * np.pi * (0.6 + 0.8 * u)
+    circle = np.stack([np.cos(φ), np.sin(φ), 0 * φ], axis=1)
+    along = rate[:, np.newaxis] * np.stack([-np.sin(φ), np.cos(φ), 0 * φ], axis=1)
+    own = fl.Section.from_stiffness([1e6, 1e6, 1e6, 0.5, 1.0, 1.0])
+    scene = fl.Scene()
+    rod = scene.add(fl.Rod(fl.Spline.checked(u, circle, along).mesh(), own))
+    scene.add(fl.Clamp(rod.start))
+    scene.add(fl.PointLoad(rod.end, (0, 0, 1e-4)))
+    found = fl.statics(scene).position(rod.end)[-1, 2]
+    exact = 1e-4 * (np.pi / 4 + (3 * np.pi / 4 - 2) / 0.5)
+    return float(abs(found / exact - 1))
+
+
+def test_a_ring_of_any_parameter_bends_and_twists_as_it_should():
+    coarse, fine = quarter(4), quarter(8)
+    assert fine < 1.5e-3 and coarse / fine > 3.5
+
+
+def test_a_spline_that_nearly_stands_still_is_refused():
+    line = fl.Spline.checked([0, 1], [(0, 0, 0), (1, 0, 0)], [(3, 0, 0), (2.9, 0, 0)])
+    with pytest.raises(ValueError, match="insert more knots"):
+        fl.Rod(line.mesh(), section(100.0))
+
+
 @pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.019, 0.021, 0.5, 2.3, 2.5, 3.0])
-def test_closed_forces_are_those_of_the_energy(turn):
+@pytest.mark.parametrize("slopes", [None, [(1.1, 0.9), (0.4, 0.8)]], ids=["curve", "spline"])
+def test_closed_forces_are_those_of_the_energy(turn, slopes):
     """About all series and branches; with strain without stress, and coupled sections."""
     rng = np.random.default_rng(1)
     root = rng.normal(size=(6, 6))
     own = fl.Section.from_stiffness(root @ root.T + np.eye(6))
-    rod = fl.Rod.curve(lambda s: (s, 0.2 * s * s, 0.1 * s**3), own, cells=2)
+    mesh = fl.curve(lambda s: (s, 0.2 * s * s, 0.1 * s**3), cells=2)
+    rod = fl.Rod(replace(mesh, slopes=slopes and np.array(slopes) / 2), own)
     assembly = fl.Rod.assemble([rod])
     assembly.set_eigenstrain(0.05 * rng.normal(size=(2, 6)))
     H, axis = rod.frames.copy(), rng.normal(size=3)

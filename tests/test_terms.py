@@ -228,6 +228,9 @@ TERMS: dict[str, Case] = {
     "director beam": Case(lambda: beam(fl.Director(1)), "elements"),
     "quadratic director beam": Case(lambda: beam(fl.Director(2)), "elements"),
     "Kirchhoff rod": Case(lambda: beam(fl.Kirchhoff()), "elements"),
+    "rod along a spline": Case(
+        lambda: scene_with(fl.Rod(fl.Spline.through(PLACES, cells=2).mesh(), THREAD)), "elements"
+    ),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),

@@ -5,20 +5,171 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import radians
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import BSpline, CubicSpline
 
 from fem_lie._arrays import (
     Array,
     Indices,
+    direction,
     instance,
+    numbers,
     points_of,
+    positive,
+    vector,
     whole_number,
 )
 from fem_lie.mesh.lines import LineMesh
 
 _SHARP = radians(2.0)  # a turn of this size within 1e-4 of a cell is a kink
+_SAME = 1e-9  # relative, of the two ends of a closed curve
+
+
+class Spline(NamedTuple):
+    """A cubic spline with doubled inner knots: places and slopes at these.
+
+    :class:`~fem_lie.SplineCable` takes all three, and :class:`~fem_lie.Rod` its :meth:`mesh`.
+
+    Attributes:
+        knots: The parameter ``u`` there, increasing, shape (n,).
+        places: Shape (n, 3).
+        slopes: ``dr/du``, shape (n, 3).
+
+    Example:
+        >>> ring = fl.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), cells=8)
+        >>> ring.mesh().cells.shape
+        (8, 2)
+    """
+
+    knots: Array
+    places: Array
+    slopes: Array
+
+    @classmethod
+    def checked(cls, knots: npt.ArrayLike, places: npt.ArrayLike, slopes: npt.ArrayLike) -> Spline:
+        """As arrays; arguments as the attributes.
+
+        Raises:
+            ValueError: Shapes do not fit, knots do not increase, or the curve stands still.
+        """
+        x, u = points_of(places), numbers(knots, "knots of a spline")
+        rates = numbers(slopes, "slopes of a spline")
+        if u.shape != (len(x),) or rates.shape != x.shape or len(x) < 2:
+            raise ValueError(
+                "a spline has two knots or more, with a place and a slope at each, got shapes "
+                f"{u.shape}, {x.shape} and {rates.shape}"
+            )
+        if not (np.diff(u) > 0).all():
+            raise ValueError(f"the knots of a spline increase, got {u}")
+        speed = np.linalg.norm(rates, axis=1)
+        if not speed.min() > _SAME * speed.max():
+            k = int(speed.argmin())
+            raise ValueError(f"slopes of a spline are not zero, but at knot {k} it is {rates[k]}")
+        return cls(u, x, rates)
+
+    @classmethod
+    def of(cls, spline: BSpline, cells: int = 1) -> Spline:
+        """A cubic spline of SciPy's with doubled inner knots, of points in space, exactly.
+
+        Args:
+            spline: Of degree 3, with control points of shape (n, 3).
+            cells: Of each piece between knots; more of them leave the curve as it is.
+
+        Raises:
+            ValueError: It is of another degree or dimension, or has an inner knot that is not
+                doubled: a simple one lets no slope move by itself, a triple one is a corner.
+        """
+        instance(spline, BSpline, "Spline.of: spline", "a scipy.interpolate.BSpline")
+        if spline.k != 3 or np.shape(spline.c)[1:] != (3,):
+            raise ValueError(
+                "wanted is a cubic spline of control points of shape (n, 3), got one of degree "
+                f"{spline.k} of shape {np.shape(spline.c)}"
+            )
+        begin, end = float(spline.t[3]), float(spline.t[len(spline.c)])
+        knots, count = np.unique(spline.t, return_counts=True)
+        inner = (knots > begin) & (knots < end)
+        if not (count[inner] == 2).all():
+            k = np.flatnonzero(inner & (count != 2))[0]
+            raise ValueError(
+                "inner knots of a spline are doubled here, for continuous slopes, but "
+                f"{knots[k]:g} is there {count[k]} times: insert it again, or use Spline.through"
+            )
+        u = _divided(np.array([begin, *knots[inner], end]), whole_number(cells))
+        return cls.checked(u, spline(u), spline.derivative()(u))
+
+    @classmethod
+    def through(cls, points: npt.ArrayLike, cells: int = 1) -> Spline:
+        """The smooth cubic spline over distances of points; closed if the last is the first.
+
+        Args:
+            points: Shape (n, 3).
+            cells: Of each piece between points.
+
+        Raises:
+            ValueError: Successive points are the same, or there are less than two.
+        """
+        x = points_of(points)
+        steps = np.linalg.norm(np.diff(x, axis=0), axis=1)
+        if len(x) < 2 or not steps.min() > 0:
+            raise ValueError(f"wanted are two points or more, successive ones apart, got\n{x}")
+        closed = len(x) > 3 and np.array_equal(x[0], x[-1])
+        knots = np.concatenate([[0.0], np.cumsum(steps)])
+        curve = CubicSpline(knots, x, bc_type="periodic" if closed else "not-a-knot")
+        u = _divided(knots, whole_number(cells))
+        places = curve(u)
+        if closed:
+            places[-1] = places[0]
+        return cls.checked(u, places, curve(u, 1))
+
+    @classmethod
+    def circle(
+        cls, centre: npt.ArrayLike, radius: float, normal: npt.ArrayLike, cells: int
+    ) -> Spline:
+        """A circle, of sixth order: slopes are those of the best cubics for arcs.
+
+        It goes round the normal, in 3 cells or more.
+
+        Raises:
+            ValueError: The radius is not positive, there is no normal, or there are too few cells.
+        """
+        middle, r = vector(centre, 3, "centre of a circle"), positive(radius, "radius")
+        e3 = direction(normal, "normal of a circle")
+        if whole_number(cells) < 3:
+            raise ValueError(f"a circle has 3 cells or more, got {cells}")
+        e1 = np.cross(e3, np.eye(3)[np.abs(e3).argmin()])
+        e1 /= np.linalg.norm(e1)
+        e2, angle = np.cross(e3, e1), 2 * np.pi * np.arange(cells + 1) / cells
+        angle[-1] = 0.0
+        c, s = np.cos(angle[:, np.newaxis]), np.sin(angle[:, np.newaxis])
+        speed = 4 * r * np.tan(np.pi / (2 * cells))
+        places, slopes = middle + r * (c * e1 + s * e2), speed * (c * e2 - s * e1)
+        return cls.checked(range(cells + 1), places, slopes)
+
+    def mesh(self) -> LineMesh:
+        """From knot to knot, with points "start" and "end"; closed if it ends as it began."""
+        u, places, rates = self
+        n, speeds = len(places), np.linalg.norm(rates, axis=1)
+        gaps = np.abs(places[-1] - places[0]).max(), np.abs(rates[-1] - rates[0]).max()
+        near = gaps[0] <= _SAME * np.ptp(places, axis=0).max() and gaps[1] <= _SAME * speeds.max()
+        closed = n > 3 and bool(near)
+        kept = n - 1 if closed else n
+        number = np.arange(n) % kept
+        cells = np.column_stack([number[:-1], number[1:]])
+        tangents, spans = rates / speeds[:, np.newaxis], np.diff(u)[:, np.newaxis]
+        along = np.stack([tangents[:-1], tangents[1:]], axis=1)
+        names = {"start": np.array([0])} | ({} if closed else {"end": np.array([n - 1])})
+        slopes = spans * np.column_stack([speeds[:-1], speeds[1:]])
+        return LineMesh(places[:kept], cells, along, {}, names, slopes=slopes)
+
+
+def _divided(knots: Array, cells: int) -> Array:
+    """Each piece in so many equal ones."""
+    ξ = np.arange(cells) / cells
+    inner = knots[:-1, np.newaxis] + ξ * np.diff(knots)[:, np.newaxis]
+    return np.append(inner.ravel(), knots[-1])
 
 
 def straight(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
@@ -119,10 +270,8 @@ def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
             parts = [(low + k * quarter, low + (k + 2) * quarter) for k in range(3)]
             turn, (low, high) = max((_turn(function, *part), part) for part in parts)
         if turn > _SHARP:
-            raise ValueError(
-                f"the curve has a kink at s = {low:.4g}; make a "
-                "LineMesh of its corners, or one beam of each smooth part"
-            )
+            made = "make a LineMesh of its corners, or one beam of each smooth part"
+            raise ValueError(f"the curve has a kink at s = {low:.4g}; {made}")
 
 
 def _turn(function: Callable[[float], npt.ArrayLike], a: float, b: float) -> float:

@@ -6,11 +6,12 @@ import logging
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, whole_number
+from fem_lie.mesh.curves import Spline
 from fem_lie.mesh.gmsh_session import chosen_entities, logged, named_points, opened, physical
 from fem_lie.mesh.tangents import circle_tangents, flipped
 
@@ -53,20 +54,6 @@ def read_lines(
         if gmsh.model.mesh.getNodes()[0].size == 0:
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
         return model_lines(str(file), kink_angle)
-
-
-class Spline(NamedTuple):
-    """Places and slopes along a curve, as :class:`~fem_lie.SplineCable` takes them.
-
-    Attributes:
-        knots: The parameter ``u`` there, increasing, shape (n,).
-        places: Shape (n, 3).
-        slopes: ``dr/du``, shape (n, 3).
-    """
-
-    knots: Array
-    places: Array
-    slopes: Array
 
 
 def read_curve(

@@ -49,6 +49,8 @@ class LineMesh:
         groups: Cells of each named group.
         named_points: Points of each name.
         source: DOLFINx's own mesh, if the points and cells are those of one.
+        slopes: Of cubics from end to end: how long ``dr/dξ`` is at both ends of each cell,
+            0 ≤ ξ ≤ 1, shape (m, 2); default: curves of which no more is known.
 
     Raises:
         ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
@@ -61,6 +63,7 @@ class LineMesh:
     groups: Mapping[str, Indices] = field(default_factory=dict)
     named_points: Mapping[str, Indices] = field(default_factory=dict)
     source: dolfinx.mesh.Mesh | None = None
+    slopes: Array | None = None
 
     def __post_init__(self) -> None:
         points, cells = points_of(self.points), _cells(self.cells, len(self.points))
@@ -69,6 +72,12 @@ class LineMesh:
         # also refuses nan
         if not (np.abs(np.linalg.norm(tangents, axis=-1) - 1.0) < 1e-6).all():
             raise ValueError("tangents must be unit vectors")
+        if self.slopes is not None:
+            slopes = numbers(self.slopes, "slopes of a LineMesh")
+            if slopes.shape != cells.shape or not (slopes > 0).all():
+                raise ValueError(
+                    f"slopes are positive lengths at both ends of {len(cells)} cells, got\n{slopes}"
+                )
         for name, value in (
             ("points", points),
             ("cells", cells),

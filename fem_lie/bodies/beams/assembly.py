@@ -78,6 +78,7 @@ class BeamData(Protocol):
     frames: Array
     elements: Indices
     lengths: Array
+    slopes: Array
     stiffness: Array
     density: Array
     formulation: Formulation
@@ -112,7 +113,8 @@ class BeamAssembly(Assembly):
         if any(body.damping.factors().any() for body in bodies):
             viscosity = np.concatenate([b.damping.viscosity(b.stiffness) for b in bodies])
             viscosity = viscosity[permutation]
-        data = CellData(lengths, gathered("stiffness"), gathered("density"), eigenstrain, viscosity)
+        stiffness, density, slopes = map(gathered, ("stiffness", "density", "slopes"))
+        data = CellData(lengths, stiffness, density, eigenstrain, viscosity, slopes)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
         if all(body.has_mass for body in bodies):

@@ -45,6 +45,7 @@ class LineBody(Sectioned):
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
         formulation: The element.
         damping: Of all elements.
+        slopes: ``|dr/dξ|`` at both ends of elements that are cubics, else zero, shape (m, 2).
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class LineBody(Sectioned):
             name: For messages and results.
         """
         self.elements, self.lengths = placed.elements, placed.lengths
+        self.slopes: Array = np.zeros((len(placed.elements), 2))
         self.formulation = formulation
         self.damping = Damping() if damping is None else damping
         self._take(sections, mesh.groups)

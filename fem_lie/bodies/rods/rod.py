@@ -19,9 +19,13 @@ from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
 from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners
 from fem_lie.elements.rods.edges import edge_axes
-from fem_lie.elements.rods.kirchhoff import Kirchhoff
+from fem_lie.elements.rods.kirchhoff import Kirchhoff, speeds_of_cubics
 from fem_lie.forms.assembly import Assembly
 from fem_lie.mesh.lines import LineMesh
+
+_UNEVEN = 1.8  # at twice the element's stretch is not known any more
+_TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
+_POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
 
 
 class Rod(Beam):
@@ -31,6 +35,9 @@ class Rod(Beam):
     and what couples these. With :class:`~fem_lie.Kirchhoff`, the default, all nodes have frames.
     With :class:`~fem_lie.DiscreteRod`, which needs one smooth line that is not closed, both ends
     have; other nodes are places, that turn about the edge that follows them and about nothing else.
+
+    Along the mesh of a :class:`~fem_lie.Spline` the rod unloaded is that spline exactly, and stays
+    it with more knots.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -70,6 +77,8 @@ class Rod(Beam):
             rotary_inertia=rotary_inertia,
             name=name,
         )
+        if isinstance(mesh, LineMesh) and isinstance(self.formulation, Kirchhoff):
+            self._follow_cubics(mesh.slopes)
         self._corners: Corners | None = None
         if isinstance(self.formulation, DiscreteRod):
             self._corners = self._made_of_edges(self.formulation)
@@ -115,6 +124,21 @@ class Rod(Beam):
         super().add_velocity(translation, spin, about)
         if self._corners is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0
+
+    def _follow_cubics(self, slopes: Array | None) -> None:
+        """Lie along these, if there are any, and not along what tangents alone tell."""
+        if slopes is None:
+            return
+        ends = self.frames[self.elements]
+        mean, middle = slopes.mean(axis=1), speeds_of_cubics(ends, slopes, np.array([0.5]))[:, 0]
+        if not (mean < _UNEVEN * middle).all():
+            k = int((mean / np.maximum(middle, 1e-300)).argmax())
+            raise ValueError(
+                f"{self.label}: cell {k} of the spline is {mean[k] / middle[k]:.3g} times as fast "
+                f"at its ends as in the middle, wanted is less than {_UNEVEN}: insert more knots"
+            )
+        self.slopes = slopes
+        self.lengths = speeds_of_cubics(ends, slopes, _POINTS) @ _WEIGHTS
 
     def _made_of_edges(self, formulation: DiscreteRod) -> Corners:
         """Hold what its nodes do not have, and find the springs."""

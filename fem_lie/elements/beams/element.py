@@ -33,6 +33,7 @@ class CellData:
         density: Gram matrix of inertia per length, shape (m, 4, 4), zero without mass.
         eigenstrain: Strain without stress, a DG0 function of shape (6,) that changes with time.
         viscosity: Stress per strain rate (Γ̇, κ̇), shape (m, 6, 6), or ``None``.
+        slopes: ``|dr/dξ|`` of cubics at both ends, zero for lines that are none, shape (m, 2).
     """
 
     lengths: Array
@@ -40,6 +41,7 @@ class CellData:
     density: Array
     eigenstrain: fem.Function
     viscosity: Array | None
+    slopes: Array
 
 
 class Formulation(ABC):

@@ -8,9 +8,11 @@ with end slopes ``m t_A`` and ``m t_B``, as fast in its middle as there::
 
 so that the strain ``ε = m − 1`` is constant, and an inextensible rod can bend: nothing locks. (The
 family is that of Meier, Popp & Wall, *Arch. Comput. Methods Eng.* 26 (2019) 163; the condition on
-the slopes takes the place of their unknown lengths.) Axes within are those of the geodesic
-rotation, whose first one is ``D``, turned on to the tangent by the smallest rotation. They bend by
-the components of ``t′`` and are twisted by::
+the slopes takes the place of their unknown lengths.) Of a spline the slopes are as long, one
+against the other, as it is laid, ``m J_A t_A`` and ``m J_B t_B`` per parameter, and in its middle
+it is ``m J``; all is per ``ds = J dξ`` then, and the rod unloaded is the spline. Axes
+within are those of the geodesic rotation, whose first one is ``D``, turned on to the tangent by the
+smallest rotation. They bend by the components of ``t′`` and are twisted by::
 
     τ = θ₁/ℓ − (D × t)·(D′ + t′)/(1 + D·t)
 
@@ -23,8 +25,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
-from typing import ClassVar
+from math import factorial, sqrt
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import ufl
@@ -45,7 +47,25 @@ from fem_lie.grips.grip import Grip
 _TERMS = 9  # of the series below: 1e-14 up to a turn of π from end to end
 _POINTS = 3  # degree to which two Gauss points are exact
 _SHEAR = (1, 2)  # where it is in a section's stiffness
+_GAUSS = 0.5 / sqrt(3.0)
 _FOLDS = 2.7  # rad: from end to end of an arc, beyond which its moment falls
+
+
+class Speeds(NamedTuple):
+    """Unstretched arc length per parameter, over that in the middle.
+
+    Attributes:
+        start: At the first end.
+        end: At the second end.
+        here: At the place of the strains.
+    """
+
+    start: Expr | float = 1.0
+    end: Expr | float = 1.0
+    here: Expr | float = 1.0
+
+
+_EVEN = Speeds()
 
 
 @dataclass(frozen=True)
@@ -74,9 +94,11 @@ class Kirchhoff(Formulation):
         mesh = nodal.function.function_space.mesh
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         d = cellwise(mesh, lie.se3_relative(ends[:, 0], ends[:, 1]))
-        length, stiffness = cellwise(mesh, cells.lengths), cellwise(mesh, cells.stiffness)
+        along = lengths_along(ends, cells.lengths, cells.slopes)
+        length, stiffness = cellwise(mesh, along[:, 2]), cellwise(mesh, cells.stiffness)
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
-        energy = rod_energy(d, length, stiffness, cells.eigenstrain, viscosity)
+        speeds = cellwise(mesh, along[:, [0, 4, 1, 3]] / along[:, 2:3])
+        energy = rod_energy(d, length, stiffness, cells.eigenstrain, viscosity, speeds)
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
@@ -93,49 +115,84 @@ def rod_energy(
     stiffness: fem.Function,
     eigenstrain: fem.Function | None = None,
     viscosity: Expr | None = None,
+    speeds: fem.Function | None = None,
 ) -> StrainEnergy:
     """``½ ∫ ε·Dε ds`` of every element; as they are now they are unloaded.
 
     Args:
         d: Relative motion of both ends, unloaded, shape ``(6,)``, a DG0 function.
-        length: Arc length, unstretched, a DG0 function as the next two.
+        length: Arc length, unstretched, or what it is per parameter in the middle, a DG0 function
+            as all others.
         stiffness: Of the section, shape ``(6, 6)``.
         eigenstrain: Strain without stress, shape ``(6,)``; default: none.
         viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
+        speeds: Of the parameter at both ends and at Gauss' points over that in the middle, shape
+            ``(4,)``; default: all one.
     """
     mesh = d.function_space.mesh
     along = fem.Function(fem.functionspace(mesh, ("DG", 1)))
     along.x.array[along.function_space.dofmap.list] = [-0.5, 0.5]
     z = ufl.variable(d)
-    strain = rod_strains(z, length, along)
+    cells = mesh.topology.index_map(mesh.topology.dim)
+    count = cells.size_local + cells.num_ghosts
+    if speeds is None:
+        speeds = cellwise(mesh, np.ones((count, 4)))
+    # linear from one of Gauss' points to the other
+    here = 0.5 * (speeds[2] + speeds[3]) + along * (speeds[3] - speeds[2]) / (2 * _GAUSS)
+    strain = rod_strains(z, length, along, Speeds(speeds[0], speeds[1], here))
     unloaded = present_values(strain, mesh, _POINTS)
     if eigenstrain is None:
-        cells = mesh.topology.index_map(mesh.topology.dim)
-        eigenstrain = cellwise(mesh, np.zeros((cells.size_local + cells.num_ghosts, 6)))
+        eigenstrain = cellwise(mesh, np.zeros((count, 6)))
     return StrainEnergy(
         strain=strain - unloaded - eigenstrain,
         law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
         dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": _POINTS}),
-        weight=length / ufl.CellVolume(mesh),
+        weight=length * here / ufl.CellVolume(mesh),
         viscosity=viscosity,
         through=z,
-        forces=Forces(force_kernel, [length, stiffness, eigenstrain, unloaded]),
+        forces=Forces(force_kernel, [length, stiffness, eigenstrain, unloaded, speeds]),
     )
 
 
-def rod_strains(d: Expr, length: Expr, along: Expr) -> Expr:
+def lengths_along(ends: Array, lengths: Array, slopes: Array) -> Array:
+    """Unstretched arc length per ``ξ`` at one end, Gauss, middle, Gauss, and the other, (m, 5).
+
+    Args:
+        ends: Frames of both ends, unloaded, shape (m, 2, 4, 3).
+        lengths: Of the cells, shape (m,).
+        slopes: Of their cubics, ``|dr/dξ|`` at both ends, zero where the lengths are all that is
+            known, shape (m, 2).
+    """
+    ξ = 0.5 + np.array([-0.5, -_GAUSS, 0.0, _GAUSS, 0.5])
+    return np.where(slopes[:, :1] > 0, speeds_of_cubics(ends, slopes, ξ), lengths[:, np.newaxis])
+
+
+def speeds_of_cubics(ends: Array, slopes: Array, ξ: Array) -> Array:
+    """``|dr/dξ|`` at places (p,), shape (m, p); arguments as of :func:`lengths_along`."""
+    chord = ends[:, 1, 0] - ends[:, 0, 0]
+    a, b = (slopes[:, k, np.newaxis] * ends[:, k, 1] for k in range(2))
+    shapes = np.stack([6 * ξ * (1 - ξ), 1 - 4 * ξ + 3 * ξ**2, 3 * ξ**2 - 2 * ξ])
+    rates = np.einsum("kp,kmj->mpj", shapes, np.stack([chord, a, b]))
+    return np.asarray(np.linalg.norm(rates, axis=-1))
+
+
+def rod_strains(d: Expr, length: Expr, along: Expr, speeds: Speeds = _EVEN) -> Expr:
     """``(m, 0, 0, τ, κ₂, κ₃)``, shape ``(6,)``; the first is one where nothing is strained.
 
     Args:
         d: Relative motion of both ends, shape ``(6,)``.
-        length: Arc length, unstretched.
+        length: Arc length, unstretched, or what it is per parameter in the middle.
         along: Place, −½ to ½ from end to end.
+        speeds: Of the parameter, if it is not arc length.
     """
     u, θ = (ufl.as_vector([d[k + i] for i in range(3)]) for k in (0, 3))
     x = ufl.dot(θ, θ)
     chord = (_series(x / 4, 1) * u + _series(x / 4, 3) / 4 * ufl.dot(θ, u) * θ) / length
     first = [ufl.as_vector([float(i == k) for i in range(3)]) for k in range(3)]
-    start, end = (_turned(factor * θ, first[0]) for factor in (-0.5, 0.5))
+    start, end = (
+        speed * _turned(factor * θ, first[0])
+        for speed, factor in ((speeds.start, -0.5), (speeds.end, 0.5))
+    )
     m = _speed(chord, start + end)
     ξ = along + 0.5
     slope = 6 * ξ * (1 - ξ) * chord + m * (
@@ -144,10 +201,11 @@ def rod_strains(d: Expr, length: Expr, along: Expr) -> Expr:
     bend = ((6 - 12 * ξ) * chord + m * ((6 * ξ - 4) * start + (6 * ξ - 2) * end)) / length
     size = ufl.sqrt(ufl.dot(slope, slope))
     t = slope / size
-    dt = (bend - ufl.dot(t, bend) * t) / size
+    here = length * speeds.here
+    dt = (bend - ufl.dot(t, bend) * t) / size / speeds.here
     D, second, third = (_turned(along * θ, e) for e in first)
-    dD, near = ufl.cross(θ, D) / length, 1 + ufl.dot(D, t)
-    twist = θ[0] / length - ufl.dot(ufl.cross(D, t), dD + dt) / near
+    dD, near = ufl.cross(θ, D) / here, 1 + ufl.dot(D, t)
+    twist = θ[0] / here - ufl.dot(ufl.cross(D, t), dD + dt) / near
     # t′ is across t, so of the smallest rotation only what is along D counts
     across = dt - ufl.dot(D, dt) / near * (D + t)
     return ufl.as_vector([m, 0, 0, twist, -ufl.dot(across, third), ufl.dot(across, second)])

@@ -1,7 +1,8 @@
 """Forces of the Kirchhoff rod, by hand: the gradient of its energy in closed form.
 
 Along the axes half-way between the nodes, with the rotation ``exp(θ/2) = (q, v)`` as a quaternion,
-``c`` the chord over the length, ``T`` and ``G`` the sum and difference of the end tangents, slope
+``c`` the chord over the length, ``T`` and ``G`` the sum and difference of the end tangents, each
+as long as the parameter of a spline is fast there, slope
 and bend of the cubic at Gauss' points ``σ = ± 1/√12`` are::
 
     c + m σ G,    (m G + σ (6 m T − 12 c))/ℓ.
@@ -45,7 +46,7 @@ _SIGMA = 0.5 / sqrt(3.0)
 _FLAT = 0.5  # 1 + trace: below it a quaternion loses digits
 _SMALL = 1e-4  # sin² α, below which a few terms are α/sin α to round-off
 _F = tuple(1.0 / factorial(k) for k in range(18))
-_LENGTH, _D, _EIGENSTRAIN, _PRESENT = 30, 31, 67, 73
+_LENGTH, _D, _EIGENSTRAIN, _PRESENT, _SPEEDS = 30, 31, 67, 73, 85
 """Where numbers of a cell are, behind the rows of both nodes and their relative motion."""
 
 _Bar: TypeAlias = tuple[tuple[Vector, Vector, Vector, Vector], float]
@@ -129,14 +130,14 @@ def _speed(c: Vector, T: Vector) -> tuple[float, float, float, float]:
 
 
 @inlined
-def _stress(data: Array, at: int, ε: tuple[float, Vector]) -> tuple[float, Vector]:
+def _stress(data: Array, at: int, pace: float, ε: tuple[float, Vector]) -> tuple[float, Vector]:
     """Force along the axis, and moments, of strain ``m`` and ``(τ, κ₂, κ₃)`` at a point."""
     e0, e1, e2 = ε[0] - data[at], -data[at + 1], -data[at + 2]
     e3, e4, e5 = ε[1][0] - data[at + 3], ε[1][1] - data[at + 4], ε[1][2] - data[at + 5]
     x = _EIGENSTRAIN
     e0, e1, e2 = e0 - data[x], e1 - data[x + 1], e2 - data[x + 2]
     e3, e4, e5 = e3 - data[x + 3], e4 - data[x + 4], e5 - data[x + 5]
-    weight = 0.5 * data[_LENGTH]
+    weight = 0.5 * data[_LENGTH] * pace
     N = weight * _row(data, 0, e0, e1, e2, e3, e4, e5)
     M1 = weight * _row(data, 3, e0, e1, e2, e3, e4, e5)
     M2 = weight * _row(data, 4, e0, e1, e2, e3, e4, e5)
@@ -159,13 +160,14 @@ def _row(data: Array, i: int, a: float, b: float, c: float, d: float, e: float, 
 
 @inlined
 def _at_point(
-    data: Array, at: int, m: float, θ: Vector, E: Matrix, slope: Vector, bend: Vector
+    data: Array, at: int, pace: float, m: float, θ: Vector, E: Matrix, slope: Vector, bend: Vector
 ) -> _Bar:
     """Gradients of the energy of one of Gauss' points.
 
     Args:
         data: Of the cell.
         at: Where its strains unloaded are.
+        pace: Arc length per parameter, over that in the middle.
         m: Speed.
         θ: Rotation over the length.
         E: Axes there, as columns.
@@ -177,7 +179,9 @@ def _at_point(
         and the axial force.
     """
     back = _transposed(E)
-    S, B = _times(back, slope), _times(back, bend)
+    # per arc length here
+    slower = 1.0 / pace
+    S, B, θ = _times(back, slope), scaled(slower, _times(back, bend)), scaled(slower, θ)
     square = dot(S, S)
     n = sqrt(square)
     r, over = 1.0 / n, 1.0 / (n + S[0])
@@ -186,7 +190,7 @@ def _at_point(
     b2, b3 = B[1] - B[0] * p2, B[2] - B[0] * p3
     mixed = p3 * B[1] - p2 * B[2]
     τ = θ[0] + p2 * θ[1] + p3 * θ[2] + mixed * r
-    N, (t, k2, k3) = _stress(data, at, (m, (τ, g * p3 - b3 * r, b2 * r - g * p2)))
+    N, (t, k2, k3) = _stress(data, at, pace, (m, (τ, g * p3 - b3 * r, b2 * r - g * p2)))
     both = B[0] * r + g
     p2_, p3_ = t * (θ[1] - B[2] * r) - k3 * both, t * (θ[2] + B[1] * r) + k2 * both
     g_ = k2 * p3 - k3 * p2
@@ -197,7 +201,8 @@ def _at_point(
     S_ = S_[0] + n_, S_[1] + p2_ * over, S_[2] + p3_ * over
     B_ = combined(turned, S, r, ((k2 * p3 - k3 * p2), k3 + t * p3, -k2 - t * p2))
     w = negative(plus(cross(S, S_), cross(B, B_)))
-    return (_times(E, S_), _times(E, B_), (t, t * p2, t * p3), w), N
+    t *= slower
+    return (_times(E, S_), scaled(slower, _times(E, B_)), (t, t * p2, t * p3), w), N
 
 
 @callback(UFCX_SIGNATURE)
@@ -205,7 +210,7 @@ def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
     """Forces and moments on both nodes, in their frames."""
-    H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_PRESENT + 12,))
+    H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_SPEEDS + 4,))
     out = numba.carray(A, (2, 6))
     xa, a1, a2, a3 = load_frame(H[0])
     xb, b1, b2, b3 = load_frame(H[1])
@@ -220,8 +225,11 @@ def force_kernel(
     chord = _times(to_middle, c_)
     k, rest = _half_angle(q, s)
     θ = scaled(2.0 * k, v)
-    T = combined(2.0 * share * v[0], v, 2.0 * q, (1.0, 0.0, 0.0))
-    G = 0.0, 2.0 * v[2], -2.0 * v[1]
+    T0 = combined(2.0 * share * v[0], v, 2.0 * q, (1.0, 0.0, 0.0))
+    G0 = 0.0, 2.0 * v[2], -2.0 * v[1]
+    start, end = data[_SPEEDS], data[_SPEEDS + 1]
+    alike, unlike = 0.5 * (start + end), 0.5 * (end - start)
+    T, G = combined(alike, T0, unlike, G0), combined(unlike, T0, alike, G0)
     m, square, half, root = _speed(chord, T)
     a = scaled(_SIGMA, θ)
     c1, c2, c3 = _stumpff(dot(a, a))
@@ -230,10 +238,17 @@ def force_kernel(
     even, odd = scaled(m * inverse, G), scaled(_SIGMA * inverse, swing)
     rate = scaled(inverse, θ)
     (S1, B1, θ1, w1), N1 = _at_point(
-        data, _PRESENT + 6, m, rate, E, plus(chord, change), plus(even, odd)
+        data, _PRESENT + 6, data[_SPEEDS + 3], m, rate, E, plus(chord, change), plus(even, odd)
     )
     (S2, B2, θ2, w2), N2 = _at_point(
-        data, _PRESENT, m, rate, _transposed(E), minus(chord, change), minus(even, odd)
+        data,
+        _PRESENT,
+        data[_SPEEDS + 2],
+        m,
+        rate,
+        _transposed(E),
+        minus(chord, change),
+        minus(even, odd),
     )
     total, difference = plus(S1, S2), scaled(_SIGMA, minus(S1, S2))
     bends, bent = scaled(inverse, plus(B1, B2)), scaled(_SIGMA * inverse, minus(B1, B2))
@@ -249,14 +264,15 @@ def force_kernel(
     )
     on_T = plus(scaled(6.0 * m, bent), combined(0.375 * half_, chord, -0.125 * square_, T))
     on_G = scaled(m, both)
+    on_T, on_G = combined(alike, on_T, unlike, on_G), combined(unlike, on_T, alike, on_G)
     # axes at the points turn by J(±a) of the rotation
     even_w, odd_w = plus(w1, w2), minus(w1, w2)
     turn = plus(combined(1.0, odd_w, c2, cross(a, even_w)), scaled(c3, cross(a, cross(a, odd_w))))
     on_θ = combined(inverse, plus(θ1, θ2), _SIGMA, turn)
     h = combined(k, on_θ, rest * dot(v, on_θ), v)
     moved = cross(chord, on_chord)
-    held = plus(plus(moved, cross(T, on_T)), cross(G, on_G))
-    apart = plus(cross(G, on_T), cross(T, on_G))
+    held = plus(plus(moved, cross(T0, on_T)), cross(G0, on_G))
+    apart = plus(cross(G0, on_T), cross(T0, on_G))
     e = plus(h, scaled(0.5, plus(apart, scaled(share, cross(held, v)))))
     force, lever = scaled(inverse, on_chord), scaled(0.5, moved)
     found = (
