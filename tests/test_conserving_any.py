@@ -256,10 +256,6 @@ def test_refused_schemes(case):
         call(flying("cable")[0])
 
 
-def with_a_body(scene: fl.Scene, cable: fl.Body) -> None:
-    scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(3, 0, 0)))
-
-
 def with_a_hinge(scene: fl.Scene, cable: fl.Body) -> None:
     scene.add(fl.Revolute(fl.ground(), cable.start, axis=(1, 0, 0)))
 
@@ -269,7 +265,6 @@ def with_a_lever(scene: fl.Scene, cable: fl.Body) -> None:
 
 
 SCENES = {
-    "frames": with_a_body,
     "how a cable's end": with_a_hinge,
     "at another place": with_a_lever,
 }

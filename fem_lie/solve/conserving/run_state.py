@@ -15,6 +15,7 @@ from fem_lie.forms.frames import push
 from fem_lie.lie.kinds import inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.memory import (
     legs_of,
@@ -290,11 +291,3 @@ class RunState(Integration[History]):
         # unknowns are along half-way axes, elements and constraints are felt at the end
         plan = plan._replace(stressed=H, choices=self.choices, lag=0.5 * self.h * v[:, 3:])
         return equations.fill(now, self._found, plan)
-
-
-def half_way(H: Array, end: Array, count: int) -> Array:
-    """Frames half-way to the end along screws: the means of what turns as a whole are strained."""
-    middle = end.copy()
-    step = lie.se3_relative(H[:count], end[:count])
-    middle[:count] = lie.se3_retract(H[:count], 0.5 * step)
-    return middle

@@ -69,6 +69,19 @@ class ResultRow:
         found = fill_by_rates(H, V, v, weights, booked, self.scene, rows.arrays.table, rows.row)
         self._fill_rest(rows, H, v, weights, found)
 
+    def by_both(
+        self,
+        rows: Window,
+        H: Array,
+        motion: tuple[Array, Array],
+        weights: Array,
+        booked: Array,
+    ) -> None:
+        """Fill the next row from such rates, and twists that are known beside."""
+        (V, v), table = motion, rows.arrays.table
+        found = fill_by_both(H, v, V, weights, booked, self.scene, table, rows.row)
+        self._fill_rest(rows, H, v, weights, found)
+
     def _fill_rest(
         self,
         rows: Window,
@@ -187,6 +200,21 @@ def fill_by_rates(
     kept = kept_of(rows)
     if _any(kept.velocities) or _any(kept.joint_forces):
         inertia.local_twists(H, V, given_of(scene).turning, v)
+    return _fill(H, v, V, weights, booked, scene, rows, row)
+
+
+@compiled
+def fill_by_both(
+    H: Array,
+    v: Array,
+    V: Array,
+    weights: Array,
+    booked: Array,
+    scene: Indices,
+    rows: Indices,
+    row: int,
+) -> tuple[float, float, bool]:
+    """:func:`fill_by_twists` for twists ``v`` and rates ``V`` (n, 4, 3)."""
     return _fill(H, v, V, weights, booked, scene, rows, row)
 
 

@@ -1,1 +1,1 @@
-"""Energy and momenta of scenes whose nodes are no frames: rods, nets, thin shells and solids."""
+"""Energy and momenta of scenes with nodes that are no frames, beside frames or alone."""

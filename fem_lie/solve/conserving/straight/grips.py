@@ -20,7 +20,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.kinds.kind import axes
+from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -43,6 +43,7 @@ from fem_lie.solve.conserving.straight.cells import (
     rotation_of,
     take_centre,
 )
+from fem_lie.solve.conserving.straight.records import Step
 from fem_lie.solve.conserving.straight.rows import (
     CellTable,
     gather,
@@ -79,13 +80,15 @@ class GripSpan(NamedTuple):
 
 
 @compiled
-def set_nodes(kinds: Indices, middle: Array, step: Array, mean: Array, delta: Array) -> None:
-    """Means and increments (n, 4, 3) of nodes of which only the places are seen: axes stay."""
-    delta[: step.shape[0]] = 0.0
-    for i in range(step.shape[0]):
-        if has_place(kinds[i]):
-            mean[i] = middle[i]
-            store_row(delta[i], 0, load(step[i], 0))
+def set_nodes(kinds: Indices, this: Step, mean: Array, delta: Array) -> None:
+    """Means and increments (n, 4, 3) of frames, and of the places of other nodes: axes stay."""
+    delta[: kinds.shape[0]] = 0.0
+    for i in range(kinds.shape[0]):
+        if kinds[i] < SLOPE:
+            mean[i], delta[i] = this.mean[i], this.delta[i]
+        elif has_place(kinds[i]):
+            mean[i] = this.middle[i]
+            store_row(delta[i], 0, load(this.step[i], 0))
 
 
 @compiled
@@ -173,18 +176,21 @@ def _deform(
 
 
 @compiled
-def give(span: GripSpan, middle: Array, on_rows: Array, forces: Array) -> None:
-    """Add forces and moments on nodes and grips, (n + g, 6), to ``forces`` on halves, (n, 6).
+def give(kinds: Indices, span: GripSpan, middle: Array, on_rows: Array, forces: Array) -> None:
+    """Add forces and moments on nodes and grips, (n + g, 6), to ``forces`` (n, 6).
 
     Args:
+        kinds: Of the nodes.
         span: The grips.
         middle: Rows of the nodes in the middle of the step.
         on_rows: Forces and moments, global components.
-        forces: Updated.
+        forces: Along increments, updated.
     """
     cells, n = span.cells, forces.shape[0]
     for i in range(n):
         store(forces[i], 0, plus(load(forces[i], 0), load(on_rows[i], 0)))
+        if kinds[i] < SLOPE:
+            store(forces[i], 3, plus(load(forces[i], 3), load(on_rows[i], 3)))
     own = np.empty(6)
     for g in range(span.turns.shape[0]):
         F, moment = span.middle[g], load(on_rows[n + g], 3)

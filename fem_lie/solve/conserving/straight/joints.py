@@ -1,4 +1,4 @@
-"""Joints, springs and drives over steps of nodes that are no frames: on nodes and on grips."""
+"""Joints, springs and drives over steps of nodes of any kind: on nodes and on grips."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
-from fem_lie.joints.equations.terms import unwrap
+from fem_lie.joints.equations.terms import spring_energy, unwrap
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.straight.grips import GripSpan, give, set_grips, set_nodes
 from fem_lie.solve.conserving.straight.measure import weigh_cells
@@ -47,8 +47,8 @@ def _add_forces(
     """Add forces of joints to ``this.outer``; increments of constraints, and books."""
     n, g = this.step.shape[0], span.turns.shape[0]
     mean, delta, forces = rows
-    set_nodes(kinds, this.mean, this.step, mean, delta)
-    nodes = state.H, state.rest, this.mean, this.step
+    set_nodes(kinds, this, mean, delta)
+    nodes = state.H, state.rest, this.middle, this.step
     set_grips(span, nodes, mean[n : n + g], delta[n : n + g])
     forces[:] = 0.0
     losses = this.losses
@@ -65,12 +65,18 @@ def _add_forces(
     )
     losses[WORK] += work
     losses[DAMPING] += loss
-    give(span, this.mean, forces, this.outer)
+    give(kinds, span, this.middle, forces, this.outer)
 
 
 @compiled
 def _unwrap(joints: PackedJoints, frames: Array) -> None:
     unwrap(frames, joint_table(joints))
+
+
+@compiled
+def _spring_energy(joints: PackedJoints, frames: Array) -> float:
+    table = joint_table(joints)
+    return spring_energy(frames, table) if len(table.springs) > 0 else 0.0
 
 
 class Joints:
@@ -130,7 +136,7 @@ class Joints:
     def add_forces(self, state: State, this: Step, h: float) -> None:
         """Add forces to ``this.outer``; increments of constraints, and books."""
         span = self._span
-        span.middle[:], span.J[:] = self._grips.locate(this.mean)
+        span.middle[:], span.J[:] = self._grips.locate(this.middle)
         if span.turns.any():
             span.end[:] = self._grips.locate(this.end)[0]
         packed, rows = self._pairs.joints, self._rows
@@ -139,8 +145,15 @@ class Joints:
     def accept(self, H: Array) -> None:
         """Count turns at rows ``H``."""
         if self._pairs.turns:
-            frames = np.concatenate([H[: self._n], self._grips.locate(H)[0], H[self._n :]])
-            _unwrap(self._pairs.joints, frames)
+            _unwrap(self._pairs.joints, self._all(H))
+
+    def energy(self, H: Array) -> float:
+        """Of springs at rows ``H``."""
+        return _spring_energy(self._pairs.joints, self._all(H))
+
+    def _all(self, H: Array) -> Array:
+        """Rows of nodes, grips, ground and prescribed motions."""
+        return np.concatenate([H[: self._n], self._grips.locate(H)[0], H[self._n :]])
 
     @property
     def turned(self) -> Array:

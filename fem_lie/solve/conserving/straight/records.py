@@ -1,10 +1,15 @@
-"""What compiled steps of nodes that are no frames know: the model, the state, the step."""
+"""What compiled steps of nodes of any kind know: the model, the state, the step.
+
+An increment of a node is six numbers along global axes: of a frame its translation and the vector
+of Cayley's map, of other nodes those of the halves, see :mod:`.rows`. Rates are of all rows.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.forms.cells import CellTable as FrameCells
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.solve.conserving.straight.rows import CellTable
 
@@ -16,37 +21,46 @@ class Model(NamedTuple):
     """What does not change in a step.
 
     Attributes:
-        cells: All cells.
+        cells: All cells of nodes that are no frames; they come first where cells are counted.
+        framed: Those of frames.
         kinds: Of the nodes, (n,).
         inertia: Mass matrix.
+        turning: Angular velocities of rates of directors, see
+            :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
         held: Which unknowns are zero, (n, 6).
         supported: Which of these from outside, (n, 6).
         dead: Loads fixed in space in the middle of the step, (n, 4, 3); they may be changed.
         conservative: Those of them that have a potential, (n, 4, 3).
         following: Loads along the axes of the nodes, (n, 6); they may be changed.
+        moment: Moments fixed in space on frames, (n, 3); they may be changed.
         damping: As ``inertia``, of damping that goes with mass; without rows there is none.
     """
 
     cells: CellTable
+    framed: FrameCells
     kinds: Indices
     inertia: Inertia
+    turning: Array
     held: Flags
     supported: Flags
     dead: Array
     conservative: Array
     following: Array
+    moment: Array
     damping: Inertia
 
 
 class State(NamedTuple):
-    """Start of a step; halves are along global axes.
+    """Start of a step.
 
     Attributes:
         H: Rows of all nodes, ground last, (n + 1, 4, 3).
         rest: Digits of ``H`` that do not fit into it, (n, 4, 3).
-        V: Rates of both halves, (n, 6).
-        trend: Half their change in the last step, per time, (n, 6).
-        carry: Forces left over by the last step, (n, 6).
+        V: Rates of all rows, (n, 4, 3).
+        trend: Half the change of the rate of increments in the last step, per time, (n, 6).
+        carry: Forces left over by the last step, (n, 6); on frames with moments about where they
+            are now.
+        F: Forces of the cells of frames, in these, (places, 6).
         W: Energies of the cells, (M,).
         account: Work done on them, (M,).
         books: See :mod:`fem_lie.bodies.balances`, (15,).
@@ -63,6 +77,7 @@ class State(NamedTuple):
     V: Array
     trend: Array
     carry: Array
+    F: Array
     W: Array
     account: Array
     books: Array
@@ -77,26 +92,32 @@ class Step(NamedTuple):
     """One step.
 
     Attributes:
-        step: Increments of both halves, (n, 6).
-        mean: Rows in the middle, (n, 4, 3).
+        step: Increments, (n, 6).
+        delta: Of the rows, (n, 4, 3).
+        mean: Means of the rows, likewise.
+        middle: Nodes in the middle of the step, whose axes those of the unknowns are, likewise.
         end: At the end.
-        V1: Rates at the end, (n, 6).
+        V1: Rates at the end, likewise.
+        F1: Forces of the cells of frames at the end, in these, (places, 6).
         W1: Energies at the end, (M,).
         work: Done on the cells, (M,).
-        forces: Of the balance, both halves, (n, 6).
+        forces: Of the balance, as the increments, (n, 6).
         losses: In this step, as ``books``, (15,).
         told: The sum of ``|s|²``, and the factor of forces beside, (2,).
         r: What is wrong with the balance, along the axes in the middle, and with the constraints,
             (6 n + m,).
         q: For inertia, (2, n, 4, 3).
-        outer: Forces of joints, and viscous ones, on both halves, (n, 6).
+        outer: Forces of joints, and viscous ones, (n, 6).
         change: Increments of the constraints less those of their targets, (m,).
     """
 
     step: Array
+    delta: Array
     mean: Array
+    middle: Array
     end: Array
     V1: Array
+    F1: Array
     W1: Array
     work: Array
     forces: Array

@@ -149,24 +149,22 @@ def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, ou
             store_row(out[a], k, rotate(d1, d2, d3, load(found, 6 * a + 3 * k)))
 
 
-@compiled
-def spread(kinds: Indices, given: Array, out: Array) -> None:
-    """Halves (n, 6) as rows (n, 4, 3); the others are zero."""
+@inlined
+def spread(kind: int, halves: Array, out: Array) -> None:
+    """Halves (6,) as rows (4, 3); the others are zero."""
+    at = first(kind)
     out[:] = 0.0
-    for i in range(given.shape[0]):
-        at = first(kinds[i])
-        for k in range(straight(kinds[i])):
-            store_row(out[i], at + k, load(given[i], 3 * k))
+    for k in range(straight(kind)):
+        store_row(out, at + k, load(halves, 3 * k))
 
 
-@compiled
-def gathered(kinds: Indices, rows: Array, out: Array) -> None:
+@inlined
+def gathered(kind: int, rows: Array, out: Array) -> None:
     """Inverse of :func:`spread`; halves that a node has not are zero."""
+    at = first(kind)
     out[:] = 0.0
-    for i in range(out.shape[0]):
-        at = first(kinds[i])
-        for k in range(straight(kinds[i])):
-            store(out[i], 3 * k, load_row(rows[i], at + k))
+    for k in range(straight(kind)):
+        store(out, 3 * k, load_row(rows, at + k))
 
 
 @compiled

@@ -1,10 +1,12 @@
-"""What of a scene conserving steps of nodes that are no frames see, and what they refuse."""
+"""What of a scene conserving steps of nodes of any kind see, and what they refuse."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from fem_lie._arrays import Indices
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
+from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.solve.conserving.straight.measure import measure_cells
@@ -24,13 +26,12 @@ def check(equations: Equations) -> None:
     Raises:
         ValueError: Says what there is.
     """
-    unknowns, terms = equations.unknowns, equations.tables.terms
-    known = [term for term in terms if term.rates is None and not term.within_joints]
+    unknowns = equations.unknowns
     pairs = equations.tables.pairs_of_all
-    apart = [term.label for term in known if term.tables is None or term.settles]
+    apart = [term.label for term in equations.tables.terms if not _is_known(term, unknowns.kinds)]
     reasons = {
-        "frames (Beam, Shell, RigidBody)": bool((unknowns.kinds < SLOPE).any()),
-        "constraints of velocities, or joints that slide or roll": pairs is None,
+        "constraints of velocities, joints that slide or roll, or joints between the nodes of a "
+        "Beam": pairs is None,
         "joints that ask how a cable's end or a node without axes is turned "
         "(Revolute, Fixed; Spherical at another place)": pairs is not None and pairs.loose,
         "nodes that follow others": unknowns.moving < unknowns.total,
@@ -45,33 +46,57 @@ def check(equations: Equations) -> None:
             )
 
 
+def _is_known(term: Term, kinds: Indices) -> bool:
+    """Whether steps have the forces of a term, as cells of nodes of one sort or in other sums."""
+    if term.rates is not None or term.within_joints:
+        return True
+    if term.secant:
+        return False
+    if (kinds[term.pairs[0]] < SLOPE).all():
+        return term.conserved and not term.load
+    if term.tables is None or term.settles:
+        return False
+    return bool((kinds[term.tables[0].nodes] >= SLOPE).all())
+
+
 def viscous_terms(equations: Equations) -> list[Term]:
     """Those whose damping goes with strain rates."""
     known = equations.tables.terms
     return [t for t in known if t.viscous and t.rates is None and not t.within_joints]
 
 
-def model_of(equations: Equations) -> Model:
-    """What steps see of a scene."""
+def cells_of_frames(equations: Equations) -> Cells:
+    """Those of bodies whose nodes are frames."""
+    kinds = equations.unknowns.kinds
+    parts = equations.tables.assemblies
+    return Cells([(where, term) for where, term in parts if kinds[where.start] < SLOPE])
+
+
+def model_of(equations: Equations, framed: Cells) -> Model:
+    """What steps see of a scene, with its cells of frames."""
     known, unknowns = equations.tables, equations.unknowns
-    cells = _cells(equations)
     return Model(
-        cells=cells,
+        cells=_cells(equations),
+        framed=framed.table,
         kinds=known.kinds,
         inertia=known.inertia,
+        turning=known.turning,
         held=unknowns.held,
         supported=known.supported,
         dead=known.loads.dead.copy(),
         conservative=known.conservative,
         following=known.loads.following.copy(),
+        moment=known.loads.moment.copy(),
         damping=known.damping,
     )
 
 
 def _cells(equations: Equations) -> CellTable:
-    """Of all terms, measured at the start."""
+    """Of all terms on nodes that are no frames, measured at the start."""
+    kinds = equations.tables.kinds
     tables = [term.tables for term in equations.tables.terms]
     parts = [both for both in tables if both is not None]
+    parts = [both for both in parts if (kinds[both[0].nodes] >= SLOPE).all()]
     forces, energy = (
         each_cell(FormTable(*joined([both[k] for both in parts], [0] * len(parts))))
         for k in range(2)

@@ -1,0 +1,199 @@
+"""What steps of nodes of any kind start from, and what they are made with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.bodies.balances import TOTAL
+from fem_lie.forms.cells import evaluate
+from fem_lie.lie.kinds import SLOPE, inertia, push_all
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.factors import Factors, factorise, solve
+from fem_lie.solve.conserving.between.screws import half_way
+from fem_lie.solve.conserving.straight import nodes as motion
+from fem_lie.solve.conserving.straight import step as steps
+from fem_lie.solve.conserving.straight.cells import energies_at
+from fem_lie.solve.conserving.straight.joints import Joints
+from fem_lie.solve.conserving.straight.records import State, Step
+from fem_lie.solve.conserving.straight.scene import cells_of_frames, model_of, viscous_terms
+from fem_lie.solve.motion.consistent import accelerations, check_velocities
+from fem_lie.solve.motion.convergence import ROTATION
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.motion.policies import Policy
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.system.equations import Equations, Instant, Plan
+
+_PREFIX = "fem_lie_dynamics_"
+
+
+class AnyState(Integration[Recorder]):
+    """State of a run: its start, its loads in time, its matrices.
+
+    Attributes:
+        s: Between steps.
+        this: The present step.
+        model: What steps see of the scene.
+        joints: Over a step.
+        framed: Cells of frames.
+    """
+
+    def __init__(self, policy: Policy, equations: Equations, step: float) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            policy: When to factorise.
+            equations: Of the scene.
+            step: Step size.
+        """
+        super().__init__(policy, equations, step)
+        unknowns, z = equations.unknowns, np.zeros
+        n, m = unknowns.moving, unknowns.m
+        self._changing, self._n = unknowns.time_dependent, n
+        self.framed, self.joints = cells_of_frames(equations), Joints(equations)
+        self.model = model_of(equations, self.framed)
+        self._frames = np.flatnonzero(self.model.kinds < SLOPE)
+        cells, places = len(self.model.cells.calls) + self.framed.count, self.framed.places
+        self.s = State(
+            H=equations.start.frames.copy(),
+            rest=z((n, 4, 3)),
+            V=z((n, 4, 3)),
+            trend=z((n, 6)),
+            carry=z((n, 6)),
+            F=z((places, 6)),
+            W=z(cells),
+            account=z(cells),
+            books=z(TOTAL),
+            told=z(4),
+            weights=z(m),
+            earlier=z((2, m)),
+            gap=z(m),
+            scale=np.ones(m),
+        )
+        self.this = Step(
+            step=z((n, 6)),
+            delta=z((n, 4, 3)),
+            mean=self.s.H[:n].copy(),
+            middle=self.s.H[:n].copy(),
+            end=self.s.H[:n].copy(),
+            V1=z((n, 4, 3)),
+            F1=z((places, 6)),
+            W1=z(cells),
+            work=z(cells),
+            forces=z((n, 6)),
+            losses=z(TOTAL),
+            told=z(2),
+            r=z(6 * n + m),
+            q=z((2, n, 4, 3)),
+            outer=z((n, 6)),
+            change=z(m),
+        )
+        # mean accelerations of the last two steps, twice their trends
+        self._rates = z((2, n, 6))
+        self._measure = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
+        self._x, self._y = z((2, 6 * n + m))
+        self._still, self._work = z((n, 6)), z(unknowns.size)
+        at_rest = Instant(*equations.start, self._still, self.s.weights)
+        self._found = equations.residual(at_rest, self.s.scale, self._work)
+        self._viscous = viscous_terms(equations)
+        self._twists, self._viscous_forces = z((2, n, 6))
+        self._factors: Factors | None = None
+        self._made = self._factorisations = 0
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self.s.H
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._made
+
+    # --- start ---
+
+    def start(self) -> None:
+        """See the base class."""
+        equations, s, n, kinds = self.equations, self.s, self._n, self.model.kinds
+        frames, v = equations.start
+        check_velocities(equations, self.h)
+        rate = np.empty((n, 6))
+        push_all(kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V)
+        solver = DirectSolver(equations.matrix, _PREFIX)
+        rates, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
+        motion.spatial_rates(self.model, s, rates, rate)
+        s.trend[:], self._rates[:] = 0.5 * rate, rate
+        self._set_time(0.0)
+        alone = len(self.model.cells.calls)
+        energies_at(self.model.cells, s.H, s.rest, s.W[:alone])
+        if self.framed.count:
+            evaluate(self.framed.table, s.H, np.zeros_like(s.H), s.F, s.W[alone:])
+        s.account[:] = s.W
+
+    def _set_time(self, time: float) -> None:
+        """Let loads and targets of a time act."""
+        self.equations.prescribed(time).act()
+        loads = self.equations.tables.loads
+        self.model.dead[:], self.model.following[:] = loads.dead, loads.following
+        self.model.moment[:] = loads.moment
+
+    # --- a step ---
+
+    def _evaluate(self) -> None:
+        """Balance and constraints of the present step."""
+        s, this, model = self.s, self.this, self.model
+        motion.move(model, s, this, self.h)
+        if self.joints.any:
+            self.joints.add_forces(s, this, self.h)
+        for term in self._viscous:
+            motion.mean_rates(model, this, self.h, self._twists)
+            self._viscous_forces[:] = 0.0
+            term.add_viscous_forces(this.middle, self._twists, self._viscous_forces)
+            steps.add_viscous(model, this, self.h, self._twists, self._viscous_forces)
+        steps.residual(model, s, this, self.h)
+
+    def _solve(self) -> None:
+        """The correction, into ``_x``."""
+        assert self._factors is not None
+        solve(self._factors.plain, self.this.r, self._y, self._x)
+
+    def _factorise(self) -> None:
+        """With the matrix in the middle of the step."""
+        equations, s, n = self.equations, self.s, self._n
+        H, v = s.H.copy(), np.zeros_like(equations.start.velocities)
+        H[:n] = self.this.middle
+        a: Array = self._still
+        plan = Plan(self._still, None, 4.0 / self.h**2, 2.0 / self.h, choices=self.choices)
+        if len(self._frames):
+            a, plan = self._of_frames(H, v, plan)
+        now = Instant(H, v, a, s.weights)
+        equations.residual(now, s.scale, self._work, self._found)
+        s.scale[:] = equations.fill(now, self._found, plan._replace(stressed=H))
+        self.this.r[6 * n :] = s.scale * (s.gap + self.this.change)
+        self._factors = factorise(equations.matrix)
+        self._factorisations += 1
+
+    def _of_frames(self, H: Array, v: Array, plan: Plan) -> tuple[Array, Plan]:
+        """What frames have beside: velocities, accelerations, axes behind those of the end.
+
+        Args:
+            H: Of all rows in the middle of the step; frames are set half-way along screws, for
+                means of what turns are strained.
+            v: Of all rows, those of frames are set.
+            plan: Of the matrix.
+
+        Returns:
+            Accelerations, and the plan with constraints at the end of the step.
+        """
+        s, this, n, own = self.s, self.this, self._n, self._frames
+        end = s.H.copy()
+        end[:n], end[n + 1 :] = this.end, self.joints.moved[1]
+        forces_at = H.copy()
+        H[own] = half_way(s.H, end, n)[own]
+        found, rates = np.empty((2, n, 6))
+        for V, out in ((0.5 * (s.V + this.V1), found), ((this.V1 - s.V) / self.h, rates)):
+            inertia.local_twists(H, np.asarray(V), self.model.turning, out)
+        rates[:, :3] -= np.cross(found[:, 3:], found[:, :3])
+        a, lag = np.zeros((n, 6)), np.zeros((n, 3))
+        a[own], v[own], lag[own] = rates[own], found[own], 0.5 * self.h * found[own, 3:]
+        return a, plan._replace(joint_frames=end, forces_at=forces_at, lag=lag)

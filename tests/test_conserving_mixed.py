@@ -1,0 +1,122 @@
+"""The energy-momentum scheme on scenes of frames and of places."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks.conserving_joints import two_bodies
+from benchmarks.conserving_mixed import BAR, SCENES, SOFT
+from tests.test_composed import resumed_as_whole
+
+SCHEME = fl.EnergyMomentum()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_balances_and_motion(name):
+    """Energy, work, momenta and constraints to round-off, and the motion of generalised-α."""
+    plan = {"duration": 0.06, "step": 1e-3, "save_every": 20}
+    found, other = (
+        s.run(SCENES[name](), **plan)
+        for s in (SCHEME, fl.GeneralisedAlpha(radius=0.95, tolerance=1e-9))
+    )
+    assert found.balance_error <= 1e-11
+    assert found.momentum_error <= 1e-12
+    assert found.angular_momentum_error <= 1e-12
+    assert found.joint_violations.max() <= 1e-13
+    moved = np.abs(other.frames[-1, :, 0] - other.frames[0, :, 0]).max()
+    assert np.abs(found.frames[:, :, 0] - other.frames[:, :, 0]).max() <= 5e-3 * moved
+    size = np.abs(other.balance).max()
+    np.testing.assert_allclose(found.balance, other.balance, rtol=0, atol=0.01 * size + 1e-12)
+
+
+def test_order_joint_forces_and_reactions():
+    """Of second order, against generalised-α with small steps; both forces at ends of steps."""
+    plan = {"duration": 0.02, "save_every": 10**6}
+    exact = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12).run(hanging(), step=5e-5, **plan)
+    errors = []
+    for step in (4e-4, 2e-4):
+        result = SCHEME.run(hanging(), step=step, **plan)
+        errors.append(np.abs(result.frames[-1, :, 0] - exact.frames[-1, :, 0]).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
+    for what in ("joint_forces", "reactions"):
+        forces, other = getattr(result, what)[-1], getattr(exact, what)[-1]
+        np.testing.assert_allclose(forces, other, rtol=0, atol=0.02 * np.abs(other).max())
+
+
+def hanging() -> fl.Scene:
+    """A beam on a clamp, a cable on its end, in gravity, drawn by a load that grows."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    jib = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=2))
+    scene.add(fl.Clamp(jib.start))
+    rope = scene.add(fl.Cable.straight((1, 0, 0), (1.5, 0, 0), SOFT, cells=2))
+    scene.add(fl.Spherical(jib.end, rope.start))
+    pull = {"force": (0, 1.0, 0), "moment": (0.05, 0, 0)}
+    scene.add(fl.PointLoad(jib.end, **pull, history=lambda t: np.sin(20.0 * t)))
+    return scene
+
+
+def shells() -> fl.Scene:
+    """A shell that flies, turns and waves."""
+    layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
+    scene = fl.Scene()
+    sheet = scene.add(fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (2, 2)), layer))
+    sheet.turn((2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
+    return scene
+
+
+def beams() -> fl.Scene:
+    """A beam with damping on a hinge with a spring, in gravity."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
+    beam.damping = fl.Damping(mass=0.2, stiffness=1e-3)
+    hinge = scene.add(fl.Revolute(fl.ground(), beam.start, axis=(0, 1, 0)))
+    scene.add(fl.Spring(hinge.angle, 1.0, 0.02))
+    return scene
+
+
+FRAMES = {"bodies": lambda: two_bodies("revolute", spring=2.0)[0], "shell": shells, "beam": beams}
+
+
+def beside_a_cable(scene: fl.Scene) -> fl.Scene:
+    """The same, and a cable at rest far away, beside which frames move with places."""
+    rope = fl.Cable.straight((0, 0, 5), (1, 0, 5), SOFT, cells=1)
+    scene.add(rope).pin(rope.start)
+    rope.pin(rope.end)
+    return scene
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_frames_move_beside_places_as_among_themselves(name):
+    """Two loops of steps, the same equations, to the round-off of a run."""
+    plan = {"duration": 0.04, "step": 1e-3, "save_every": 10}
+    other = SCHEME.run(FRAMES[name](), **plan)
+    found = SCHEME.run(beside_a_cable(FRAMES[name]()), **plan)
+    for what in ("frames", "velocities", "joint_forces", "joint_coordinates"):
+        two = getattr(other, what)
+        one = getattr(found, what)[:, : two.shape[1]]
+        np.testing.assert_allclose(one, two, rtol=0, atol=1e-8 * np.abs(two).max(initial=1.0))
+
+
+@pytest.mark.parametrize("name", ["shell and thread", "wheel on a motor, cable, beam with damping"])
+def test_resumed_to_the_last_bit(name, tmp_path, monkeypatch):
+    plan = {"duration": 0.016, "step": 1e-3}
+    resumed_as_whole(SCHEME, SCENES[name], plan, tmp_path / "run.h5", monkeypatch)
+
+
+def with_pressure(scene: fl.Scene, beam: fl.Beam) -> None:
+    scene.add(fl.PressureLoad(beam, 1.0))
+
+
+def with_a_place_within(scene: fl.Scene, beam: fl.Beam) -> None:
+    scene.add(fl.Spherical(fl.ground(), beam.within(0, 0.3)))
+
+
+REFUSED = {"pressure on beams": with_pressure, "between the nodes of a Beam": with_a_place_within}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_refused(words):
+    scene = SCENES["beam and cable"]()
+    REFUSED[words](scene, scene.bodies[0])
+    with pytest.raises(ValueError, match=words):
+        SCHEME.run(scene, duration=0.1, step=0.01)
