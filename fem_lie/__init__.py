@@ -18,6 +18,7 @@ from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
+from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
@@ -306,6 +307,7 @@ __all__ = [
     "SaintVenantKirchhoff",
     "Scene",
     "Screw",
+    "Seam",
     "Section",
     "SectionForces",
     "SectionMesh",

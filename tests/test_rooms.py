@@ -36,7 +36,7 @@ MAY_IMPORT = {
     "elements.rods": {"elements.beams"},
     "elements.solids": {"forms", "mesh"},
     "elements.gradients": {"elements.rods"},
-    "elements.thin_shells": {"forms"},
+    "elements.thin_shells": {"elements.rods"},
     "bodies": {"forms", "grips"},
     "bodies.beams": {"bodies", "elements.beams", "sections"},
     "bodies.shells": {"bodies", "elements.shells", "sections"},

@@ -122,6 +122,18 @@ def held(scene: fl.Scene, **options) -> fl.Scene:
     return scene
 
 
+def sewn() -> fl.Scene:
+    """Two patches whose parametrisations do not agree."""
+    patches = {
+        "left": fl.smooth_patch(lambda a, b: (a, b, 0.2 * (a - 1) * b), (1, 2)),
+        "right": fl.smooth_patch(
+            lambda a, b: (1 + a, 0.5 * (b + b**2), 0.1 * a * (b + b**2)), (1, 1)
+        ),
+    }
+    seams = [fl.Seam("left.a=1", "right.a=0", 3.0)]
+    return scene_with(fl.ThinShell(patches, LAYER, seams=seams))
+
+
 def sprung_within() -> fl.Scene:
     """Springs and dampers of a hinge within an element and of the distance to another place."""
     scene = beam()
@@ -264,6 +276,7 @@ TERMS: dict[str, Case] = {
         lambda: pressed(shell(fl.Displacement(), "triangle", 2)), "pressure on shells"
     ),
     "thin shell": Case(thin_shell, "elements"),
+    "seam of thin shells": Case(sewn, "seams"),
     "beam of slopes": Case(ancf, "elements"),
     "restrained warping": Case(lambda: ancf(warping=0.7), "restrained warping"),
     "damping of mass of a beam of slopes": Case(lambda: ancf(damping=MASS), "damping of mass"),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.thin_shells.joining import Edge
+from fem_lie.bodies.thin_shells.seams import Edge
 from fem_lie.elements.thin_shells import hermite
 
 _POINTS = 5

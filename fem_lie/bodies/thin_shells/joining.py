@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
+from fem_lie.bodies.thin_shells.seams import Edge, Seam, points_on
 
 _PLACES, _SLOPES = 1e-7, 1e-5  # relative, as surfaces that are meant to go on smoothly
-
-
-class Edge(NamedTuple):
-    """Points along an edge of a patch, or points alone.
-
-    Attributes:
-        points: One after the other, shape (n,).
-        along: Which derivative is along them, 0 or 1, or −1 of a single point.
-        cells: Cell at each piece between two points, shape (n − 1,).
-        side: At which end of the cells' other parameter, 0 or 1.
-    """
-
-    points: Indices
-    along: int
-    cells: Indices
-    side: int
 
 
 class Joined(NamedTuple):
@@ -49,16 +34,20 @@ class Joined(NamedTuple):
     groups: dict[str, Indices]
 
 
-def joined(patches: Mapping[str, SmoothPatch], *, one: bool, label: str) -> Joined:
+def joined(
+    patches: Mapping[str, SmoothPatch], *, one: bool, label: str, seams: Sequence[Seam] = ()
+) -> Joined:
     """Number points and cells.
 
     Args:
         patches: By name; one without a name is called "".
         one: Whether points of edges at one place are one point.
         label: Of the body, for messages.
+        seams: Edges whose points stay apart where slopes are not the same.
 
     Raises:
-        ValueError: Slopes of points that are to be one are not the same.
+        ValueError: Slopes of points that are to be one are not the same, or there is no edge of a
+            seam.
     """
     rows, corners, sizes = [], [], []
     edges: dict[str, Edge] = {}
@@ -86,11 +75,12 @@ def joined(patches: Mapping[str, SmoothPatch], *, one: bool, label: str) -> Join
     found = Joined(
         np.concatenate(rows), np.concatenate(corners), np.concatenate(sizes), edges, named, groups
     )
-    return _merged(found, label) if one else found
+    sewn = points_on(seams, edges, label)
+    return _merged(found, sewn, label) if one else found
 
 
-def _merged(found: Joined, label: str) -> Joined:
-    """Points of edges that are at one place made one."""
+def _merged(found: Joined, sewn: set[int], label: str) -> Joined:
+    """Points of edges that are at one place made one, but for those that are sewn together."""
     outer = np.unique(np.concatenate([edge.points for edge in found.edges.values()]))
     size = float(np.linalg.norm(np.ptp(found.rows[:, 0], axis=0)))
     same: Indices = np.arange(len(found.rows))
@@ -98,9 +88,11 @@ def _merged(found: Joined, label: str) -> Joined:
         before = outer[:k]
         away = np.linalg.norm(found.rows[before, 0] - found.rows[point, 0], axis=1)
         near = before[away <= _PLACES * size]
-        if len(near):
-            _check_slopes(found.rows[near[0]], found.rows[point], size, label)
-            same[point] = same[near[0]]
+        for other in near:
+            apart = {int(point), int(other)} <= sewn
+            if _same_slopes(found.rows[other], found.rows[point], size, label, refuse=not apart):
+                same[point] = same[other]
+                break
     kept, number = np.unique(same, return_inverse=True)
     return Joined(
         found.rows[kept],
@@ -112,15 +104,18 @@ def _merged(found: Joined, label: str) -> Joined:
     )
 
 
-def _check_slopes(a: Array, b: Array, size: float, label: str) -> None:
+def _same_slopes(a: Array, b: Array, size: float, label: str, *, refuse: bool) -> bool:
     gaps = np.abs(a - b).max(axis=1) * [1.0, 1.0, 1.0, size]
-    if gaps[1:].max() > _SLOPES:
+    same = bool(gaps[1:].max() <= _SLOPES)
+    if refuse and not same:
         raise ValueError(
             f"patches of {label} are to be joined at {a[0]}, where the parametrisations do not "
             "agree: derivatives along a, along b and mixed, of parameters that are lengths, are\n"
             f"{a[1:]} and\n{b[1:]}. Give functions with the same slopes on both sides (a along a, "
-            "of the same speed), or say joined=False; a kink cannot be joined"
+            "of the same speed), sew the edges by a Seam, or say joined=False; a kink cannot be "
+            "joined"
         )
+    return same
 
 
 def frames_of(rows: Array, area: float) -> Array:

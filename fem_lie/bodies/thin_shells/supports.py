@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, direction
 from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.thin_shells.joining import Edge
+from fem_lie.bodies.thin_shells.seams import Edge
 from fem_lie.lie.kinds import NodeKind, set_all_axes
 
 _AGREE = 1e-9

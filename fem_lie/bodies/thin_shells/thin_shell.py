@@ -14,26 +14,27 @@ from fem_lie.bodies.body import NO_HOLDS, Holds, Point
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.axes import follow_surface
+from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
 from fem_lie.bodies.thin_shells.joining import frames_of
 from fem_lie.bodies.thin_shells.joining import joined as put_together
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
+from fem_lie.bodies.thin_shells.seams import Seam, seam_points
 from fem_lie.bodies.thin_shells.supports import HeldSurface
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.elements.thin_shells.rows import NODES, VECTORS, half_of, node_of, row_of
+from fem_lie.elements.thin_shells.seam import SeamPoints, SeamSprings
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.surface import on_surface
 from fem_lie.lie.kinds import NodeKind
-from fem_lie.sections.shell_section import ShellSection
 
 _NODE = np.array([node_of(a) for a in range(VECTORS)])
 _ROW = np.array([row_of(a) for a in range(VECTORS)])
 _HALF = np.array([half_of(a) for a in range(VECTORS)])
 _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1]]])
 """Place, ∂u and ∂v of a point, in its rows."""
-ThinSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], ShellSection]
 Direction = Callable[[Array], npt.ArrayLike]
 
 
@@ -73,6 +74,7 @@ class ThinShell(HeldSurface):
         formulation: BicubicHermite | None = None,
         damping: Damping | None = None,
         joined: bool | None = None,
+        seams: Sequence[Seam] = (),
         name: str = "",
     ) -> None:
         """Place the nodes.
@@ -88,6 +90,7 @@ class ThinShell(HeldSurface):
             damping: With mass only.
             joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
                 those of several patches.
+            seams: Edges that lie on each other with other parameters, and are sewn together.
             name: For messages and results.
 
         Raises:
@@ -109,7 +112,7 @@ class ThinShell(HeldSurface):
             text(key, "ThinShell: the name of a patch")
             instance(patch, SmoothPatch, f"ThinShell: patch {key!r}", "a SmoothPatch")
         one = len(given) > 1 if joined is None else joined
-        surface = put_together(given, one=one, label=name or "ThinShell")
+        surface = put_together(given, one=one, label=name or "ThinShell", seams=seams)
         self.formulation = BicubicHermite() if formulation is None else formulation
         self.damping = mass_only(damping, "ThinShell")
         self._edges, self._groups = surface.edges, surface.groups
@@ -129,13 +132,19 @@ class ThinShell(HeldSurface):
         )
         follow_surface(self.frames, np.ones(count, dtype=bool))
         middles = self._middles()
-        sections = self._sections(section, middles)
+        sections = section_per_cell(section, middles, self.cells_of, self.label)
         self.stiffness = np.array([s.stiffness for s in sections])
         self.density = np.array([s.inertia[0, 0] for s in sections])
         self.has_mass = bool((self.density > 0).all())
         self.axes = self._axes_along(along, middles)
         self.faces = self._corners[:, [0, 1, 3, 2]]
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
+        cells = self.connectivity, self.sizes
+        self.seams = [
+            seam_points(seam, ends, self.vectors(), cells, self.stiffness)
+            for seam in seams
+            for ends in [(self._edges[seam.first], self._edges[seam.second])]
+        ]
 
     @property
     def node_kind(self) -> NodeKind:
@@ -195,8 +204,17 @@ class ThinShell(HeldSurface):
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """All of one :attr:`kind` together."""
-        return ThinShellAssembly(bodies)
+        """All of one :attr:`kind` together, with their seams."""
+        assembly = ThinShellAssembly(bodies)
+        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        found = [
+            part._replace(nodes=part.nodes + start)
+            for body, start in zip(bodies, starts, strict=False)
+            for part in body.seams
+        ]
+        if found:
+            assembly.beside.append(SeamSprings(SeamPoints.joined(found), assembly.count))
+        return assembly
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named patch (default: all).
@@ -265,24 +283,6 @@ class ThinShell(HeldSurface):
     def _middles(self) -> Array:
         """Middle of each cell, shape (m, 3)."""
         return np.asarray(self.frames[self._corners, 0].mean(axis=1))
-
-    def _sections(self, section: ThinSections, middles: Array) -> list[ShellSection]:
-        known = "a ShellSection, a dict of them by patches or a function of the place"
-        instance(section, ShellSection | Mapping | Callable, "ThinShell: section", known)
-        if isinstance(section, ShellSection):
-            return [section] * len(middles)
-        if isinstance(section, Mapping):
-            found: list[ShellSection | None] = [None] * len(middles)
-            for key, value in section.items():
-                for cell in self.cells_of(key):
-                    found[cell] = value
-        else:
-            found = [section(middle) for middle in middles]
-        for middle, chosen in zip(middles, found, strict=True):
-            if chosen is None:
-                raise ValueError(f"{self.label} has no section for the cell at {middle}")
-            instance(chosen, ShellSection, "the section of a cell", "a ShellSection")
-        return [chosen for chosen in found if chosen is not None]
 
     def _axes_along(self, along: npt.ArrayLike | Direction | None, middles: Array) -> Array:
         corners = self.frames[self._corners]

@@ -1,0 +1,43 @@
+"""Sections of the cells of thin shells, however they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from fem_lie._arrays import Array, Indices, instance
+from fem_lie.sections.shell_section import ShellSection
+
+ThinSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], ShellSection]
+
+
+def section_per_cell(
+    section: ThinSections, middles: Array, cells_of: Callable[[str], Indices], label: str
+) -> list[ShellSection]:
+    """The section of each cell.
+
+    Args:
+        section: One for all, one for each patch, or a function of the middle of a cell.
+        middles: Of the cells, shape (m, 3).
+        cells_of: Cells of a patch by its name.
+        label: Of the body, for messages.
+
+    Raises:
+        ValueError: A cell has none.
+        TypeError: It is of another kind than wanted.
+    """
+    known = "a ShellSection, a dict of them by patches or a function of the place"
+    instance(section, ShellSection | Mapping | Callable, "ThinShell: section", known)
+    if isinstance(section, ShellSection):
+        return [section] * len(middles)
+    if isinstance(section, Mapping):
+        found: list[ShellSection | None] = [None] * len(middles)
+        for key, value in section.items():
+            for cell in cells_of(key):
+                found[cell] = value
+    else:
+        found = [section(middle) for middle in middles]
+    for middle, chosen in zip(middles, found, strict=True):
+        if chosen is None:
+            raise ValueError(f"{label} has no section for the cell at {middle}")
+        instance(chosen, ShellSection, "the section of a cell", "a ShellSection")
+    return [chosen for chosen in found if chosen is not None]
