@@ -23,6 +23,7 @@ from fem_lie.system.equations import Equations
 
 DOWN = (0.0, 0.0, -9.81)
 ROPE = fl.Section.from_stiffness([2e3] * 3 + [0.2] * 3, mass=1.0)
+RUBBER = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
 
 
 class FixedAxesRun(StraightRun):
@@ -97,10 +98,33 @@ def flapping_plate() -> fl.Scene:
 
 def tumbling_brick() -> fl.Scene:
     """A soft brick that tumbles about its middle axis."""
-    rubber = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
     scene = fl.Scene()
-    brick = scene.add(fl.Solid.brick((1.0, 0.4, 0.2), rubber, cells=(4, 2, 1)))
+    brick = scene.add(fl.Solid.brick((1.0, 0.4, 0.2), RUBBER, cells=(4, 2, 1)))
     brick.turn((0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
+    return scene
+
+
+def tumbling(material: fl.SolidMaterial, cell: str, degree: int) -> Callable[[], fl.Scene]:
+    """Soft bricks that tumble and wave, of other cells and materials."""
+
+    def made() -> fl.Scene:
+        scene = fl.Scene()
+        size, cells = (1.0, 0.4, 0.2), (3, 1, 1)
+        brick = fl.Solid.brick(size, material, cells=cells, cell=cell, degree=degree)
+        brick.turn((0.05, 6.0, 0.1), about=(0.5, 0.2, 0.1))
+        brick.velocities[:, :3] += 0.3 * np.sin(2.0 * brick.frames[:, 0, [1, 0, 0]])
+        scene.add(brick)
+        return scene
+
+    return made
+
+
+def whirling_spline() -> fl.Scene:
+    """A cable through points that flies and turns."""
+    points = np.array([(0, 0, 0), (0.3, 0.05, 0), (0.6, 0, 0.05), (1, 0, 0)])
+    scene = fl.Scene()
+    cable = scene.add(fl.SplineCable.through(points, ROPE))
+    cable.turn((0.5, 6.0, 9.0), about=(0.4, 0, 0))
     return scene
 
 
@@ -126,8 +150,7 @@ def joined_cables() -> fl.Scene:
 
 def block(x: float) -> fl.Solid:
     """A soft brick that begins at x."""
-    rubber = fl.SaintVenantKirchhoff(1e4, 0.3, 1.0)
-    return fl.Solid.brick((0.5, 0.2, 0.1), rubber, cells=(2, 1, 1), origin=(x, 0, 0))
+    return fl.Solid.brick((0.5, 0.2, 0.1), RUBBER, cells=(2, 1, 1), origin=(x, 0, 0))
 
 
 def hinged_bricks() -> fl.Scene:
@@ -192,12 +215,12 @@ def towed_net() -> fl.Scene:
 
 
 def hung_sheet() -> fl.Scene:
-    """A thin shell, one corner of which turns about an axis."""
+    """A thin shell, one corner of which turns about an axis, in a weak field."""
     patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (3, 2))
-    layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
-    scene = fl.Scene(gravity=DOWN)
+    layer = fl.ShellSection.layer(0.05, fl.Material(2e4, 0.3, 1.0))
+    scene = fl.Scene(gravity=(0, 0, -1.0))
     sheet = scene.add(fl.ThinShell(patch, layer))
-    scene.add(fl.Revolute(fl.ground(), sheet.node(0), axis=(1, 0, 0)))
+    scene.add(fl.Revolute(fl.ground(), sheet.node(0), axis=(0, 1, 0)))
     return scene
 
 
@@ -218,6 +241,10 @@ SCENES: dict[str, tuple[Callable[[], fl.Scene], float]] = {
     "flapping thin plate": (flapping_plate, 1e-3),
     "tumbling brick": (tumbling_brick, 1e-3),
     "tumbling beam of slopes": (tumbling_beam, 1e-3),
+    "whirling spline cable": (whirling_spline, 1e-3),
+    "hexahedra of degree 2": (tumbling(RUBBER, "hexahedron", 2), 1e-3),
+    "tetrahedra": (tumbling(RUBBER, "tetrahedron", 1), 1e-3),
+    "neo-Hooke": (tumbling(fl.NeoHooke(1e4, 0.3, 1.0), "hexahedron", 1), 1e-3),
     **JOINED,
 }
 """With the size of steps."""

@@ -96,8 +96,8 @@ def driven_body() -> fl.Scene:
 def thin_shell_on_beam() -> fl.Scene:
     """A thin shell on a hinge at the end of a beam, which turns about an axis on ground."""
     patch = fl.smooth_patch(lambda a, b: np.array([a, 0.5 * b, 0.1 * np.sin(2 * a)]), (2, 2))
-    layer = fl.ShellSection.layer(0.02, fl.Material(2e3, 0.3, 1.0))
-    scene = fl.Scene(gravity=DOWN)
+    layer = fl.ShellSection.layer(0.05, fl.Material(2e4, 0.3, 1.0))
+    scene = fl.Scene(gravity=(0, 0, -1.0))
     arm = scene.add(fl.Beam.straight((-0.5, 0, 0), (0, 0, 0), BAR, cells=2))
     sheet = scene.add(fl.ThinShell(patch, layer))
     scene.add(fl.Revolute(fl.ground(), arm.start, axis=(0, 1, 0)))

@@ -10,6 +10,7 @@ from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
 from fem_lie.lie.kinds import placed
 from fem_lie.mesh.curves import straight
+from fem_lie.solve.conserving.straight.run import stalls
 from tests.test_composed import resumed_as_whole
 
 SCHEME = fl.EnergyMomentum()
@@ -237,6 +238,26 @@ def test_joints_resumed_to_the_last_bit(tmp_path, monkeypatch):
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
     plan = {"duration": 0.12, "step": 4e-3}
     resumed_as_whole(SCHEME, lambda: flying("cable")[0], plan, tmp_path / "run.h5", monkeypatch)
+
+
+def test_steps_without_a_solution_are_made_in_parts(caplog):
+    """Each of which conserves; the moved cable is where small steps take it, as far as they tell."""
+    result = SCHEME.run(flying("cable")[0], duration=1.2, step=0.06)
+    assert result.divided >= 1
+    assert "made in parts" in caplog.text
+    assert result.energy_error <= 1e-11
+    assert max(result.momentum_error, result.angular_momentum_error) <= 1e-11
+    small = SCHEME.run(flying("cable")[0], duration=1.2, step=4e-3, save_every=300)
+    middle = [each.frames[-1, :, 0].mean(axis=0) for each in (result, small)]
+    np.testing.assert_allclose(*middle, rtol=0, atol=0.05)
+
+
+def test_increments_that_fall_slowly_are_no_noise():
+    """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
+    slow = 1e-13 * 0.7 ** np.arange(6.0)
+    assert not any(stalls(list(slow[:k]), 3) for k in range(1, 7))
+    assert stalls([3e-16, 2.5e-16, 2.9e-16, 2.6e-16], 3)
+    assert not stalls([3e-16, 2.5e-16, 2.9e-16], 3)
 
 
 REFUSED = {

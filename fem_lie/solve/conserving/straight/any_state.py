@@ -36,6 +36,7 @@ class AnyState(Integration[Recorder]):
         model: What steps see of the scene.
         joints: Over a step.
         framed: Cells of frames.
+        size: Of the present step: of a part, where one is made in parts.
     """
 
     def __init__(self, policy: Policy, equations: Equations, step: float) -> None:
@@ -49,7 +50,7 @@ class AnyState(Integration[Recorder]):
         super().__init__(policy, equations, step)
         unknowns, z = equations.unknowns, np.zeros
         n, m = unknowns.moving, unknowns.m
-        self._changing, self._n = unknowns.time_dependent, n
+        self._changing, self._n, self.size = unknowns.time_dependent, n, self.h
         self.framed, self.joints = cells_of_frames(equations), Joints(equations)
         self.model = model_of(equations, self.framed)
         self._frames = np.flatnonzero(self.model.kinds < SLOPE)
@@ -88,8 +89,8 @@ class AnyState(Integration[Recorder]):
             outer=z((n, 6)),
             change=z(m),
         )
-        # mean accelerations of the last two steps, twice their trends
-        self._rates = z((2, n, 6))
+        # mean accelerations of the last two steps, twice their trends, and sizes of the last three
+        self._rates, self._sizes = z((2, n, 6)), z(3)
         self._measure = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
         self._x, self._y = z((2, 6 * n + m))
         self._still, self._work = z((n, 6)), z(unknowns.size)
@@ -123,6 +124,7 @@ class AnyState(Integration[Recorder]):
         rates, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.h)
         motion.spatial_rates(self.model, s, rates, rate)
         s.trend[:], self._rates[:] = 0.5 * rate, rate
+        self._sizes[:] = self.h
         self._set_time(0.0)
         alone = len(self.model.cells.calls)
         energies_at(self.model.cells, s.H, s.rest, s.W[:alone])
@@ -142,15 +144,15 @@ class AnyState(Integration[Recorder]):
     def _evaluate(self) -> None:
         """Balance and constraints of the present step."""
         s, this, model = self.s, self.this, self.model
-        motion.move(model, s, this, self.h)
+        motion.move(model, s, this, self.size)
         if self.joints.any:
-            self.joints.add_forces(s, this, self.h)
+            self.joints.add_forces(s, this, self.size)
         for term in self._viscous:
-            motion.mean_rates(model, this, self.h, self._twists)
+            motion.mean_rates(model, this, self.size, self._twists)
             self._viscous_forces[:] = 0.0
             term.add_viscous_forces(this.middle, self._twists, self._viscous_forces)
-            steps.add_viscous(model, this, self.h, self._twists, self._viscous_forces)
-        steps.residual(model, s, this, self.h)
+            steps.add_viscous(model, this, self.size, self._twists, self._viscous_forces)
+        steps.residual(model, s, this, self.size)
 
     def _solve(self) -> None:
         """The correction, into ``_x``."""
@@ -163,7 +165,7 @@ class AnyState(Integration[Recorder]):
         H, v = s.H.copy(), np.zeros_like(equations.start.velocities)
         H[:n] = self.this.middle
         a: Array = self._still
-        plan = Plan(self._still, None, 4.0 / self.h**2, 2.0 / self.h, choices=self.choices)
+        plan = Plan(self._still, None, 4.0 / self.size**2, 2.0 / self.size, choices=self.choices)
         if len(self._frames):
             a, plan = self._of_frames(H, v, plan)
         now = Instant(H, v, a, s.weights)
@@ -191,9 +193,9 @@ class AnyState(Integration[Recorder]):
         forces_at = H.copy()
         H[own] = half_way(s.H, end, n)[own]
         found, rates = np.empty((2, n, 6))
-        for V, out in ((0.5 * (s.V + this.V1), found), ((this.V1 - s.V) / self.h, rates)):
+        for V, out in ((0.5 * (s.V + this.V1), found), ((this.V1 - s.V) / self.size, rates)):
             inertia.local_twists(H, np.asarray(V), self.model.turning, out)
         rates[:, :3] -= np.cross(found[:, 3:], found[:, :3])
         a, lag = np.zeros((n, 6)), np.zeros((n, 3))
-        a[own], v[own], lag[own] = rates[own], found[own], 0.5 * self.h * found[own, 3:]
+        a[own], v[own], lag[own] = rates[own], found[own], 0.5 * self.size * found[own, 3:]
         return a, plan._replace(joint_frames=end, forces_at=forces_at, lag=lag)

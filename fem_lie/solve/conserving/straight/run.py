@@ -13,10 +13,11 @@ from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
+from fem_lie.solve.conserving.end_forces import at_end
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight.acceptance import accept
 from fem_lie.solve.conserving.straight.any_state import AnyState
-from fem_lie.solve.motion.convergence import DIVERGED, ROUND_OFF, estimate, failure
+from fem_lie.solve.motion.convergence import ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration, Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
@@ -25,8 +26,16 @@ from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
 
-_STAGNANT, _FALLS = 1e3 * float(np.finfo(np.float64).eps), 0.5
-"""Increments below the first, over those of the model, that do not fall by the second are noise."""
+_STAGNANT, _FALLS, _PATIENCE = 1e3 * float(np.finfo(np.float64).eps), 0.5, 3
+"""Increments below the first, over lengths of the model, are noise if they have not fallen by the
+second in so many iterations."""
+_ASTRAY, _LOST = 1.0, 25
+"""Increments of that many lengths of the model lead to no solution that follows from the start of
+the step, and larger ones than noise that have not fallen in so many iterations to none at all."""
+HALVINGS = 6
+"""Of a step that has no solution in full."""
+_SAME = 1e-9
+"""Of the step, by which its size differs from itself."""
 _SHARE = 0.25
 """Of the cost of a matrix, what a step that converges may go on for instead."""
 
@@ -36,6 +45,11 @@ def _lags(decisions: Decisions, increment: float, ratio: float) -> bool:
     if decisions.rule is None or not decisions.rule.asks or ratio >= 1.0:
         return True
     return log(_STAGNANT / increment) < _SHARE * decisions.rule.cost * log(ratio)
+
+
+def stalls(seen: list[float], patience: int) -> bool:
+    """Whether increments, the last one at the end, have not fallen for so many iterations."""
+    return len(seen) > patience and seen[-1] > _FALLS * seen[-1 - patience]
 
 
 class StraightRun(AnyState):
@@ -57,6 +71,7 @@ class StraightRun(AnyState):
         self._tolerance, self._limit = told
         self._rescues, self._iterations = policy.rescue, 0
         self._increment, self._before = np.inf, np.zeros(equations.unknowns.m)
+        self._divided = self._parts = 0
 
     def history(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
@@ -67,30 +82,60 @@ class StraightRun(AnyState):
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
-        if self._changing:
-            self._set_step()
-        before = self._iterations
-        self._before[:] = self.s.weights
-        made = self._step()
+        before, divided = self._iterations, self._parts
+        made = self._go(self.index * self.h, (self.index + 1) * self.h, HALVINGS)
         history.count += self._iterations - before
         if made:
-            s = self.s
-            accept(self.model, s, self.this, self.h)
-            s.earlier[1], s.earlier[0] = s.earlier[0].copy(), self._before
-            s.H[self._n + 1 :] = self.joints.moved[1]
-            self._rates[1], self._rates[0] = self._rates[0], 2.0 * s.trend
-            self.equations.memory.accept(s.H)
-            self.joints.accept(s.H)
-            self.equations.memory.turn_axes(s.H)
             self._made += 1
+            self._divided += self._parts > divided
         return made
 
-    def _set_step(self) -> None:
+    def _go(self, start: float, end: float, halvings: int) -> bool:
+        """Go from one time to another in a step, or in as many as it takes; whether that is done.
+
+        Args:
+            start: Time at which the step begins.
+            end: At which it ends.
+            halvings: How often it may be halved.
+        """
+        self._resize(end - start)
+        self._set_step(start, end)
+        self._before[:] = self.s.weights
+        if self._step():
+            self._accept()
+            return True
+        if not self._rescues or halvings == 0:
+            return False
+        self._parts += 1
+        self.s.weights[:] = self._before
+        middle = 0.5 * (start + end)
+        return self._go(start, middle, halvings - 1) and self._go(middle, end, halvings - 1)
+
+    def _resize(self, size: float) -> None:
+        """Let steps have this size; what is left over is an impulse."""
+        if abs(size - self.size) > _SAME * self.h:
+            self.s.carry[:] *= self.size / size
+            self.size, self._factors = size, None
+
+    def _accept(self) -> None:
+        """Make the end of the step the start of the next one."""
+        s = self.s
+        accept(self.model, s, self.this, self.size)
+        s.earlier[1], s.earlier[0] = s.earlier[0].copy(), self._before
+        s.H[self._n + 1 :] = self.joints.moved[1]
+        self._rates[1], self._rates[0] = self._rates[0], 2.0 * s.trend
+        self._sizes[1:], self._sizes[0] = self._sizes[:2].copy(), self.size
+        self.equations.memory.accept(s.H)
+        self.joints.accept(s.H)
+        self.equations.memory.turn_axes(s.H)
+
+    def _set_step(self, start: float, end: float) -> None:
         """Loads in the middle of the next step, targets and prescribed motions at both its ends."""
-        equations, ends = self.equations, (self.index * self.h, (self.index + 1) * self.h)
-        self._set_time((self.index + 0.5) * self.h)
-        before, after = (equations.prescribed(time) for time in ends)
-        if equations.unknowns.driven:
+        if not self._changing:
+            return
+        self._set_time(0.5 * (start + end))
+        before, after = (self.equations.prescribed(time) for time in (start, end))
+        if self.equations.unknowns.driven:
             self.joints.driven[:] = after.targets - before.targets
         self.joints.moved[0], self.joints.moved[1] = self.s.H[self._n + 1 :], after.frames
 
@@ -106,16 +151,19 @@ class StraightRun(AnyState):
             for still in (False, True)
         )
 
+    def _begin(self, *, still: bool) -> float:
+        """Where the iteration begins; the size of the largest motion."""
+        motion.predict(self.model, self.s, self.size, self.this.step)
+        if still:
+            self.this.step[:] = 0.0
+        self.s.weights[:] = self._before
+        self.joints.begin(self.s.H)
+        return float(np.abs(self.this.step.ravel() * self._measure).max(initial=0.0))
+
     def _made_with(self, decisions: Decisions, *, still: bool) -> bool:
         """The same with matrices as they say; ``still``: without a prediction."""
-        s, this, model = self.s, self.this, self.model
-        motion.predict(model, s, self.h, this.step)
-        if still:
-            this.step[:] = 0.0
-        s.weights[:] = self._before
-        self.joints.begin(s.H)
-        largest = float(np.abs(this.step.ravel() * self._measure).max(initial=0.0))
-        previous, ratio, needed = np.inf, 1.0, 1
+        s, this, model, largest = self.s, self.this, self.model, self._begin(still=still)
+        previous, ratio, needed, seen = np.inf, 1.0, 1, list[float]()
         for iteration in range(1, self._limit + 1):
             self._iterations += 1
             self._evaluate()
@@ -135,9 +183,10 @@ class StraightRun(AnyState):
             increment = float(np.abs(moved).max(initial=0.0))
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, largest = increment, max(largest, increment)
-            if not increment < DIVERGED:
+            seen.append(increment)
+            if not increment < _ASTRAY or (increment > _STAGNANT and stalls(seen, _LOST)):
                 return False
-            noise = increment <= _STAGNANT and increment > _FALLS * previous
+            noise = increment <= _STAGNANT and stalls(seen, _PATIENCE)
             if noise or increment <= ROUND_OFF or remaining <= self._tolerance * largest:
                 if not noise:
                     motion.correct(model, s, this, self._x)
@@ -151,7 +200,8 @@ class StraightRun(AnyState):
     def _failure(self, steps: int) -> str:
         left = float(np.abs(self.this.r).max(initial=0.0))
         numbers = self._limit, self._increment, left, self._tolerance
-        return failure(self.index + 1, steps, self.h, *numbers, self._rescues)
+        text = failure(self.index + 1, steps, self.h, *numbers, self._rescues)
+        return f"{text}. Nor did it in {2**HALVINGS} parts" if self._rescues else text
 
     # --- results ---
 
@@ -162,7 +212,8 @@ class StraightRun(AnyState):
             time = self.index * self.h
             v, rates = np.empty((2, self._n, 6))
             # along the line through the middles of the last two steps
-            last, s = 1.5 * self._rates[0] - 0.5 * self._rates[1], self.s
+            share, s = self._sizes[0] / (self._sizes[0] + self._sizes[1]), self.s
+            last = self._rates[0] + share * (self._rates[0] - self._rates[1])
             motion.twists(self.model, s.H, s.V, last, v, rates)
             if self._changing:
                 self._set_time(time)
@@ -175,11 +226,15 @@ class StraightRun(AnyState):
         s = self.s
         if self.index < 3:
             return s.weights
-        # see fem_lie.solve.conserving.end_forces, for constant steps
-        return s.weights + 0.5 * (s.earlier[0] - s.earlier[1])
+        return at_end(s.weights, s.earlier, self._sizes)
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(self._factorisations, history.seconds)
+        if self._divided:
+            _log.warning(
+                "%d of %d steps were made in parts, where no solution was found in full",
+                *(self._divided, self.index),
+            )
+        return history.result(self._factorisations, history.seconds, divided=self._divided)
 
     # --- checkpoints ---
 
@@ -188,7 +243,8 @@ class StraightRun(AnyState):
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
         kept |= {"middle": self.this.middle, "rates": self._rates}
         kept["turned"] = self.joints.turned.copy()
-        kept["counts"] = np.array([self._made, self._factorisations, self._iterations])
+        counts = self._made, self._factorisations, self._iterations, self._divided
+        kept |= {"counts": np.array(counts), "sizes": self._sizes}
         kept |= super().memory()
         kept |= {f"local.{k}": part for k, part in enumerate(self.framed.local_fields)}
         return kept if self._factors is None else kept | self._factors.arrays()
@@ -199,7 +255,9 @@ class StraightRun(AnyState):
             array[:] = kept[f"s.{name}"]
         self.this.middle[:], self._rates[:] = kept["middle"], kept["rates"]
         self.joints.turned[:] = kept["turned"]
-        self._made, self._factorisations, self._iterations = (int(x) for x in kept["counts"])
+        counts = (int(count) for count in kept["counts"])
+        self._made, self._factorisations, self._iterations, self._divided = counts
+        self._sizes[:], self.size = kept["sizes"], float(kept["sizes"][0])
         self.framed.restore([kept[f"local.{k}"] for k in range(len(self.framed.local_fields))])
         super().restore(kept)
         self._factors = Factors.of(kept)
