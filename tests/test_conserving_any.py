@@ -241,7 +241,7 @@ def test_resumed_to_the_last_bit(tmp_path, monkeypatch):
 
 
 def test_steps_without_a_solution_are_made_in_parts(caplog):
-    """Each of which conserves; the moved cable is where small steps take it, as far as they tell."""
+    """Each of which conserves, and the cable goes where small steps take it."""
     result = SCHEME.run(flying("cable")[0], duration=1.2, step=0.06)
     assert result.divided >= 1
     assert "made in parts" in caplog.text

@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.conserving_joints import JOINTS, two_bodies
-from fem_lie.solve.conserving.end_forces import at_end
+from fem_lie.solve.conserving.between.end_forces import at_end
 from tests.test_energy_momentum import bars
 
 END = 0.16

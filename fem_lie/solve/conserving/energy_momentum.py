@@ -1,4 +1,4 @@
-r"""Energy, momentum and angular momentum to round-off, for beams, shells, rigid bodies and joints.
+r"""Energy, momentum and angular momentum to round-off, for scenes of bodies of all kinds.
 
 With ``q = (x, d₁, d₂, d₃)`` of the nodes, the constant matrix of inertia ``G``, velocities ``V``
 and increments ``Δq`` that come from a translation and a Cayley rotation of each node
@@ -20,9 +20,11 @@ of every force is that on ``Δq`` without any error:
   others is counted, and so is what viscous forces take.
 
 The scheme is of second order. It damps nothing: what a step does not resolve stays. Multipliers act
-over a step; joint forces are reported at its end (:mod:`fem_lie.solve.conserving.end_forces`). The
-iteration goes on until nothing but round-off changes, with a matrix in local frames that is kept
-as the policy says. Bodies' groups have no meaning for it.
+over a step; joint forces are reported at its end
+(:mod:`fem_lie.solve.conserving.between.end_forces`). The iteration goes on until nothing but
+round-off changes, with a matrix in local frames that is kept as the policy says. Bodies' groups
+have no meaning for it. Nodes that are no frames have rows whose increments add: for these ``L`` is
+constant, and they stand in one system with frames (:mod:`fem_lie.solve.conserving.straight`).
 
 Sources: Simo, Tarnow & Doblaré, IJNME 38 (1995) 1431; Gonzalez, J. Nonlinear Sci. 6 (1996) 449;
 Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499.

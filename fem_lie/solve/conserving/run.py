@@ -14,7 +14,7 @@ from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving import stretch
-from fem_lie.solve.conserving.end_forces import at_end
+from fem_lie.solve.conserving.between.end_forces import at_end
 from fem_lie.solve.conserving.end_rates import local_rates
 from fem_lie.solve.conserving.run_state import PREFIX
 from fem_lie.solve.conserving.step import corrections, loop
@@ -143,7 +143,7 @@ class Run(Steps):
         )
 
     def _end_weights(self) -> Array:
-        """Multipliers at the end of the last step, see :mod:`.end_forces`.
+        """Multipliers at the end of the last step, see :mod:`.between.end_forces`.
 
         In the first two steps, and in those after an event, by the equations of motion.
         """

@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie.linear.factors import PlainFactors
-from fem_lie.solve.conserving.end_forces import at_end
+from fem_lie.solve.conserving.between.end_forces import at_end
 from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import STEPS, TOTAL
 from fem_lie.solve.conserving.step.packing import PackedModel, state_of

@@ -13,7 +13,7 @@ from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
-from fem_lie.solve.conserving.end_forces import at_end
+from fem_lie.solve.conserving.between.end_forces import at_end
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight.acceptance import accept
 from fem_lie.solve.conserving.straight.any_state import AnyState
