@@ -17,11 +17,12 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
-from demos import hemisphere, linear_shells, pulled_cylinder
+from demos import hemisphere, pulled_cylinder
 from fem_lie.adapt.space_error import fields_of
 from fem_lie.adapt.stress_fields import StressFields
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.shell_stress import integration
+from studies import linear_shells
 
 Row = tuple[str, int, float, float]
 """Mesh, unknowns, true relative error, effectivity."""
@@ -159,7 +160,7 @@ def _half(scene: fl.Scene) -> fl.StaticResult:
 
 SHELLS = {
     "Scordelis-Lo roof": ShellCase(
-        lambda n: linear_shells.scordelis_lo(n, fl.HellingerReissner()),
+        lambda n: linear_shells.scordelis_lo(n, "HR"),
         lambda scene: fl.follow_loads(scene, [linear_shells.SMALL]),
         (8, 16, 32, 96),
         _grid,

@@ -49,7 +49,8 @@ document.body.append(report);
 
 def pendulum() -> fl.Page:
     """Case 2 for 0.5 s."""
-    _, result = double_pendulum.simulate(2, duration=0.5)
+    scene, _, _ = double_pendulum.pendulum(2)
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, step=double_pendulum.STEP[2], duration=0.5)
     return result.page(states=500, trace=["bar II.end"], title="Double pendulum")
 
 

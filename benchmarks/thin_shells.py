@@ -67,11 +67,10 @@ def shear() -> None:
     wanted = [semi_cylinder.REFERENCE["isotropic"][load] for load in LOADS]
     print("| shear | mesh | deflection at 0.1, 0.2 of the load | over the reference |")
     print("| --- | --- | --- | --- |")
-    hr = fl.HellingerReissner()
-    rows: list[tuple[str, float, semi_cylinder.Formulation, tuple[int, ...]]] = [
-        (f"{factor:g} times as stiff", factor, hr, (16, 32, 48)) for factor in (1.0, 10.0, 100.0)
+    rows: list[tuple[str, float, str, tuple[int, ...]]] = [
+        (f"{factor:g} times as stiff", factor, "HR", (16, 32, 48)) for factor in (1.0, 10.0, 100.0)
     ]
-    rows.append(("thin shell", 1.0, fl.smooth_patch, (8, 16, 32)))
+    rows.append(("thin shell", 1.0, "thin", (8, 16, 32)))
     for name, factor, formulation, meshes in rows:
         for mesh in meshes:
             found = deflections(mesh, factor, formulation)
@@ -80,7 +79,7 @@ def shear() -> None:
             print(f"| {name} | {mesh} | {places} | {errors} |", flush=True)
 
 
-def deflections(mesh: int, factor: float, formulation: semi_cylinder.Formulation) -> np.ndarray:
+def deflections(mesh: int, factor: float, formulation: str) -> np.ndarray:
     """Of the crown at the loads."""
     G = E / (2 * (1 + NU))
     ply = fl.Orthotropic(E, E, NU, G, factor * G, factor * G, 1.0)

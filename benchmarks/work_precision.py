@@ -28,9 +28,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-from demos.order_four import SOFT, soft_pendulum
 from fem_lie.solve import stopwatch
 from fem_lie.solve.motion.integrator import Integrator
+from studies.order_four import SOFT, soft_pendulum
 
 DOCS = Path(__file__).parents[1] / "docs"
 REFERENCES = Path(__file__).parents[1] / "demos" / "reference" / "work_precision.csv"

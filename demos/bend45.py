@@ -31,7 +31,8 @@ Seven elements can be chosen, by --formulation:
 - ancf has places and all three slopes, without rotations, and sections that deform. Bent, they
   become thinner: its limit differs by 1.7e-4, of the order of (thickness/radius)^2.
 
-The table has all of them, and the geodesic element without the flexibility ("plain").
+studies/elements_on_a_bend.py has a table of all of them, and of the geodesic element without the
+flexibility ("plain").
 
 Every cut carries the force at the tip, and its moment about the cut: so the clamp twists and bends
 the root by T = 600 y and My = -600 x of the bent tip. Section forces are drawn over arc length.
@@ -44,14 +45,13 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from matplotlib.figure import Figure
+from command_line import in_results, one_of, run
+from records import components
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 REFERENCE = np.array([47.15043857, 15.68480053, 53.47485879])
 FORCE = 600.0
 UNITS = Units(length="length", force="force")
@@ -100,7 +100,7 @@ def solve(
     record: dict[str, Any] = {
         "elements": elements,
         "load_steps": load_steps,
-        **{f"tip_{axis}": float(value) for axis, value in zip("xyz", tip, strict=True)},
+        **components("tip", tip),
         "tip_error": float(np.linalg.norm(tip - REFERENCE) / np.linalg.norm(REFERENCE)),
         "steps": len(result.factors),
         "iterations": result.total_iterations,
@@ -118,59 +118,15 @@ def solve(
 def main(
     elements: int = 8, load_steps: int = 3, formulation: str = "geodesic", pictures: bool = True
 ) -> dict[str, Any]:
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
-    print("error of the tip (iterations)")
-    print("elements" + "".join(f"{name:>16}" for name in FORMULATIONS))
-    counts = sorted({4, 8, 16, 32, elements})
-    errors: dict[str, list[float]] = {name: [] for name in FORMULATIONS}
-    for count in counts:
-        print(f"{count:8}", end="")
-        for name, element in FORMULATIONS.items():
-            numbers, result, forces = solve(count, load_steps, element)
-            errors[name].append(numbers["tip_error"])
-            print(f"{numbers['tip_error']:11.1e} ({numbers['iterations']:2})", end="")
-            if (count, name) == (elements, formulation):
-                chosen, record, cuts = result, numbers, forces
-        print()
-    print(f"{formulation}, {elements} elements: ", end="")
-    print("tip {tip_x:.4f}  {tip_y:.4f}  {tip_z:.4f}".format(**record))
-    print("reference {:.4f}  {:.4f}  {:.4f}".format(*REFERENCE))
-    if cuts is not None:
-        print("root: T {root_torque:.2f}  My {root_moment:.2f}; ".format(**record), end="")
-        print(f"reference {FORCE * REFERENCE[1]:.2f}  {-FORCE * REFERENCE[0]:.2f}; ", end="")
-        print("force on all cuts: error {force_error:.1e}".format(**record))
+    one_of("formulation", formulation, FORMULATIONS)
+    record, result, forces = solve(elements, load_steps, FORMULATIONS[formulation])
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        names = ("bend45.png", "bend45_convergence.png", "bend45_forces.png")
-        picture, diagram, along = (RESULTS / name for name in names)
-        chosen.picture(picture, trace=["bend.tip"], title="45° bend", units=UNITS)
-        plot_errors(np.array(counts), errors, diagram)
-        print(f"pictures: {picture}, {diagram}")
-        if cuts is not None:
-            cuts.plot(path=along, units=UNITS)
-            print(f"and {along}")
+        file = in_results("bend45.png")
+        result.picture(file, trace=["bend.tip"], title="45° bend", units=UNITS)
+        if forces is not None:
+            forces.plot(path=in_results("bend45_forces.png"), units=UNITS)
     return record
 
 
-def plot_errors(count: np.ndarray, errors: dict[str, list[float]], path: Path) -> None:
-    """Error over elements of each formulation."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
-    for (name, values), colour, marker in zip(errors.items(), COLOURS, "os^vD", strict=False):
-        axes.loglog(count, values, f"{marker}-", color=colour, label=name)
-    for name, order, style in (("plain", 2, "k:"), ("director2", 4, "k--")):
-        line = 0.4 * errors[name][0] * (count[0] / count) ** order
-        axes.loglog(count, line, style, label=f"order {order}")
-    axes.set(xlabel="elements", ylabel="error of the tip, relative", title="45° bend")
-    axes.set_xticks(count, [str(n) for n in count])
-    axes.minorticks_off()
-    axes.grid(color="#DDDDDD", linewidth=0.6)
-    axes.legend(frameon=False)
-    figure.savefig(path)
-
-
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

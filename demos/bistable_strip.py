@@ -21,49 +21,21 @@ it just below zero: it is bistable by a hair.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from command_line import in_results, run
+from records import of_path
+from reference.bistable_strip import force, theory
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 MATERIAL = fl.Material(3e9, 0.35, 1000.0)
 LENGTH, THICKNESS, WIDTH = 0.1, 5e-4, 5e-3
 BENDING = MATERIAL.E * WIDTH * THICKNESS**3 / 12
 UNITS = Units()
-
-
-def first_mode(q: float, d: float) -> float:
-    """F1."""
-    r = np.sqrt(0.25 - 4 / (3 * q**2))
-    return float(1.5 * np.pi**4 * q**2 * d * (d - 1.5 + r) * (d - 1.5 - r))
-
-
-def second_mode(d: float) -> float:
-    """F2."""
-    return float((4.18 - 2.18 * d) * np.pi**4)
-
-
-def third_mode(d: float) -> float:
-    """F3."""
-    return float((8.0 - 6.0 * d) * np.pi**4)
-
-
-def theory(q: float) -> dict[str, float]:
-    """Largest and smallest force of a strip whose middle does not turn, and where it rests."""
-    gap = lambda d: first_mode(q, d) - third_mode(d)  # noqa: E731
-    top, bottom = brentq(gap, 0.0, 0.5), brentq(gap, 1.5, 2.2)
-    turning = brentq(lambda d: first_mode(q, d) - second_mode(d), 0.0, 0.3)
-    return {
-        "top": third_mode(top),
-        "bottom": third_mode(bottom),
-        "rest": 1.5 + float(np.sqrt(0.25 - 4 / (3 * q**2))),
-        "turning": second_mode(turning),
-    }
+Paths = tuple[fl.EquilibriumPath, ...]
 
 
 def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.Point, float]:
@@ -94,46 +66,16 @@ def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.Point,
     return scene, middle, h
 
 
-class Push:
-    """The strip pushed down: its path up to where it turns aside, and from there to where it rests.
-
-    Attributes:
-        paths: Before, aside, and after, with the deflection D that was observed.
-    """
-
-    def __init__(self, q: float, elements: int, *, guided: bool) -> None:
-        """Follow all three."""
-        scene, middle, h = strip(q, elements, guided=guided)
-
-        def down(state: fl.PathState) -> float:
-            return float(-state.displacement(middle)[2] / h)
-
-        observe = {"D": down}
-        before = fl.follow_path(scene, fl.PathEnds(critical_points=1), observe=observe)
-        aside = fl.follow_path(
-            scene,
-            fl.PathEnds(critical_points=1),
-            start=fl.branch(scene, before.critical[0]),
-            observe=observe,
-        )
-        after = fl.follow_path(scene, start=fl.branch(scene, aside.critical[0]), observe=observe)
-        self.paths = before, aside, after
-
-    @property
-    def top(self) -> float:
-        """Largest force before it snaps."""
-        return 1000 * self.paths[0].critical[0].factor
-
-    @property
-    def bottom(self) -> float:
-        """Smallest force, where it comes back to a symmetric shape."""
-        return 1000 * self.paths[1].critical[0].factor
-
-    @property
-    def rest(self) -> float:
-        """Deflection over h at which it stays without a force."""
-        after = self.paths[2]
-        return float(np.interp(0.0, after.factors, after.observed["D"]))
+def push(q: float, elements: int, *, guided: bool) -> Paths:
+    """Paths to where it turns aside, from there, and to where it rests; D is over h."""
+    scene, middle, h = strip(q, elements, guided=guided)
+    watched = {"D": lambda state: float(-state.displacement(middle)[2] / h)}
+    first = fl.PathEnds(critical_points=1)
+    before = fl.follow_path(scene, first, observe=watched)
+    turned = fl.branch(scene, before.critical[0])
+    aside = fl.follow_path(scene, first, start=turned, observe=watched)
+    back = fl.branch(scene, aside.critical[0])
+    return before, aside, fl.follow_path(scene, start=back, observe=watched)
 
 
 def main(q: float = 6.0, elements: int = 40, pictures: bool = True) -> dict[str, Any]:
@@ -141,67 +83,41 @@ def main(q: float = 6.0, elements: int = 40, pictures: bool = True) -> dict[str,
         raise ValueError(f"a strip with Q = h/t ≤ 2.31 is not bistable, got {q}")
     if elements < 4 or elements % 2:
         raise ValueError(f"elements must be even, for a node in the middle, got {elements}")
-    reference = theory(q)
-    guided, free = (Push(q, elements, guided=choice) for choice in (True, False))
-    paths = guided.paths + free.paths
-    record: dict[str, Any] = {
-        "q": q,
-        "elements": elements,
-        "top": guided.top,
-        "bottom": guided.bottom,
-        "rest": guided.rest,
-        "stable_at_rest": bool(guided.paths[2].stable.all()),
-        "turning": free.top,
-        "turning_bottom": free.bottom,
-        "negative_pivots": [p.negative_pivots for path in paths for p in path.critical],
-        "load_steps": sum(int((path.iterations > 0).sum()) - 1 for path in paths),
-        "rejected_steps": sum(path.failed_steps for path in paths),
-        "iterations": sum(path.total_iterations for path in paths),
-        "seconds": sum(path.seconds for path in paths),
+    guided, free = (push(q, elements, guided=choice) for choice in (True, False))
+    found = {
+        "top": 1000 * guided[0].critical[0].factor,
+        "bottom": 1000 * guided[1].critical[0].factor,
+        "rest": float(np.interp(0.0, guided[2].factors, guided[2].observed["D"])),
+        "turning": 1000 * free[0].critical[0].factor,
     }
-    for name, value in reference.items():
-        record[f"{name}_deviation"] = record[name] / value - 1.0
-    for name, push in (("middle guided", guided), ("middle free", free)):
-        print(name)
-        for path in push.paths:
-            for found in path.critical:
-                print(f"  D = {path.observed['D'][found.index]:.3f}: {found}")
-    print("           F largest    smallest    D at rest   F largest, smallest if free")
-    line = "{top:9.2f}   {bottom:9.2f}    {rest:.4f}      {turning:9.2f}  "
-    print("path       " + line.format(**record) + f"{free.bottom:9.2f}")
-    print("theory     " + line.format(**reference) + f"{second_mode(reference['rest']):9.2f}")
-    print("it stays there: {stable_at_rest}".format(**record))
-    print(
-        "{iterations} linear solutions in {load_steps} steps, {rejected_steps} rejected, "
-        "{seconds:.2f} s".format(**record)
-    )
     if pictures:
         draw(q, guided, free)
-    return record
+    return {
+        "q": q,
+        "elements": elements,
+        **found,
+        **{f"{name}_deviation": found[name] / value - 1.0 for name, value in theory(q).items()},
+        "stable_at_rest": bool(guided[2].stable.all()),
+        "turning_bottom": 1000 * free[1].critical[0].factor,
+        "negative_pivots": [p.negative_pivots for path in guided + free for p in path.critical],
+        **of_path(*guided, *free),
+    }
 
 
-def draw(q: float, guided: Push, free: Push) -> None:
+def draw(q: float, guided: Paths, free: Paths) -> None:
     """The diagram, with the lines of the theory, and the guided half moving."""
-    RESULTS.mkdir(exist_ok=True)
-    diagram, moving = RESULTS / "bistable_strip.png", RESULTS / "bistable_strip.gif"
     d = np.linspace(0.0, 2.0, 41)
-    first, third = (np.array([f(x) for x in d]) for f in (lambda x: first_mode(q, x), third_mode))
-    force = np.where(d < 1.0, np.minimum(first, third), np.maximum(first, third))
-    paths = [*free.paths[1::-1], *free.paths[2:], *guided.paths]
-    paths[0].plot_path(
+    free[1].plot_path(
         "D",
-        diagram,
+        in_results("bistable_strip.png"),
         label="deflection over h",
         load=(1000.0, "force over EI h/L³"),
-        others=[(path, path.observed["D"]) for path in paths[1:]],
-        reference=(d, force, "Qiu, Lang & Slocum 2004"),
+        others=[(path, path.observed["D"]) for path in (free[0], free[2], *guided)],
+        reference=(d, force(q, d), "Qiu, Lang & Slocum 2004"),
         units=UNITS,
     )
-    paths[0].animate(moving, title="Bistable strip", units=UNITS)
-    print(f"pictures: {diagram}, {moving}")
+    free[1].animate(in_results("bistable_strip.gif"), title="Bistable strip", units=UNITS)
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 SECTIONS = {
     "columns": fl.Section.tube(0.04, 0.05, STEEL),
@@ -71,19 +71,13 @@ def main(elements: int = 4, load_steps: int = 1, pictures: bool = True) -> dict[
         result = fl.statics(scene, load_steps=load_steps)
         tips.append(result.position(end)[-1] - end.position)
         rounds.append(result.total_iterations)
-        what = "beams with joints" if joints else "one mesh, no joints"
-        shown = "  ".join(f"{1e3 * u:.6f}" for u in tips[-1])
-        print(f"{what:19}: end of the outrigger moves by {shown} mm, {rounds[-1]} iterations")
         if not joints:
             drawn, bent = scene, result
     gap = float(np.linalg.norm(tips[1] - tips[0]) / np.linalg.norm(tips[0]))
-    print(f"difference {gap:.1e} of the displacement")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        names = RESULTS / "branching_frame.png", RESULTS / "branching_frame_frames.png"
+        names = in_results("branching_frame.png"), in_results("branching_frame_frames.png")
         bent.picture(names[0], title="Frame with a branch and a weight")
         drawn.picture(names[1], frames=True, title="Nodal frames at kinks and branches")
-        print(f"pictures: {names[0]}, {names[1]}")
     return {
         "elements": elements,
         "load_steps": load_steps,
@@ -95,6 +89,4 @@ def main(elements: int = 4, load_steps: int = 1, pictures: bool = True) -> dict[
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -18,15 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from extrapolation import largest_errors, order
 
 import fem_lie as fl
 
-try:
-    from demos.extrapolation import order, print_errors
-except ModuleNotFoundError:  # started as a script
-    from extrapolation import order, print_errors
-
-RESULTS = Path(__file__).parents[1] / "results"
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], float)
 AXES = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]], float)
 REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "bricard.csv", delimiter=",")
@@ -61,7 +57,6 @@ def main(
     step: float = 1e-3, runs: int = 2, duration: float = 10.0, pictures: bool = True
 ) -> dict[str, Any]:
     """``runs``: with step, step/2 and so on; each must divide 0.25 s."""
-    print(f"refused by default: {refusal(step)}\n")
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     corner = POINTS[3] - 0.5 * (POINTS[2] + POINTS[3])
     results = []
@@ -71,7 +66,7 @@ def main(
         path = result.position(bar.centre) + result.rotation(bar.centre) @ corner
         results.append(path[1:])
     reference = REFERENCE[1 : len(result.times), 1:]
-    errors, limit = print_errors(("x", "y", "z"), results, reference)
+    errors, limit = largest_errors(results, reference)
     forces = np.abs(result.joint_forces[:, :, :3]).max(axis=(0, 2))
     steps = round(duration / h)
     record = {
@@ -87,19 +82,11 @@ def main(
         "matrices_per_step": result.factorisations / steps,
         "seconds": result.seconds,
     }
-    print(
-        f"largest joint forces {forces.round(1)} N, joints open by {record['violation']:.1e}, "
-        f"energy {result.energy_error:.1e}, {record['iterations_per_step']:.1f} iterations per step"
-    )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "bricard.png"
+        file = in_results("bricard.png")
         result.picture(file, title="Bricard's mechanism")
-        print(f"picture: {file}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

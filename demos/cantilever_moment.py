@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 LENGTH, WIDTH, THICKNESS, E = 12.0, 1.0, 0.1, 1.2e6
 STIFFNESS = E * WIDTH * THICKNESS**3 / 12
 CIRCLE = 2 * np.pi * STIFFNESS / LENGTH
@@ -70,9 +70,6 @@ def main(
     moved = result.position("strip.10") - [LENGTH, 0.0, 0.0]
     found, wanted = moved[:, [0, 2]] * [-1.0, 1.0], exact(factors)
     errors = np.abs(found - wanted) / LENGTH
-    print("moment   shortening  deflection   errors over the length")
-    for row in np.column_stack([factors, found, errors]):
-        print("{:6.3f} {:12.5f} {:11.5f}   {:.2%} {:.2%}".format(*row))
     record = {
         "mesh": mesh,
         "formulation": formulation,
@@ -85,13 +82,9 @@ def main(
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }
-    print("largest error of the end's rotation {turning_error:.1e} rad".format(**record))
-    print("{iterations} linear solutions in {load_steps} steps, {seconds:.2f} s".format(**record))
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "cantilever_moment.png"
+        picture = in_results("cantilever_moment.png")
         result.picture(picture, title="Cantilever under an end moment", units=UNITS)
-        print(f"picture: {picture}")
     return record
 
 
@@ -103,6 +96,4 @@ def turning_error(result: fl.PathResult, factors: np.ndarray) -> float:
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

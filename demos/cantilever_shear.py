@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 LENGTH, WIDTH, THICKNESS, FORCE = 10.0, 1.0, 0.1, 4.0
 REFERENCE = {
     0.25: (0.564387, 3.017388),
@@ -50,9 +50,6 @@ def main(cells: int = 16, pictures: bool = True) -> dict[str, Any]:
     moved = result.position("strip.10") - [LENGTH, 0.0, 0.0]
     found = moved[:, [0, 2]] * [-1.0, 1.0]
     errors = found / np.array(list(REFERENCE.values())) - 1.0
-    print("load     shortening  deflection   errors")
-    for row in np.column_stack([list(REFERENCE), found, errors]):
-        print("{:4.2f} {:14.5f} {:11.5f}   {:+.2%} {:+.2%}".format(*row))
     record = {
         "cells": cells,
         "shortening": float(found[-1, 0]),
@@ -63,16 +60,11 @@ def main(cells: int = 16, pictures: bool = True) -> dict[str, Any]:
         "failed_iterations": result.failed_iterations,
         "seconds": result.seconds,
     }
-    print("{iterations} linear solutions in {load_steps} steps".format(**record))
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "cantilever_shear.png"
+        picture = in_results("cantilever_shear.png")
         result.picture(picture, title="Cantilever under end shear", units=UNITS)
-        print(f"picture: {picture}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

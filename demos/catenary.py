@@ -38,21 +38,26 @@ The element can be chosen by --element:
 from __future__ import annotations
 
 from math import log2
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from scipy.optimize import brentq, fsolve
-from scipy.special import j0, jn, y0, yn
+from command_line import one_of, run
+from diagrams import COLOURS, diagram
+from reference.catenary import (
+    GRAVITY,
+    LENGTH,
+    RISE,
+    SPAN,
+    STRETCH,
+    catenary,
+    exact_frequencies,
+    parabola,
+    sag,
+)
 
 import fem_lie as fl
 from fem_lie.mesh.curves import curve
-from fem_lie.pictures.diagrams import COLOURS
 
-RESULTS = Path(__file__).parents[1] / "results"
-LENGTH, SPAN, RISE, WEIGHT, STRETCH = 10.0, 8.0, 1.0, 10.0, 1e4
-GRAVITY = 10.0  # a mass of one per length
 LONGER = 1.01
 Cable = fl.AncfBeam | fl.Cable | fl.SplineCable | fl.Rod
 ELEMENTS: dict[str, fl.Formulation | fl.AncfElement] = {
@@ -63,37 +68,6 @@ ELEMENTS: dict[str, fl.Formulation | fl.AncfElement] = {
     "spline": fl.IsogeometricCable(slack=1e-4),
     "ancf": fl.AncfElement(bending_flexibility=False),
 }
-
-
-def catenary(stiffness: float = STRETCH) -> tuple[Any, float, float]:
-    """Places (k, 2) as a function of arc lengths, and both parts of the force at the start."""
-
-    def places(s: Any, H: float, V: float) -> np.ndarray:
-        down = V - WEIGHT * s
-        x = H / WEIGHT * (np.arcsinh(V / H) - np.arcsinh(down / H)) + H * s / stiffness
-        z = (np.hypot(H, down) - np.hypot(H, V)) / WEIGHT
-        return np.stack([x, z + (0.5 * WEIGHT * s**2 - V * s) / stiffness], axis=-1)
-
-    end = np.array([SPAN, RISE])
-    H, V = fsolve(lambda f: places(LENGTH, *f) - end, (34.0, 44.0), xtol=1e-13)
-    return (lambda s: places(s, H, V)), float(H), float(V)
-
-
-def parabola(longer: float) -> Any:
-    """Between the ends, so many times as long as the cable; a function of s from 0 to 1."""
-
-    def place(depth: float, s: Any) -> np.ndarray:
-        return np.stack([SPAN * s, RISE * s - 4 * depth * s * (1 - s), 0 * s], axis=-1)
-
-    s = np.linspace(0, 1, 10001)
-
-    def gap(depth: float) -> float:
-        return float(
-            np.linalg.norm(np.diff(place(depth, s), axis=0), axis=1).sum() - longer * LENGTH
-        )
-
-    depth = brentq(gap, 0.1, LENGTH)
-    return lambda s: place(depth, np.asarray(s))
 
 
 def section(stiffness: float, longer: float = 1.0) -> fl.Section:
@@ -146,25 +120,6 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
     return record, result, cable
 
 
-def sag() -> float:
-    """Largest depth of the catenary below its chord."""
-    x, z = catenary()[0](np.linspace(0, LENGTH, 2001)).T
-    return float((RISE / SPAN * x - z).max())
-
-
-def exact_frequencies() -> np.ndarray:
-    """The first three, rad per time, across the cable with its mass."""
-    end, top = 0.1 * LENGTH / GRAVITY, 1.1 * LENGTH / GRAVITY
-
-    def rest(omega: float) -> float:
-        p, q = 2 * omega * np.sqrt([end, top])
-        return float(yn(2, p) * j0(q) - jn(2, p) * y0(q))
-
-    grid = np.linspace(0.1, 10.0, 500)
-    signs = np.sign([rest(omega) for omega in grid])
-    return np.array([brentq(rest, *grid[k : k + 2]) for k in np.flatnonzero(np.diff(signs))[:3]])
-
-
 def swing(element: str, elements: int) -> float:
     """Error of the first three frequencies of the cable hung from one end."""
     made, own = ELEMENTS[element], section(1e7)
@@ -182,46 +137,26 @@ def swing(element: str, elements: int) -> float:
 
 
 def main(element: str = "cable", elements: int = 32, pictures: bool = True) -> dict[str, Any]:
-    if element not in ELEMENTS:
-        raise ValueError(f"element must be one of {', '.join(ELEMENTS)}, got {element}")
-    print("elements  error of places  of force  iterations")
-    errors = {}
-    for count in sorted({4, 8, 16, 32, elements}):
-        numbers, result, cable = hang(element, count)
-        errors[count] = numbers["sag_error"]
-        print(
-            f"{count:8}  {errors[count]:15.1e}  {numbers['force_error']:8.1e}"
-            f"  {numbers['iterations']:10} + {numbers['failed_iterations']} in vain"
-        )
-        if count == elements:
-            record, chosen, shown = numbers, result, cable
-    record["order"] = log2(errors[8] / errors[32]) / 2
-    print(f"observed order from 8 to 32 elements: {record['order']:.2f}")
+    one_of("element", element, ELEMENTS)
+    record, result, cable = hang(element, elements)
+    coarse, fine = (hang(element, count)[0]["sag_error"] for count in (8, 32))
+    record["order"] = log2(coarse / fine) / 2
     if element in ("cable", "discrete"):  # EA = 1e7 is not strained enough for the others
         record["frequency_error"] = swing(element, elements)
-        print(f"first three frequencies, hung from one end: error {record['frequency_error']:.1e}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        path = RESULTS / "catenary.png"
-        plot(shown.frames[:, 0], chosen.frames[-1][:, 0], path)
-        print(f"picture: {path}")
+        plot(cable.frames[:, 0], result.frames[-1][:, 0])
     return record
 
 
-def plot(start: np.ndarray, found: np.ndarray, path: Path) -> None:
+def plot(start: np.ndarray, found: np.ndarray) -> None:
     """The nodes as laid and as they hang, and the closed form."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
     x, z = catenary()[0](np.linspace(0, LENGTH, 200)).T
-    axes.plot(x, z, color=COLOURS[0], label="elastic catenary")
-    axes.plot(start[:, 0], start[:, 1], ".", color="0.6", label="as laid")
-    axes.plot(found[:, 0], found[:, 1], "o", color=COLOURS[1], markersize=4, label="nodes")
-    axes.set(xlabel="x", ylabel="z", title="Hanging cable", aspect="equal")
-    axes.legend(frameon=False)
-    figure.savefig(path)
+    with diagram("catenary.png") as axes:
+        axes.plot(x, z, color=COLOURS[0], label="elastic catenary")
+        axes.plot(start[:, 0], start[:, 1], ".", color="0.6", label="as laid")
+        axes.plot(found[:, 0], found[:, 1], "o", color=COLOURS[1], markersize=4, label="nodes")
+        axes.set(xlabel="x", ylabel="z", title="Hanging cable", aspect="equal")
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

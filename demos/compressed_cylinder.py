@@ -23,28 +23,18 @@ R/t = 100 and R/t = 1000 need the same mesh.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from scipy.optimize import brentq
+from command_line import in_results, run
+from diagrams import COLOURS, diagram
+from records import of_path
+from reference.compressed_cylinder import KOITER, MATERIAL, half_wave, koiter
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
-MATERIAL = fl.Material(1.0, 0.3, 1.0)
 AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 0.5)
-KOITER = np.sqrt(3 * (1 - MATERIAL.nu**2))
-UNITS = Units(length="R")
-
-
-def half_wave(thickness: float) -> float:
-    """Of the ring mode; the radius is 1."""
-    return float(np.pi * np.sqrt(thickness) / (12 * (1 - MATERIAL.nu**2)) ** 0.25)
 
 
 def outward(x: np.ndarray) -> np.ndarray:
@@ -94,21 +84,43 @@ def rings(thickness: float, amplitude: float) -> fl.FieldImperfection:
     return fl.FieldImperfection(lambda x: -amplitude * np.cos(np.pi * x[2] / wave) * outward(x))
 
 
-def koiter(relative: float) -> float:
-    """Part of the classical load that is left with ring imperfections, over the thickness."""
-    return float(brentq(lambda x: (1 - x) ** 2 - 1.5 * KOITER * relative * x, 0.0, 1.0))
+def knock_down(thickness: float, mesh: int) -> dict[float, float]:
+    """Load at the first critical point with ring imperfections, by their amplitude over t."""
+    perfect, loads = cell(thickness, mesh), {}
+    for amplitude in AMPLITUDES:
+        wavy = fl.imperfect(perfect, rings(thickness, amplitude * thickness))
+        path = fl.follow_path(wavy, fl.PathEnds(critical_points=1))
+        loads[amplitude] = path.critical[0].factor
+    return loads
 
 
-def knock_down(thickness: float, mesh: int) -> list[fl.EquilibriumPath]:
-    """Paths to the first critical point with ring imperfections."""
-    perfect = cell(thickness, mesh)
-    return [
-        fl.follow_path(
-            fl.imperfect(perfect, rings(thickness, amplitude * thickness)),
-            fl.PathEnds(critical_points=1),
-        )
-        for amplitude in AMPLITUDES
-    ]
+def random_waves(thickness: float, mesh: int, seed: int) -> float | None:
+    """Load at the first critical point with random waves of 0.3 t."""
+    wave = 2 * half_wave(thickness)
+    random = fl.RandomImperfection(0.3 * thickness, wave, seed, along=outward)
+    until = fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2))
+    path = fl.follow_path(fl.imperfect(cell(thickness, mesh), random), until)
+    return path.critical[0].factor if path.critical else None
+
+
+def buckles(ratio: float, mesh: int, pictures: bool) -> dict[str, Any]:
+    """The perfect cylinder: load over the classical one, linear and on the path."""
+    scene = cell(1.0 / ratio, mesh)
+    modes = fl.buckling(scene, 2)
+    path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
+    linear, point = float(modes.factors[0]), path.critical[0]
+    for mode in (1, 2) if pictures else ():
+        file = in_results(f"compressed_cylinder_{ratio:g}_mode{mode}.png")
+        modes.picture(file, mode, amplitude=2 / ratio, units=Units(length="R"))
+    effort = of_path(path)
+    del effort["rejected_steps"]
+    return {
+        "linear": linear,
+        "path": point.factor,
+        "error": max(abs(linear - 1.0), abs(point.factor - 1.0)),
+        "negative_pivots": point.negative_pivots,
+        **effort,
+    }
 
 
 def main(
@@ -116,81 +128,25 @@ def main(
 ) -> dict[str, Any]:
     """``mesh``: cells of a half wave."""
     slender = [float(ratio) for ratio in ratios.split(",")]
-    record: dict[str, Any] = {"mesh": mesh, "perfect": {}, "knock_down": {}}
-    print("perfect: load over the classical one     negative pivots")
-    print("R/t     linear    path       error       before, after  iterations  seconds")
-    for ratio in slender:
-        scene = cell(1.0 / ratio, mesh)
-        modes = fl.buckling(scene, 2)
-        path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
-        point = path.critical[0]
-        found = {
-            "linear": float(modes.factors[0]),
-            "path": point.factor,
-            "error": max(abs(modes.factors[0] - 1.0), abs(point.factor - 1.0)),
-            "negative_pivots": point.negative_pivots,
-            "load_steps": int((path.iterations > 0).sum()) - 1,
-            "iterations": path.total_iterations,
-            "seconds": path.seconds,
-        }
-        record["perfect"][ratio] = found
-        print(
-            f"{ratio:5g}   {found['linear']:.4f}    {found['path']:.4f}     {found['error']:.2%}"
-            f"       {point.negative_pivots}   {found['iterations']:10}  {found['seconds']:8.1f}"
-        )
-        if pictures:
-            RESULTS.mkdir(exist_ok=True)
-            for mode in (1, 2):
-                picture = RESULTS / f"compressed_cylinder_{ratio:g}_mode{mode}.png"
-                modes.picture(picture, mode, amplitude=2 / ratio, units=UNITS)
+    perfect = {ratio: buckles(ratio, mesh, pictures) for ratio in slender}
     thickness = 1.0 / slender[0]
-    paths = knock_down(thickness, mesh)
-    print(f"with rings, R/t = {slender[0]:g}: amplitude over t, load, Koiter, kind, iterations")
-    for amplitude, path in zip(AMPLITUDES, paths, strict=True):
-        point = path.critical[0]
-        record["knock_down"][amplitude] = point.factor
-        print(
-            f"{amplitude:5g}  {point.factor:.4f}  {koiter(amplitude):.4f}  {point.kind.value}, "
-            f"{path.total_iterations} iterations in {path.seconds:.1f} s"
-        )
-    wave = 2 * half_wave(thickness)
-    random = fl.RandomImperfection(0.3 * thickness, wave, seed, along=outward)
-    path = fl.follow_path(
-        fl.imperfect(cell(thickness, mesh), random),
-        fl.PathEnds(critical_points=1, load_range=(-0.1, 1.2)),
-    )
-    record["random"] = path.critical[0].factor if path.critical else None
-    print(f"random waves of 0.3 t, seed {seed}: {record['random']}")
-    record["max_error"] = max(found["error"] for found in record["perfect"].values())
-    print("largest error of the classical load {max_error:.2%}".format(**record))
+    loads = knock_down(thickness, mesh)
     if pictures:
-        diagram = RESULTS / "compressed_cylinder.png"
-        plot(record["knock_down"], slender[0], diagram)
-        print(f"pictures: {diagram}, {RESULTS / 'compressed_cylinder_*_mode*.png'}")
-    return record
-
-
-def knock_down_diagram() -> tuple[Figure, Axes]:
-    """Empty, for loads over amplitudes."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
-    axes.set(xlabel="amplitude of the rings over t", ylabel="load over the classical one")
-    axes.set_ylim(0.0, 1.05)
-    axes.grid(color="#DDDDDD", linewidth=0.6)
-    return figure, axes
-
-
-def plot(loads: dict[float, float], ratio: float, path: Path) -> None:
-    """The knock-down curve."""
-    figure, axes = knock_down_diagram()
-    fine = np.linspace(0.0, max(loads), 200)
-    axes.plot(fine, [koiter(d) for d in fine], color="black", label="Koiter 1963")
-    axes.plot(loads.keys(), loads.values(), "o", color=COLOURS[0], label=f"R/t = {ratio:g}")
-    axes.legend(frameon=False)
-    figure.savefig(path)
+        with diagram("compressed_cylinder.png") as axes:
+            axes.set(xlabel="amplitude of the rings over t", ylabel="load over the classical one")
+            axes.set_ylim(0.0, 1.05)
+            fine = np.linspace(0.0, max(loads), 200)
+            axes.plot(fine, [koiter(d) for d in fine], color="black", label="Koiter 1963")
+            label = f"R/t = {slender[0]:g}"
+            axes.plot(loads.keys(), loads.values(), "o", color=COLOURS[0], label=label)
+    return {
+        "mesh": mesh,
+        "perfect": perfect,
+        "knock_down": loads,
+        "random": random_waves(thickness, mesh, seed),
+        "max_error": max(found["error"] for found in perfect.values()),
+    }
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

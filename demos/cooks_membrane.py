@@ -27,14 +27,13 @@ One layer of bricks is held in the plane on both faces. The element can be chose
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import ufl
+from command_line import in_results, run
 
 import fem_lie as fl
 
-RESULTS = Path(__file__).parents[1] / "results"
 REFERENCE, LOAD = 6.932, 100.0
 SHEAR, BULK = 80.1938, 400889.8
 PUBLISHED, SOFT = 32.25, fl.SaintVenantKirchhoff(0.07, 1 / 3)
@@ -101,25 +100,14 @@ def main(
 ) -> dict[str, Any]:
     if element not in ELEMENTS:
         raise ValueError(f"element must be one of {', '.join(ELEMENTS)}, got {element}")
-    print("mesh   rise  error  iterations")
-    for count in sorted({2, 4, 8, mesh}):
-        record, stresses = solve(element, count, load_steps, small)
-        failed = record["failed_iterations"]
-        print(
-            f"{count:4}  {record['rise']:.4f}  {record['error']:.1e}"
-            f"  {record['iterations'] - failed:3} + {failed} in vain"
-        )
-        if count == mesh:
-            chosen, shown = record, stresses
+    record, stresses = solve(element, mesh, load_steps, small)
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        path = RESULTS / "cooks_membrane.png"
-        shown.picture(path, title="Cook's membrane", units=fl.Units(length="length", force="force"))
-        print(f"picture: {path}")
-    return chosen
+        path = in_results("cooks_membrane.png")
+        stresses.picture(
+            path, title="Cook's membrane", units=fl.Units(length="length", force="force")
+        )
+    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

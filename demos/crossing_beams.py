@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from command_line import run
 
 import fem_lie as fl
 
@@ -70,13 +71,8 @@ def main(mesh: int = 1, stiffness: float = 1e6, step: float = 1e-2) -> dict[str,
         "first_touch": float(result.times[touching[0]]),
         "iterations_per_step": float(result.iterations[-1]) / (len(result.times) - 1),
     }
-    print(f"node 8 moved by {np.round(moved, 6)}, {100 * record['away']:.2f} % from the reference")
-    print(f"force {record['force']:.1f}, overlap {record['penetration']:.2e}")
-    print(f"{record['iterations_per_step']:.2f} iterations per step")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

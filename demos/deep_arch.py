@@ -18,15 +18,14 @@ it, with one negative pivot more.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 RADIUS, ANGLE, BENDING, FORCE = 100.0, np.radians(215.0), 1e6, 1000.0
 # name: EA, GA (shear-rigid: very stiff), limit loads
 VARIANTS = {
@@ -81,18 +80,8 @@ def main(
         "iterations": path.total_iterations,
         "seconds": path.seconds,
     }
-    for point in path.critical:
-        print(f"P = {FORCE * point.factor:10.4f}: {point}")
-    print("limit loads {limit_load:.4f}, {lower_limit_load:.4f}".format(**record))
-    print("reference   {:.4f}, {:.4f}".format(*reference))
-    print("errors {limit_error:+.3%}, {lower_limit_error:+.3%}".format(**record))
-    print(
-        "{iterations} linear solutions in {load_steps} steps, {rejected_steps} rejected, "
-        "{seconds:.2f} s".format(**record)
-    )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        diagram, moving = RESULTS / "deep_arch.png", RESULTS / "deep_arch.gif"
+        diagram, moving = in_results("deep_arch.png"), in_results("deep_arch.gif")
         path.plot_path(
             "deflection",
             diagram,
@@ -101,11 +90,8 @@ def main(
             units=UNITS,
         )
         path.animate(moving, title="Deep arch", units=UNITS)
-        print(f"pictures: {diagram}, {moving}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

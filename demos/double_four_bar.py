@@ -26,15 +26,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from extrapolation import extrapolated
 
 import fem_lie as fl
 
-try:
-    from demos.extrapolation import extrapolated
-except ModuleNotFoundError:  # started as a script
-    from extrapolation import extrapolated
-
-RESULTS = Path(__file__).parents[1] / "results"
 REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "double_four_bar.csv", delimiter=",")
 INERTIA = (1e-9, 1.0 / 12.0, 1.0 / 12.0)
 LARGEST = 0.02
@@ -77,28 +73,21 @@ def parallel(result: fl.Result) -> float:
     return float(np.abs(np.arctan2(cross, dot)).max())
 
 
-def attempt(label: str, go: Callable[[], fl.Result]) -> dict[str, Any]:
-    """One run: how far it comes, and how well."""
+def attempt(go: Callable[[], fl.Result]) -> tuple[fl.Result, np.ndarray, dict[str, Any]]:
+    """One run, as far as it comes: what is found, the path of a corner, and how good they are."""
     try:
-        result, end = go(), ""
+        result = go()
     except fl.ConvergenceError as error:
-        result, end = error.result, str(error).split(":")[0]
+        result = error.result
     rows = REFERENCE[REFERENCE[:, 0] <= result.times[-1] * (1 + 1e-12)]
     path = 2.0 * result.resampled(rows[:, 0]).position("bar 0.centre")[:, :2]
-    case = {
-        "label": label,
+    numbers = {
         "end": float(result.times[-1]),
         "error": float(np.abs(path - rows[:, 1:3]).max()),
         "angle_between": parallel(result),
         "energy_error": result.energy_error,
-        "path": path,
-        "result": result,
     }
-    print(
-        f"{label:34}{case['end']:8.3f}{case['error']:12.1e}{case['angle_between']:14.1e}"
-        f"{case['energy_error']:12.1e}  {end}"
-    )
-    return case
+    return result, path, numbers
 
 
 def main(
@@ -109,50 +98,29 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     """``runs``: constant steps of step, step/2 and so on; each must divide 0.5 s."""
-    scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance)
-    print("largest over the run:               until s  error [m]  between bars      energy")
-
-    def constant(h: float, pins: bool) -> fl.Result:
-        return scheme.run(mechanism(pins=pins), duration=duration, step=h)
-
-    cases = []
+    alpha = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance)
+    found = []
     for h in (step / 2**k for k in range(runs)):
-        cases.append(attempt(f"h = {h:g}, hinges", lambda h=h: constant(h, False)))
-    pinned = attempt(f"h = {step:g}, pins", lambda: constant(step, True))
-    variable = attempt(
-        "variable, 1e-3 m/s, hinges",
-        lambda: scheme.run(
-            mechanism(), duration=duration, step=fl.AdaptiveStep(1e-3, largest=LARGEST)
-        ),
-    )
-    conserving = attempt(
-        f"h = {step:g}, pins, EnergyMomentum",
-        lambda: fl.EnergyMomentum().run(mechanism(pins=True), duration=duration, step=step),
-    )
-    record: dict[str, Any] = {
-        name: {key: case[key] for key in ("end", "error", "angle_between", "energy_error")}
-        for name, case in (
-            ("hinges", cases[-1]),
-            ("pins", pinned),
-            ("variable", variable),
-            ("conserving", conserving),
-        )
+        found.append(attempt(lambda h=h: alpha.run(mechanism(), duration=duration, step=h)))
+    variable, pinned = fl.AdaptiveStep(1e-3, largest=LARGEST), mechanism(pins=True)
+    ways = {
+        "pins": lambda: alpha.run(pinned, duration=duration, step=step),
+        "variable": lambda: alpha.run(mechanism(), duration=duration, step=variable),
+        "conserving": lambda: fl.EnergyMomentum().run(pinned, duration=duration, step=step),
     }
-    record["step"] = step
-    record["errors"] = [case["error"] for case in cases]
-    shared = min(len(case["path"]) for case in cases)
-    limit = extrapolated([case["path"][:shared] for case in cases])
-    record["extrapolated"] = float(np.abs(limit - REFERENCE[:shared, 1:3]).max())
-    print(f"extrapolated: {record['extrapolated']:.1e} m")
+    shared = min(len(path) for _, path, _ in found)
+    limit = extrapolated([path[:shared] for _, path, _ in found])
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "double_four_bar.png"
-        cases[-1]["result"].picture(file, title="Double four-bar mechanism")
-        print(f"picture: {file}")
-    return record
+        file = in_results("double_four_bar.png")
+        found[-1][0].picture(file, title="Double four-bar mechanism")
+    return {
+        "hinges": found[-1][2],
+        **{name: attempt(go)[2] for name, go in ways.items()},
+        "step": step,
+        "errors": [numbers["error"] for _, _, numbers in found],
+        "extrapolated": float(np.abs(limit - REFERENCE[:shared, 1:3]).max()),
+    }
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -20,19 +20,17 @@ tip_x, tip_y, tip_z are the *displacement* of the tip: tip_x = -shortening, tip_
 from __future__ import annotations
 
 from math import asin, log2, sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from command_line import in_results, run
+from diagrams import COLOURS, diagram
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING, FORCE = 10.0, 100.0, 4.0
 UNITS = Units(length="length")
 
@@ -68,17 +66,12 @@ def solve(elements: int, load_steps: int, stiffness_ratio: float) -> tuple[Any, 
 def main(
     elements: int = 16, load_steps: int = 20, stiffness_ratio: float = 1e10, pictures: bool = True
 ) -> dict[str, Any]:
-    print("elements  displacement x  z         error  largest on the path  iterations")
     errors = {}
     for count in sorted({4, 8, 16, 32, elements}):
         tip, result = solve(count, load_steps, stiffness_ratio)
         exact = np.array([elastica(FORCE * factor) for factor in result.factors])
         gaps = np.linalg.norm(tip - exact, axis=1) / np.linalg.norm(exact[-1])
         errors[count], iterations = float(gaps[-1]), int(result.iterations.sum())
-        print(
-            f"{count:8}  {tip[-1, 0]:.6f}       {tip[-1, 2]:.6f}  {gaps[-1]:.1e}"
-            f"  {gaps.max():.1e} {iterations + result.failed_iterations:22}"
-        )
         if count == elements:
             path, chosen, shown = tip, result, exact
             record = {
@@ -90,33 +83,24 @@ def main(
                 "path_error": float(gaps.max()),
                 "iterations": iterations + result.failed_iterations,
             }
-    print(f"elastica  {exact[-1, 0]:.6f}       {exact[-1, 2]:.6f}")
     record["order"] = log2(errors[8] / errors[32]) / 2
-    print(f"observed order from 8 to 32 elements: {record['order']:.2f}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        bent, diagram = RESULTS / "elastica.png", RESULTS / "elastica_path.png"
+        bent = in_results("elastica.png")
         chosen.picture(bent, trace=["strip.end"], title="Cantilever, shear at the tip", units=UNITS)
-        plot_path(chosen.factors, path, shown, diagram)
-        print(f"pictures: {bent}, {diagram}")
+        plot_path(chosen.factors, path, shown)
     return record
 
 
-def plot_path(factors: np.ndarray, tip: np.ndarray, exact: np.ndarray, path: Path) -> None:
+def plot_path(factors: np.ndarray, tip: np.ndarray, exact: np.ndarray) -> None:
     """Displacements over the load, computed and exact."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
-    for k, (sign, name) in enumerate(((-1, "shortening"), (1, "deflection"))):
-        axes.plot(FORCE * factors, sign * exact[:, 2 * k], color=COLOURS[k], label=f"{name}, exact")
-        axes.plot(FORCE * factors, sign * tip[:, 2 * k], "o", color=COLOURS[k], markersize=4)
-    axes.plot([], [], "ko", markersize=4, label="computed")
-    axes.set(xlabel="force", ylabel="displacement of the tip [length]", title="Elastica")
-    axes.grid(color="#DDDDDD", linewidth=0.6)
-    axes.legend(frameon=False)
-    figure.savefig(path)
+    force = FORCE * factors
+    with diagram("elastica_path.png") as axes:
+        for k, (sign, name) in enumerate(((-1, "shortening"), (1, "deflection"))):
+            axes.plot(force, sign * exact[:, 2 * k], color=COLOURS[k], label=f"{name}, exact")
+            axes.plot(force, sign * tip[:, 2 * k], "o", color=COLOURS[k], markersize=4)
+        axes.plot([], [], "ko", markersize=4, label="computed")
+        axes.set(xlabel="force", ylabel="displacement of the tip [length]", title="Elastica")
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

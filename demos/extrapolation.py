@@ -46,13 +46,10 @@ def order(results: Sequence[npt.ArrayLike]) -> float:
     return float(np.median(np.log2(coarse[counts] / fine[counts])))
 
 
-def print_errors(
-    names: Sequence[str], results: Sequence[npt.ArrayLike], reference: npt.ArrayLike
-) -> tuple[Any, Any]:
-    """Print the largest errors of each column, with each step and of what is extrapolated.
+def largest_errors(results: Sequence[npt.ArrayLike], reference: npt.ArrayLike) -> tuple[Any, Any]:
+    """Largest errors of each column, with each step and of what is extrapolated.
 
     Args:
-        names: Of the columns.
         results: Shapes (times, columns), the largest step first.
         reference: Likewise.
 
@@ -61,10 +58,4 @@ def print_errors(
     """
     rows = [*(np.asarray(result) for result in results), extrapolated(results)]
     errors = np.array([np.abs(row - np.asarray(reference)).max(axis=0) for row in rows])
-    labels = ["h", *(f"h/{2**k}" for k in range(1, len(results))), "extrapolated"]
-    print("largest error with".ljust(20) + "".join(name.rjust(14) for name in names))
-    for label, error in zip(labels, errors, strict=True):
-        print(label.ljust(20) + "".join(f"{value:14.1e}" for value in error))
-    if len(results) > 2:
-        print(f"observed order {order(results):.3f}")
     return errors[:-1], errors[-1]

@@ -31,32 +31,16 @@ Three checks.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from matplotlib.figure import Figure
-from scipy.optimize import brentq
+from command_line import in_results, run
+from diagrams import COLOURS, diagram
+from records import of_motion
+from reference.flapping_plate import BEAT, CHORD, DENSITY, INERTIA, LENGTH, THICKNESS, E, beam_tip
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.pictures.diagrams import COLOURS
-
-RESULTS = Path(__file__).parents[1] / "results"
-Array = npt.NDArray[np.float64]
-
-LENGTH, CHORD, THICKNESS = 0.3, 0.15, 1e-3
-E, DENSITY = 3e9, 1200.0
-AREAL = DENSITY * THICKNESS
-INERTIA = AREAL * LENGTH**3 / 3 + DENSITY * THICKNESS**3 * LENGTH / 12  # about the hinge, per chord
-BENDING = E * THICKNESS**3 / 12  # per chord
-ROOTS = [
-    brentq(lambda b: np.sin(b) * np.cosh(b) - np.cos(b) * np.sinh(b), s, s + 1.5)
-    for s in np.pi * np.arange(1, 9) + 0.1
-]
-FIRST = ROOTS[0] ** 2 * np.sqrt(BENDING / AREAL) / LENGTH**2
-BEAT = 0.15 * FIRST  # W
 
 
 def moment(amplitude: float, time: float) -> float:
@@ -89,35 +73,19 @@ def flap(
     return fl.GeneralisedAlpha(radius=radius).run(scene, duration=duration, step=h)
 
 
-def work(result: fl.Result, scene: fl.Scene, amplitude: float) -> Array:
-    """Of the moment, from the velocities of the root, by the trapezoidal rule, shape (T,)."""
+def energy_error(result: fl.Result, scene: fl.Scene, amplitude: float) -> float:
+    """Energy against the work of the moment at the root, by the trapezoidal rule."""
     (wing,) = scene.bodies
     assert isinstance(wing, fl.Shell)
     edges, lengths = wing.edges("a=0")
     nodes = result.info.body("wing").nodes[edges]
-    turning = np.einsum(
-        "tekij,teki->tekj", result.frames[:, nodes, 1:], result.velocities[:, nodes, 3:]
-    )
-    rate = np.einsum("ek,tek->t", lengths, turning[..., 1])
+    axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, 3:]
+    rate = np.einsum("ek,teki,teki->t", lengths, axes[..., 1], local)
     power = rate * np.array([moment(amplitude, t) for t in result.times])
     steps = 0.5 * (power[1:] + power[:-1]) * np.diff(result.times)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def beam_tip(amplitude: float, times: Array) -> Array:
-    """Height of the tip for small amplitudes, closed form, shape (T,)."""
-    m0 = amplitude * INERTIA * BEAT**2
-    total = amplitude * LENGTH * np.sin(BEAT * times)
-    nodes, weights = np.polynomial.legendre.leggauss(80)
-    x = 0.5 * (nodes + 1)
-    for b in ROOTS:
-        phi = np.sin(b * x) / np.sin(b) + np.sinh(b * x) / np.sinh(b)
-        mass = AREAL * LENGTH * 0.5 * weights @ phi**2
-        slope = b / LENGTH * (1 / np.sin(b) + 1 / np.sinh(b))
-        w = b**2 * np.sqrt(BENDING / AREAL) / LENGTH**2
-        shape = (np.sin(BEAT * times) - BEAT / w * np.sin(w * times)) / (w**2 - BEAT**2)
-        total -= 2.0 * slope * m0 / mass * shape  # phi(L) = 2
-    return total
+    energy = result.kinetic + result.elastic
+    gained = np.concatenate([[0.0], np.cumsum(steps)])
+    return float(np.abs(energy - energy[0] - gained).max() / energy.max())
 
 
 def main(
@@ -127,92 +95,62 @@ def main(
     periods: float = 2.0,
     pictures: bool = True,
 ) -> dict[str, Any]:
-    A, radius = np.radians(amplitude), 0.9
-    cells = (mesh, max(mesh // 2, 1))
+    A, radius, cells = np.radians(amplitude), 0.9, (mesh, max(mesh // 2, 1))
     coarse = flap(cells, A, 0.38, step, periods, radius)
     fine = flap(cells, A, 0.38, step / 2, periods, radius)
-    tips = [result.position("wing.10") for result in (coarse, fine)]
-    difference = np.linalg.norm(tips[0] - tips[1][::2], axis=1).max() / LENGTH
-    scene = sheet(cells, A, 0.38)
-    errors = []
-    for result in (coarse, fine):
-        energy = result.kinetic + result.elastic
-        gained = work(result, scene, A)
-        errors.append(float(np.abs(energy - energy[0] - gained).max() / energy.max()))
-    root = lie.so3_log(fine.rotation("wing.00"))  # the frame of the sheet is that of space
     strip = flap((mesh, 1), 1e-3, 0.0, step, periods, radius)
-    closed = beam_tip(1e-3, strip.times)
-    beam_error = np.abs(strip.position("wing.10")[:, 2] - closed).max() / np.abs(closed).max()
-    relative = np.abs(closed - 1e-3 * LENGTH * np.sin(BEAT * strip.times)).max()
-    record: dict[str, Any] = {
+    away = fine.position("wing.10")[::2] - coarse.position("wing.10")
+    tip = fine.position("wing.10")[:, 2]
+    root = lie.so3_log(fine.rotation("wing.00"))[:, 1]  # the frame of the sheet is that of space
+    small, closed = strip.position("wing.10")[:, 2], beam_tip(1e-3, strip.times)
+    rigid = 1e-3 * LENGTH * np.sin(BEAT * strip.times)
+    if pictures:
+        draw(fine, root, strip.times, small, closed, A)
+    return {
         "mesh": mesh,
         "amplitude": amplitude,
         "frequency": BEAT / (2 * np.pi),
-        "root_amplitude": float(np.degrees(np.abs(root[:, 1]).max())),
-        "highest_tip": float(tips[1][:, 2].max()),
-        "lowest_tip": float(tips[1][:, 2].min()),
-        "time_difference": float(difference),
-        "energy_error_coarse": errors[0],
-        "energy_error": errors[1],
+        "root_amplitude": float(np.degrees(np.abs(root).max())),
+        "highest_tip": float(tip.max()),
+        "lowest_tip": float(tip.min()),
+        "time_difference": float(np.linalg.norm(away, axis=1).max() / LENGTH),
+        "energy_error_coarse": energy_error(coarse, sheet(cells, A, 0.38), A),
+        "energy_error": energy_error(fine, sheet(cells, A, 0.38), A),
         "greatest_energy": float((fine.kinetic + fine.elastic).max()),
         "greatest_elastic_energy": float(fine.elastic.max()),
-        "beam_error": float(beam_error),
-        "beam_flexibility": float(relative / np.abs(closed).max()),
-        "iterations_per_step": float(fine.iterations[-1] / (len(fine.times) - 1)),
+        "beam_error": float(np.abs(small - closed).max() / np.abs(closed).max()),
+        "beam_flexibility": float(np.abs(closed - rigid).max() / np.abs(closed).max()),
+        **of_motion(fine, len(fine.times) - 1),
         "factorisations": fine.factorisations,
-        "seconds": fine.seconds,
     }
-    print(
-        "{frequency:.1f} Hz; the root beats to {root_amplitude:.1f} degrees, a rigid sheet to "
-        "{amplitude:.1f}".format(**record)
-    )
-    print("tip between {lowest_tip:.4f} and {highest_tip:.4f} m".format(**record))
-    print("tip with half the step: {time_difference:.1e} of the length".format(**record))
-    print(
-        "work of the moment and energy: {energy_error:.1e} of the greatest, "
-        "{energy_error_coarse:.1e} with twice the step".format(**record)
-    )
-    print("small amplitude against the beam: {beam_error:.1e} of the largest".format(**record))
-    print(
-        "{iterations_per_step:.1f} iterations per step, {factorisations} factorisations, "
-        "{seconds:.1f} s".format(**record)
-    )
-    if pictures:
-        draw(fine, root[:, 1], strip.times, strip.position("wing.10")[:, 2], closed, A)
-    return record
 
 
 def draw(
-    result: fl.Result, root: Array, times: Array, small: Array, closed: Array, amplitude: float
+    result: fl.Result,
+    root: np.ndarray,
+    times: np.ndarray,
+    small: np.ndarray,
+    closed: np.ndarray,
+    amplitude: float,
 ) -> None:
     """The sheet at several times, and root, tip and small amplitudes over time."""
-    RESULTS.mkdir(exist_ok=True)
-    picture, diagram = RESULTS / "flapping_plate.png", RESULTS / "flapping_plate_tip.png"
     beat = 2 * np.pi / BEAT
-    moments = np.linspace(0.25, 0.75, 6) * beat
-    result.picture(picture, moments, trace=["wing.10"], title="Flapping plate")
-    figure = Figure(figsize=(9.0, 4.0), dpi=150, layout="constrained")
-    left, right = figure.subplots(1, 2)
+    moments, file = np.linspace(0.25, 0.75, 6) * beat, in_results("flapping_plate.png")
+    result.picture(file, moments, trace=["wing.10"], title="Flapping plate")
     t, tip = result.times / beat, result.position("wing.10")
-    across = np.degrees(np.arctan2(tip[:, 2], tip[:, 0]))
-    left.plot(t, np.degrees(amplitude * np.sin(BEAT * result.times)), ":", color="#777777")
-    left.plot(t, -np.degrees(root), color=COLOURS[0])
-    left.plot(t, across, color=COLOURS[1])
-    left.legend(["rigid sheet", "root", "line from root to tip"], frameon=False, loc="upper right")
-    left.set(xlabel="time [periods]", ylabel="angle [degrees]", title="Large strokes")
-    left.set_ylim(-60.0, 110.0)
-    right.plot(times / beat, 1e3 * small, color=COLOURS[0], label="shell")
-    right.plot(times / beat, 1e3 * closed, "--", color="black", label="beam, closed form")
-    right.set(xlabel="time [periods]", ylabel="tip [mm]", title="Small strokes")
-    right.set_ylim(top=2e3 * np.abs(closed).max())
-    right.legend(frameon=False, loc="upper right")
-    for axes in (left, right):
-        axes.grid(color="#DDDDDD", linewidth=0.6)
-    figure.savefig(diagram)
-    print(f"pictures: {picture}, {diagram}")
+    rigid = amplitude * np.sin(BEAT * result.times)
+    with diagram("flapping_plate_tip.png", panels=2) as (left, right):
+        left.plot(t, np.degrees(rigid), ":", color="#777777", label="rigid sheet")
+        left.plot(t, -np.degrees(root), color=COLOURS[0], label="root")
+        across = np.degrees(np.arctan2(tip[:, 2], tip[:, 0]))
+        left.plot(t, across, color=COLOURS[1], label="line from root to tip")
+        left.set(xlabel="time [periods]", ylabel="angle [degrees]", title="Large strokes")
+        left.set_ylim(-60.0, 110.0)
+        right.plot(times / beat, 1e3 * small, color=COLOURS[0], label="shell")
+        right.plot(times / beat, 1e3 * closed, "--", color="black", label="beam, closed form")
+        right.set(xlabel="time [periods]", ylabel="tip [mm]", title="Small strokes")
+        right.set_ylim(top=2e3 * np.abs(closed).max())
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

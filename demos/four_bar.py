@@ -19,11 +19,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from records import of_motion
 
 import fem_lie as fl
 from fem_lie import lie
 
-RESULTS = Path(__file__).parents[1] / "results"
 A, B, C, D = np.array([[0, 0, 0], [0, 0, 0.12], [0.24, 0, 0.12], [0.24, 0, 0]])
 SPEED, DEFECT = 0.6, np.radians(5.0)
 THICK = ([5.2992e7, 1.68803e7, 1.68803e7, 733.488, 1130.5, 1130.5], 1.9968, 4.25984e-5)
@@ -93,35 +94,21 @@ def main(
     reference = REFERENCE[REFERENCE[:, 0] <= duration]
     ours = np.array([np.interp(reference[:, 0], times, column) for column in values.T]).T
     error = np.abs(ours - reference[:, 1:])
-    print("   t [s]   position [m]   forces / peak   rotation at D   (largest differences)")
-    forces = error[:, 6:12] / PEAKS
-    for t, e, f in zip(reference[:, 0], error, forces, strict=True):
-        print(f"{t:8} {e[:6].max():14.1e} {f.max():15.1e} {e[12]:15.1e}")
-    record = {
+    if pictures:
+        file = in_results("four_bar.png")
+        result.picture(file, trace=["BC.end"], title="Four-bar mechanism with a tilted axis")
+    return {
         "elements": elements,
         "step": step,
         "position_error": float(error[:, :6].max()),
-        "force_error": float(forces.max()),
+        "force_error": float((error[:, 6:12] / PEAKS).max()),
         "angle_error": float(error[:, 12].max()),
         "motor_moment": float(np.abs(result.joint_force("motor")[:, 5]).max()),
         "violation": float(result.joint_violations.max()),
-        "iterations_per_step": float(result.iterations[-1] / steps),
+        **of_motion(result, steps),
         "factorisations": result.factorisations,
-        "seconds": result.seconds,
     }
-    print(
-        f"{steps} steps, {record['iterations_per_step']:.2f} iterations in each, "
-        f"{result.factorisations} matrices, {result.seconds:.2f} s"
-    )
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "four_bar.png"
-        result.picture(file, trace=["BC.end"], title="Four-bar mechanism with a tilted axis")
-        print(f"picture: {file}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

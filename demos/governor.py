@@ -24,15 +24,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, one_of, run
+from extrapolation import extrapolated, largest_errors, order
+from records import of_motion
 
 import fem_lie as fl
 
-try:
-    from demos.extrapolation import extrapolated, order, print_errors
-except ModuleNotFoundError:  # started as a script
-    from extrapolation import extrapolated, order, print_errors
-
-RESULTS = Path(__file__).parents[1] / "results"
 ASIDE, START = 0.05, np.radians(60.0)
 COLUMNS = {1.0: (0, 1, 2), 0.16: (0, 3, 4)}
 """Columns of the reference for each speed: t, height of the slider, angle of the rods (degrees)."""
@@ -43,21 +40,18 @@ FINER, TOLERANCE = 128, 0.1
 
 def rod(scene: fl.Scene, side: float, axis: fl.RigidBody, slider: fl.RigidBody) -> None:
     """A rod with its mass, hinge and spring."""
-    m, end = 0.3, 5.0
+    m, end, y = 0.3, 5.0, np.array([0, 1, 0])
     along = np.array([side * np.sin(START), 0, -np.cos(START)])
-    hinge, middle = np.array([side * ASIDE, 0, 0]), np.array([side * ASIDE, 0, 0]) + 0.5 * along
+    hinge = np.array([side * ASIDE, 0, 0])
     lever = (m * 0.5 + end * 1.0) / (m + end)
-    length_wise = m / 3 * (2 * 0.005**2)
     across = m / 3 * (0.005**2 + 0.25) + m * (lever - 0.5) ** 2 + end * (1.0 - lever) ** 2
-    axes = np.column_stack([along, (0, 1, 0), np.cross(along, (0, 1, 0))])
-    inertia = (length_wise, across, across)
-    body = scene.add(
-        fl.RigidBody(m + end, inertia, hinge + lever * along, axes, name=f"rod {side:+.0f}")
-    )
-    scene.add(
-        fl.Revolute(axis.centre, body.centre, at=hinge, axis=(0, -side, 0), name=f"hinge {side:+}")
-    )
-    bottom = slider.centre.position + np.array([side * ASIDE, 0, 0])
+    inertia = (m / 3 * (2 * 0.005**2), across, across)
+    axes = np.column_stack([along, y, np.cross(along, y)])
+    body = fl.RigidBody(m + end, inertia, hinge + lever * along, axes, name=f"rod {side:+.0f}")
+    scene.add(body)
+    name, turns = f"hinge {side:+}", (0, -side, 0)
+    scene.add(fl.Revolute(axis.centre, body.centre, at=hinge, axis=turns, name=name))
+    middle, bottom = hinge + 0.5 * along, slider.centre.position + hinge
     distance = fl.Distance(body.centre, slider.centre, at=middle, to=bottom)
     scene.add(fl.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
 
@@ -95,8 +89,7 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     """``runs``: with step, step/2 and so on."""
-    if speed not in COLUMNS:
-        raise ValueError(f"speed must be 1 or 0.16, got {speed}")
+    one_of("speed", speed, COLUMNS)
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9)
     reference = REFERENCE[:, COLUMNS[speed]]
     reference = reference[(reference[:, 0] > 0) & (reference[:, 0] <= duration)]
@@ -105,9 +98,11 @@ def main(
         variable = fl.AdaptiveStep(TOLERANCE * h, first=h / FINER, largest=h)
         result = scheme.run(governor(speed), duration=duration, step=variable)
         results.append(motion(result, reference[:, 0]))
-    errors, limit = print_errors(("s [m]", "theta [deg]"), results, reference[:, 1:])
-    momentum = result.angular_momentum[:, 2]
-    record = {
+    errors, limit = largest_errors(results, reference[:, 1:])
+    momentum, steps = result.angular_momentum[:, 2], len(result.times) - 1
+    if pictures:
+        result.picture(in_results("governor.png"), title="Flyball governor")
+    return {
         "speed": speed,
         "step": step,
         "order": order(results),
@@ -118,20 +113,10 @@ def main(
         "s": float(extrapolated(results)[-1, 0]),
         "momentum_error": float(np.abs(momentum / momentum[0] - 1).max()),
         "violation": float(result.joint_violations.max()),
-        "steps": len(result.times) - 1,
-        "iterations_per_step": float(result.iterations[-1] / (len(result.times) - 1)),
-        "seconds": result.seconds,
+        "steps": steps,
+        **of_motion(result, steps),
     }
-    print(f"angular momentum about the axis to {record['momentum_error']:.1e}")
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "governor.png"
-        result.picture(file, title="Flyball governor")
-        print(f"picture: {file}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -41,42 +41,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from command_line import in_results, one_of, run
+from records import of_motion
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.pictures.diagrams import COLOURS
-
-RESULTS = Path(__file__).parents[1] / "results"
 
 # time, centre of mass, unit quaternion (w, x, y, z) of the body's axes
-REFERENCE = np.fromstring(
-    """
-    0.05 0.225741118 0.973431984 -0.038355180 -0.814666053 -0.049181315 -0.568361869 0.104236299
-    0.10 0.421296659 0.894571974 -0.149164701 0.331822913 0.177338057 0.914975159 -0.145826014
-    0.15 0.556875687 0.766898253 -0.318993008 0.255629884 -0.331220395 -0.904490182 0.082728010
-    0.20 0.605550561 0.598957682 -0.523983027 -0.708279153 0.438781088 0.545728396 0.089399753
-    0.25 0.548884143 0.406994152 -0.730124618 0.838737324 -0.433643996 0.004095949 -0.329326295
-    0.30 0.384607921 0.215668893 -0.897531991 -0.598178514 0.283443864 -0.500016911 0.558413045
-    0.35 0.132463079 0.054877872 -0.989667597 0.107013428 -0.010196940 0.718322394 -0.687355139
-    0.40 -0.166784671 -0.047439658 -0.984851437 0.396112000 -0.310590223 -0.565133130 0.653646343
-    0.45 -0.461188794 -0.073600094 -0.884244266 -0.669095372 0.576646443 0.124544517 -0.451972264
-    0.50 -0.702468297 -0.021165185 -0.711400258 0.584560624 -0.700662895 0.384325753 0.140193079
-    """,
-    sep=" ",
-).reshape(-1, 8)
+REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "heavy_top.csv", delimiter=",")
 MAPS = {"exponential": fl.Parametrisation.EXPONENTIAL, "cayley": fl.Parametrisation.CAYLEY}
 
 
-def top(group: fl.Group) -> tuple[fl.Scene, fl.RigidBody]:
-    """The scene and its body."""
-    scene = fl.Scene(gravity=(0, 0, -9.81))
-    body = scene.add(
-        fl.RigidBody(15.0, (0.234375, 0.46875, 0.234375), (0, 1, 0), name="top").on(group)
-    )
+def top(group: fl.Group) -> fl.Scene:
+    """A body on its tip."""
+    scene, inertia = fl.Scene(gravity=(0, 0, -9.81)), (0.234375, 0.46875, 0.234375)
+    body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0), name="top").on(group))
     scene.add(fl.Spherical(fl.ground(), body.centre, at=(0, 0, 0), name="tip"))
     body.turn((0, 150, -4.61538), about=(0, 0, 0))
-    return scene, body
+    return scene
 
 
 def main(
@@ -87,54 +69,23 @@ def main(
     parametrisation: str = "exponential",
     pictures: bool = True,
 ) -> dict[str, Any]:
-    record, result = simulate(group, step, duration, radius, parametrisation)
-    print(HEADER, row(record), sep="\n")
-    if pictures:
-        draw_motion(result)
-    return record
-
-
-def both_groups(step: float = 1e-3, pictures: bool = True, **parameters: Any) -> dict[str, Any]:
-    """Both groups over the step; the record of R3xSO3, that of SE3 under ``SE3_…``."""
-    runs = {
-        group: [simulate(group, step / 2**k, **parameters) for k in range(4)]
-        for group in ("SE3", "R3xSO3")
-    }
-    print(HEADER)
-    for record, _ in runs["SE3"] + runs["R3xSO3"]:
-        print(row(record))
-    if pictures:
-        draw_motion(runs["R3xSO3"][-1][1])
-        draw_errors({group: [record for record, _ in pairs] for group, pairs in runs.items()})
-    other = {f"SE3_{key}": value for key, value in runs["SE3"][0][0].items()}
-    return runs["R3xSO3"][0][0] | other
-
-
-def simulate(
-    group: str = "R3xSO3",
-    step: float = 1e-3,
-    duration: float = 0.2,
-    radius: float = 0.9,
-    parametrisation: str = "exponential",
-) -> tuple[dict[str, Any], fl.Result]:
-    """Integrate with a kept matrix in local, and again in inertial components; record, results."""
-    if group not in fl.Group.__members__:
-        raise ValueError(f"group must be one of {', '.join(fl.Group.__members__)}, got {group!r}")
-    if parametrisation not in MAPS:
-        raise ValueError(f"parametrisation must be one of {', '.join(MAPS)}")
-    results = {}
-    for components in fl.Components:
-        scene, _ = top(fl.Group[group])
-        scheme = fl.GeneralisedAlpha(
+    one_of("group", group, fl.Group.__members__)
+    one_of("parametrisation", parametrisation, MAPS)
+    scene = top(fl.Group[group])
+    result, inertial = (
+        fl.GeneralisedAlpha(
             radius=radius,
             policy=fl.Limit(4),
             parametrisation=MAPS[parametrisation],
             components=components,
-        )
-        results[components] = scheme.run(scene, duration=duration, step=step)
-    result, inertial = results[fl.Components.LOCAL], results[fl.Components.INERTIAL]
+        ).run(scene, duration=duration, step=step)
+        for components in (fl.Components.LOCAL, fl.Components.INERTIAL)
+    )
     steps = len(result.times) - 1
     position, rotation = errors(result)
+    if pictures:
+        file = in_results("heavy_top.png")
+        result.picture(file, trace=["top.centre"], title="Heavy top, 150 rad/s")
     return {
         "group": group,
         "parametrisation": parametrisation,
@@ -144,13 +95,18 @@ def simulate(
         "rotation_error": rotation,
         "force_error": force_error(scene, result, step),
         "energy_error": result.energy_error,
-        "iterations_per_step": float(result.iterations[-1] / steps),
+        **of_motion(result, steps),
         "factorisations": result.factorisations,
-        "seconds": result.seconds,
-        "iterations_per_step_inertial": float(inertial.iterations[-1] / steps),
+        **{f"{name}_inertial": value for name, value in of_motion(inertial, steps).items()},
         "factorisations_inertial": inertial.factorisations,
-        "seconds_inertial": inertial.seconds,
-    }, result
+    }
+
+
+def both_groups(pictures: bool = True, **options: Any) -> dict[str, Any]:
+    """The record of R3xSO3, and that of SE3 under ``SE3_…``."""
+    apart = main("R3xSO3", pictures=pictures, **options)
+    screws = main("SE3", pictures=False, **options)
+    return apart | {f"SE3_{name}": value for name, value in screws.items()}
 
 
 def errors(result: fl.Result) -> tuple[float, float]:
@@ -179,45 +135,5 @@ def force_error(scene: fl.Scene, result: fl.Result, step: float) -> float:
     return float(np.abs(force - exact).max() / np.abs(exact).max())
 
 
-HEADER = """\
-                       error of                     local components      inertial components
-group   step [s]  position  rotation  joint force  iterations  factor-   iterations  factor-
-                     [m]      [rad]    (relative)   per step  isations    per step  isations"""
-
-
-def row(record: dict[str, Any]) -> str:
-    return (
-        f"{record['group']:7} {record['step']:8.2e} {record['position_error']:8.1e}"
-        f" {record['rotation_error']:9.1e} {record['force_error']:11.1e}"
-        f" {record['iterations_per_step']:12.2f} {record['factorisations']:9}"
-        f" {record['iterations_per_step_inertial']:11.2f} {record['factorisations_inertial']:9}"
-    )
-
-
-def draw_motion(result: fl.Result) -> None:
-    """Leave a picture of the path of the centre of mass."""
-    RESULTS.mkdir(exist_ok=True)
-    path = RESULTS / "heavy_top.png"
-    result.picture(path, trace=["top.centre"], title="Heavy top, 150 rad/s")
-    print(f"picture: {path}")
-
-
-def draw_errors(records: dict[str, list[dict[str, Any]]]) -> None:
-    """Leave a diagram of the position error over the step."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
-    for (group, rows), style, colour in zip(records.items(), ("s-", "o-"), COLOURS, strict=False):
-        steps = [r["step"] for r in rows]
-        axes.loglog(steps, [r["position_error"] for r in rows], style, color=colour, label=group)
-    axes.set(xlabel="step [s]", ylabel="error of the position [m]", title="Heavy top")
-    axes.grid(color="#DDDDDD", linewidth=0.6)
-    axes.legend(frameon=False)
-    path = RESULTS / "heavy_top_errors.png"
-    figure.savefig(path)
-    print(f"picture: {path}")
-
-
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main, without={"group": both_groups})
+    run(main, without={"group": both_groups}, show=True)

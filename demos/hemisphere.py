@@ -25,25 +25,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from any_shell import FORMULATIONS, KNOWN, PATCHES
+from command_line import in_results, one_of, run
+from records import of_loading
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
-MODEL = HERE.parent / "meshes" / "hemisphere.geo"
+MODEL = Path(__file__).parents[1] / "meshes" / "hemisphere.geo"
 RADIUS, HOLE = 10.0, np.radians(18)
 # thickness: force, deflections outward and inward
 CASES = {0.04: (400.0, 4.0753, 8.1524), 0.01: (5.0, 3.8267, 7.0991)}
-UNITS = Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-}
-PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
-"""What thin shells lie on."""
 
 
 def place(a: float, b: float) -> np.ndarray:
@@ -76,11 +68,7 @@ def pinched(
         shell = fl.ThinShell(mesh, section, name="hemisphere")
     else:
         shell = fl.Shell(
-            mesh,
-            section,
-            director=lambda x: x / RADIUS,
-            formulation=formulation,
-            name="hemisphere",
+            mesh, section, director=lambda x: x / RADIUS, formulation=formulation, name="hemisphere"
         )
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
@@ -100,44 +88,29 @@ def main(
     gmsh: bool = False,
     pictures: bool = True,
 ) -> dict[str, Any]:
-    if thickness not in CASES:
-        raise ValueError(f"thickness must be one of {list(CASES)}, got {thickness}")
-    known = [*FORMULATIONS, *PATCHES]
-    if formulation not in known:
-        raise ValueError(f"formulation must be one of {', '.join(known)}, got {formulation}")
-    chosen = FORMULATIONS.get(formulation)
+    one_of("thickness", thickness, CASES)
+    one_of("formulation", formulation, KNOWN)
     if gmsh and formulation in PATCHES:
         raise ValueError("thin shells lie on patches, which are no meshes: leave out gmsh")
-    fl.follow_loads(pinched(thickness, quarter(4, formulation=formulation), chosen))  # compiles
-    result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, formulation), chosen))
-    moved = {name: result.position(f"hemisphere.{name}")[-1] for name in ("00", "10")}
-    record = {
+    element = FORMULATIONS.get(formulation)
+    fl.follow_loads(pinched(thickness, quarter(4, formulation=formulation), element))  # compiles
+    result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, formulation), element))
+    a = float(result.position("hemisphere.00")[-1, 0] - RADIUS)
+    b = float(RADIUS - result.position("hemisphere.10")[-1, 1])
+    if pictures:
+        file = in_results("hemisphere.png")
+        result.picture(file, title="Pinched hemisphere, a quarter", units=Units(length="length"))
+    return {
         "thickness": thickness,
         "mesh": mesh,
         "formulation": formulation,
-        "deflection_a": float(moved["00"][0] - RADIUS),
-        "deflection_b": float(RADIUS - moved["10"][1]),
-        "load_steps": result.load_steps,
-        "iterations": result.total_iterations,
-        "failed_iterations": result.failed_iterations,
-        "seconds": result.seconds,
+        "deflection_a": a,
+        "deflection_b": b,
+        "error_a": a / CASES[thickness][1] - 1.0,
+        "error_b": b / CASES[thickness][2] - 1.0,
+        **of_loading(result),
     }
-    _, *reference = CASES[thickness]
-    for name, value in zip("ab", reference, strict=True):
-        record[f"error_{name}"] = record[f"deflection_{name}"] / value - 1.0
-    print("deflection outward {deflection_a:.4f}, inward {deflection_b:.4f}".format(**record))
-    print("reference  outward {:.4f}, inward {:.4f}".format(*reference))
-    print("errors {error_a:+.2%}, {error_b:+.2%}".format(**record))
-    print("{iterations} linear solutions in {load_steps} steps, {seconds:.2f} s".format(**record))
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "hemisphere.png"
-        result.picture(picture, title="Pinched hemisphere, a quarter", units=UNITS)
-        print(f"picture: {picture}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -14,15 +14,14 @@ The reference for the limit loads is a displacement element of degree 4 on 8x8 c
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 RADIUS, HALF_LENGTH, HALF_ANGLE, FORCE = 2540.0, 254.0, 0.1, 3000.0
 LIMITS = {12.7: (0.7399762442, 0.1690852467), 6.35: (0.1948567713, -0.1283840308)}
 PUBLISHED = {  # deflections and load factors of Sze, Liu & Lo, some of them
@@ -86,20 +85,9 @@ def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict
         "iterations": path.total_iterations,
         "seconds": path.seconds,
     }
-    for point in path.critical:
-        print(f"deflection {deflection[point.index]:8.4f}: {point}")
-    print("limit loads {limit_load:.5f}, {lower_limit_load:.5f} (times 3000)".format(**record))
-    print("reference   {:.5f}, {:.5f}".format(*LIMITS[thickness]))
-    print("errors {limit_error:+.2%}, {lower_limit_error:+.2%}".format(**record))
-    print(f"the load turns: {turns(path.factors)}, the deflection turns: {turns(deflection)}")
-    print(
-        "{iterations} linear solutions in {load_steps} steps, {rejected_steps} rejected, "
-        "{seconds:.2f} s".format(**record)
-    )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
         name = f"hinged_roof_{thickness:g}"
-        diagram, moving = RESULTS / f"{name}.png", RESULTS / f"{name}.gif"
+        diagram, moving = in_results(f"{name}.png"), in_results(f"{name}.gif")
         published = np.array(PUBLISHED[thickness]).reshape(-1, 2).T
         path.plot_path(
             "deflection",
@@ -110,11 +98,8 @@ def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict
             units=UNITS,
         )
         path.animate(moving, title="Hinged roof, a quarter", units=UNITS)
-        print(f"pictures: {diagram}, {moving}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -30,19 +30,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_bvp
+from command_line import in_results, run
+from reference.i_beam import (
+    FLANGE,
+    HEIGHT,
+    LENGTH,
+    LONG,
+    STEEL,
+    TORQUE,
+    WEB,
+    WIDTH,
+    tipping_load,
+    vlasov,
+)
 
 import fem_lie as fl
 from fem_lie import lie
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
-LENGTH, LONG = 2.0, 4.0  # the long one buckles
-HEIGHT, WIDTH = 0.2, 0.1  # height between the mid-surfaces of the flanges
-FLANGE, WEB = 0.006, 0.003
-STEEL = fl.Material(E=210e9, nu=0.3, density=7850)
 FORCES = {"strong": (0.0, 0.0, 1e4), "weak": (0.0, 1e4, 0.0)}
-TORQUE = 50.0
 
 
 def of_shells(along: int, length: float, force: tuple[float, ...], torque: float = 0.0) -> fl.Scene:
@@ -76,31 +82,6 @@ def of_beam(shape: fl.SectionShape, force: tuple[float, ...]) -> fl.StaticResult
     return fl.follow_loads(scene)
 
 
-def vlasov(shape: fl.SectionShape) -> float:
-    """Angle of twist under the torque, both ends without warping."""
-    GJ = STEEL.G * shape.warping(STEEL).properties.torsion_constant
-    k = np.sqrt(GJ / (STEEL.E * FLANGE * WIDTH**3 * HEIGHT**2 / 24))
-    return float(TORQUE / GJ * (LENGTH - 2 / k * np.tanh(k * LENGTH / 2)))
-
-
-def tipping_load(shape: fl.SectionShape) -> float:
-    """Force at the end at which the long beam buckles laterally, with warping."""
-    GJ = STEEL.G * shape.warping(STEEL).properties.torsion_constant
-    EI = STEEL.E * FLANGE * WIDTH**3 / 6
-    EI_w, x = EI * HEIGHT**2 / 4, np.linspace(0, LONG, 50)
-
-    def rates(x: np.ndarray, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        return np.array([y[1], y[2], y[3], (GJ * y[2] + (p[0] * x) ** 2 / EI * y[0]) / EI_w])
-
-    def ends(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
-        return np.array([a[0] - 1, a[1], a[3], b[0], b[1]])
-
-    wave = np.pi * x / (2 * LONG)
-    guess = np.array([np.cos(wave) ** 2, -np.pi / (2 * LONG) * np.sin(2 * wave), 0 * x, 0 * x])
-    found = solve_bvp(rates, ends, x, guess, p=[4 * np.sqrt(EI * GJ) / LONG**2], tol=1e-6)
-    return float(found.p[0])
-
-
 def main(along: int = 40, pictures: bool = True) -> dict[str, Any]:
     shape = fl.SectionShape.i_section(WIDTH, HEIGHT + FLANGE, WEB, FLANGE)
     record: dict[str, Any] = {"along": along}
@@ -120,22 +101,14 @@ def main(along: int = 40, pictures: bool = True) -> dict[str, Any]:
     record["buckling_load_beam"] = tipping_load(shape)
     for name in ("deflection_strong", "deflection_weak", "twist", "buckling_load"):
         record[f"error_{name}"] = record[name] / record[f"{name}_beam"] - 1.0
-        print("{}: {:.5g}, beam {:.5g}, {:+.2%}".format(
-            name.replace("_", " "), record[name], record[f"{name}_beam"], record[f"error_{name}"]
-        ))  # fmt: skip
-    print("linear solutions: {iterations_strong} and {iterations_weak}".format(**record))
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
         far = fl.follow_loads(of_shells(along, LENGTH, FORCES["weak"], 20 * TORQUE))
-        path = RESULTS / "i_beam_shell.png"
+        path = in_results("i_beam_shell.png")
         far.picture(path, title="I-beam of shells, pushed along its flanges and twisted")
-        mode = RESULTS / "i_beam_shell_buckling.png"
+        mode = in_results("i_beam_shell_buckling.png")
         modes.picture(mode, amplitude=0.05 * LONG, title="I-beam of shells that tips over")
-        print(f"pictures: {path}, {mode}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -34,13 +34,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from reference.navier import SIDE, navier
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
-SIDE, E2 = 1.0, 1.0
+E2 = 1.0
 FIBRES = fl.Orthotropic(25 * E2, E2, 0.25, 0.5 * E2, 0.5 * E2, 0.2 * E2, 1.0)
 CENTRE = (SIDE / 2, SIDE / 2)
 PLACES = {"w": CENTRE, "M11": CENTRE, "M22": CENTRE, "M12": (0.0, 0.0), "Q1": (0.0, SIDE / 2)}
@@ -52,43 +53,6 @@ def cross_ply(thickness: float) -> fl.ShellSection:
     return fl.ShellSection.laminate(
         [fl.Ply(thickness / 4, FIBRES, angle) for angle in (0.0, 90.0, 90.0, 0.0)]
     )
-
-
-def navier(
-    section: fl.ShellSection, load: float, x: float, y: float, terms: int = 199
-) -> dict[str, float]:
-    """Deflection and resultants at a place.
-
-    Args:
-        section: Specially orthotropic.
-        load: Force per area.
-        x: Place.
-        y: Place.
-        terms: Largest m and n.
-    """
-    D, S = section.stiffness[3:6, 3:6], np.diag(section.stiffness)[6:]
-    odd = np.arange(1, terms + 1, 2)
-    m, n = (index.ravel() for index in np.meshgrid(odd, odd, indexing="ij"))
-    amplitude = load * 16 / (np.pi**2 * m * n)
-    α, β = np.pi * m / SIDE, np.pi * n / SIDE
-    A = np.empty((len(m), 3, 3))
-    A[:, 0, 0] = S[0] * α**2 + S[1] * β**2
-    A[:, 0, 1] = A[:, 1, 0] = S[0] * α
-    A[:, 0, 2] = A[:, 2, 0] = S[1] * β
-    A[:, 1, 1] = D[0, 0] * α**2 + D[2, 2] * β**2 + S[0]
-    A[:, 1, 2] = A[:, 2, 1] = (D[0, 1] + D[2, 2]) * α * β
-    A[:, 2, 2] = D[2, 2] * α**2 + D[1, 1] * β**2 + S[1]
-    right = np.stack([amplitude, 0 * amplitude, 0 * amplitude], axis=1)
-    W, X, Y = np.linalg.solve(A, right[..., np.newaxis])[..., 0].T
-    sx, cx, sy, cy = np.sin(α * x), np.cos(α * x), np.sin(β * y), np.cos(β * y)
-    return {
-        "w": float(W @ (sx * sy)),
-        "M11": -float((D[0, 0] * α * X + D[0, 1] * β * Y) @ (sx * sy)),
-        "M22": -float((D[0, 1] * α * X + D[1, 1] * β * Y) @ (sx * sy)),
-        "M12": float(D[2, 2] * (β * X + α * Y) @ (cx * cy)),
-        "Q1": float(S[0] * (X + α * W) @ (cx * sy)),
-        "Q2": float(S[1] * (Y + β * W) @ (sx * cy)),
-    }
 
 
 def plate(
@@ -137,34 +101,21 @@ def main(cells: int = 32, slenderness: float = 10.0, pictures: bool = True) -> d
     scene, shell = plate(section, cells, load)
     result = fl.follow_loads(scene)
     found, pairs = compare(result, shell, section, load)
-    scales = {"w": 100 * E2 / (load * SIDE**4 * slenderness**3), "Q1": 1 / (load * SIDE)}
-    print("           found      Navier    error")
-    for name, (value, exact) in pairs.items():
-        scale = scales.get(name, 1 / (load * SIDE**2))
-        print(f"{name:4} {value * scale:11.5f} {exact * scale:11.5f} {value / exact - 1:+8.3%}")
-    print("w in q a⁴/(100 E₂ h³), M in q a², Q in q a")
-    record: dict[str, Any] = {"cells": cells, "slenderness": slenderness}
-    record["deflection"] = pairs["w"][0] * scales["w"]
-    for name, (value, exact) in pairs.items():
-        record[f"{name}_error"] = value / exact - 1
-    record |= {"iterations": int(result.iterations.sum()), "seconds": result.seconds}
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture, file = RESULTS / "laminate.png", RESULTS / "laminate.vtu"
-        moved = result.frames[-1, :, 0, 2].max()
-        found.picture(
-            picture,
-            "M11",
-            magnified=0.2 * SIDE / moved,
-            title="Cross-ply laminate under uniform load",
-            units=UNITS,
-        )
-        found.write_vtk(file)
-        print(f"picture: {picture}\nfor ParaView: {file}")
-    return record
+        magnified = 0.2 * SIDE / result.frames[-1, :, 0, 2].max()
+        title = "Cross-ply laminate under uniform load"
+        file = in_results("laminate.png")
+        found.picture(file, "M11", magnified=magnified, title=title, units=UNITS)
+        found.write_vtk(in_results("laminate.vtu"))
+    return {
+        "cells": cells,
+        "slenderness": slenderness,
+        "deflection": pairs["w"][0] * 100 * E2 / (load * SIDE**4 * slenderness**3),
+        **{f"{name}_error": value / exact - 1 for name, (value, exact) in pairs.items()},
+        "iterations": int(result.iterations.sum()),
+        "seconds": result.seconds,
+    }
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -25,13 +25,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from records import of_path
 from scipy.optimize import brentq
 from scipy.special import jv
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 STEEL = fl.Material(210e9, 0.3, 7850.0)
 LENGTH, HEIGHT, WIDTH = 2.0, 0.1, 0.0025
 ROOT = brentq(lambda x: jv(-0.25, x), 1.9, 2.1, xtol=1e-14)
@@ -45,18 +46,11 @@ def prandtl(stiffness: np.ndarray, length: float) -> float:
 
 def cantilever(section: fl.Section, elements: int, load: float) -> fl.Scene:
     """Along x, its height along z."""
-    scene = fl.Scene()
-    beam = scene.add(
-        fl.Beam.straight(
-            (0, 0, 0),
-            (LENGTH, 0, 0),
-            section,
-            cells=elements,
-            up=(0, 0, 1),
-            name="beam",
-            formulation=fl.Director(2),
-        )
+    scene, end, by = fl.Scene(), (LENGTH, 0, 0), fl.Director(2)
+    beam = fl.Beam.straight(
+        (0, 0, 0), end, section, cells=elements, up=(0, 0, 1), name="beam", formulation=by
     )
+    scene.add(beam)
     scene.add(fl.Clamp(beam.start))
     scene.add(fl.PointLoad(beam.end, force=(0, 0, -load)))
     return scene
@@ -78,22 +72,20 @@ def plate(mesh: int, load: float) -> fl.Scene:
     return scene
 
 
-def study(scene: fl.Scene) -> dict[str, Any]:
-    """Both critical loads, over the one that was applied, and the branch."""
-    modes = fl.buckling(scene, 1)
+def study(scene: fl.Scene, file: Path | None) -> dict[str, Any]:
+    """Both critical loads, over the one that was applied, and a picture of the branch."""
+    linear = float(fl.buckling(scene, 1).factors[0])
     path = fl.follow_path(scene, fl.PathEnds(2.0, critical_points=1))
     point = path.critical[0]
+    if file is not None:
+        point.picture(file, amplitude=0.15 * LENGTH, units=UNITS)
     return {
-        "linear": float(modes.factors[0]),
+        "linear": linear,
         "path": point.factor,
-        "difference": point.factor / float(modes.factors[0]) - 1.0,
+        "difference": point.factor / linear - 1.0,
         "kind": point.kind.value,
         "negative_pivots": point.negative_pivots,
-        "load_steps": int((path.iterations > 0).sum()) - 1,
-        "rejected_steps": path.failed_steps,
-        "iterations": path.total_iterations,
-        "seconds": path.seconds,
-        "point": point,
+        **of_path(path),
     }
 
 
@@ -101,42 +93,23 @@ def main(elements: int = 16, mesh: int = 40, pictures: bool = True) -> dict[str,
     """``elements``: of the beams; ``mesh``: cells along the plate."""
     # strong bending is about e_2: the height is along e_3
     strip = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
-    shape = fl.SectionShape.i_section(0.05, HEIGHT, 0.004, 0.006)
-    profile = shape.section(STEEL)
-    loads = {
-        "strip": prandtl(strip.stiffness, LENGTH),
-        "I-beam": prandtl(profile.stiffness, LENGTH),
-    }
+    profile = fl.SectionShape.i_section(0.05, HEIGHT, 0.004, 0.006).section(STEEL)
+    load = prandtl(strip.stiffness, LENGTH)
     scenes = {
-        "strip": cantilever(strip, elements, loads["strip"]),
-        "I-beam": cantilever(profile, elements, loads["I-beam"]),
-        "plate": plate(mesh, loads["strip"]),
+        "strip": cantilever(strip, elements, load),
+        "I-beam": cantilever(profile, elements, prandtl(profile.stiffness, LENGTH)),
+        "plate": plate(mesh, load),
     }
-    stiffness = profile.stiffness
-    raised = 1 / np.sqrt(1 - stiffness[5, 5] / stiffness[4, 4])
-    record: dict[str, Any] = {"elements": elements, "mesh": mesh, "expected_raise": raised}
-    print("load over Prandtl's − 1")
-    print("        linear      path        negative pivots  steps  iterations  seconds")
+    record: dict[str, Any] = {"elements": elements, "mesh": mesh}
+    # the I-beam bends before it tips over
+    weak, strong = profile.stiffness[5, 5], profile.stiffness[4, 4]
+    record["expected_raise"] = 1 / np.sqrt(1 - weak / strong)
     for name, scene in scenes.items():
-        found = study(scene)
-        point = found.pop("point")
-        record[name] = found
-        print(
-            f"{name:6}  {found['linear'] - 1:+.2e}   {found['path'] - 1:+.2e}   "
-            f"{found['negative_pivots']!s:15}  {found['load_steps']:5}  {found['iterations']:10}"
-            f"  {found['seconds']:7.2f}"
-        )
-        if pictures:
-            RESULTS.mkdir(exist_ok=True)
-            picture = RESULTS / f"lateral_torsional_{name}.png"
-            point.picture(picture, amplitude=0.15 * LENGTH, units=UNITS)
-            print(f"picture: {picture}")
-    print(f"the I-beam bends before: expected about {raised - 1:+.2e}")
+        file = in_results(f"lateral_torsional_{name}.png") if pictures else None
+        record[name] = study(scene, file)
     record["max_error"] = max(abs(record["strip"][name] - 1.0) for name in ("linear", "path"))
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

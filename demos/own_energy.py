@@ -42,6 +42,7 @@ from petsc4py import PETSc
 import basix.ufl
 import numpy as np
 import ufl
+from command_line import in_results, run
 from dolfinx import fem, la, mesh
 from dolfinx.fem import petsc
 from matplotlib.figure import Figure
@@ -51,7 +52,6 @@ from fem_lie import lie
 from fem_lie.pictures.diagrams import COLOURS
 
 show = PETSc.Sys.Print  # prints on one process only
-RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING, STIFFENING = 1.0, 1.0, 0.1  # L, EI, c
 MOMENT = BENDING * 1.5 * pi + STIFFENING * (1.5 * pi) ** 3  # makes three quarters of a circle
 
@@ -220,13 +220,11 @@ def error(values: np.ndarray, reference: np.ndarray) -> float:
 def converge(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, Any]:
     """Tip against the closed form on three meshes."""
     exact = exact_position(MOMENT)
-    show("\nelements  tip x      y        error / L  (exact {:.6f}, {:.6f})".format(*exact))
     tips, errors = [], []
     for count in (max(1, elements // 2), elements, 2 * elements):
         beam, _, _ = bend(count, load_steps, stiffness_ratio)
         tips.append(beam.tip_position())
         errors.append(float(np.linalg.norm(tips[-1] - exact) / LENGTH))
-        show(f"{count:8}  {tips[-1][0]:.6f}  {tips[-1][1]:.6f}  {errors[-1]:.1e}")
     return {
         **{f"tip_{axis}": float(value) for axis, value in zip("xyz", tips[1], strict=True)},
         "tip_error": errors[1],
@@ -246,10 +244,6 @@ def main(
         "stiffness_ratio": stiffness_ratio,
         **checks(),
     }
-    show("checks of the forms on a random large deformation, relative errors:")
-    show("  residual is the derivative of the energy   {gradient_error:.1e}".format(**record))
-    show("  tangent is the derivative of the residual  {tangent_error:.1e}".format(**record))
-    show("  neither feels a rigid motion               {invariance_error:.1e}".format(**record))
     record |= converge(elements, load_steps, stiffness_ratio)
     _, iterations, curves = bend(elements, load_steps, stiffness_ratio)
     _, plain, _ = bend(elements, load_steps, stiffness_ratio, carried=False)
@@ -258,14 +252,9 @@ def main(
         "iterations_per_step": sum(iterations) / load_steps,
         "plain_converged": 0 not in plain,
     }
-    show(f"\niterations per load step, EA L^2/EI = {stiffness_ratio:g}")
-    show(f"  carried stress  {iterations}")
-    show(f"  plain Newton    {[n or 'diverges' for n in plain]}")
     if pictures and MPI.COMM_WORLD.size == 1:
-        RESULTS.mkdir(exist_ok=True)
-        path = RESULTS / "own_energy.png"
+        path = in_results("own_energy.png")
         draw(curves, path)
-        show(f"picture: {path}")
     return record
 
 
@@ -288,6 +277,4 @@ def draw(curves: list[np.ndarray], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -24,20 +24,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from any_shell import KNOWN, about_x, any_shell
+from command_line import in_results, one_of, run
+from records import of_loading
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 RADIUS, HALF_LENGTH, THICKNESS, FORCE = 100.0, 100.0, 1.0, 12000.0
 UNITS = Units(length="length")
-FORMULATIONS: dict[str, fl.ShellFormulation] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-}
 # load factor: deflections inward under the force, and outward at a right angle from it
 PUBLISHED = {
     0.05: (9.561, -0.233),
@@ -65,15 +61,10 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([HALF_LENGTH * b, -RADIUS * np.sin(angle), RADIUS * np.cos(angle)])
 
 
-def pinched(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
+def pinched(mesh: int, formulation: str) -> fl.Scene:
     """An eighth with its supports and its load."""
-    shell = fl.Shell(
-        fl.surface(place, (mesh, mesh)),
-        fl.ShellSection.layer(THICKNESS, fl.Material(30e3, 0.3, 1.0)),
-        formulation=formulation,
-        director=lambda x: np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2]),
-        name="cylinder",
-    )
+    section = fl.ShellSection.layer(THICKNESS, fl.Material(30e3, 0.3, 1.0))
+    shell = any_shell(formulation, place, (mesh, mesh), section, about_x, name="cylinder")
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))
@@ -86,19 +77,18 @@ def pinched(mesh: int, formulation: fl.ShellFormulation) -> fl.Scene:
 
 
 def main(mesh: int = 40, formulation: str = "HR", pictures: bool = True) -> dict[str, Any]:
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
-    result = fl.follow_loads(pinched(mesh, FORMULATIONS[formulation]), list(PUBLISHED))
+    one_of("formulation", formulation, KNOWN)
+    result = fl.follow_loads(pinched(mesh, formulation), list(PUBLISHED))
     inward = RADIUS - result.position("cylinder.00")[:, 2]
     outward = -RADIUS - result.position("cylinder.10")[:, 1]
     found = np.column_stack([inward, outward])
     errors = found / np.array(list(PUBLISHED.values())) - 1.0
     others = found / np.array(list(OTHER.values())) - 1.0
-    print("load  inward    outward   over the published ones  over the others")
-    for row in np.column_stack([list(PUBLISHED), found, errors, others]):
-        print("{:4.2f} {:9.3f} {:9.3f}   {:+8.2%} {:+8.2%} {:+13.2%} {:+8.2%}".format(*row))
     late = np.array([factor >= COMPARED for factor in PUBLISHED])
-    record = {
+    if pictures:
+        file = in_results("pinched_cylinder.png")
+        result.picture(file, title="Pinched cylinder, an eighth", units=UNITS)
+    return {
         "mesh": mesh,
         "formulation": formulation,
         "deflection_a": float(found[-1, 0]),
@@ -109,21 +99,9 @@ def main(mesh: int = 40, formulation: str = "HR", pictures: bool = True) -> dict
         "late_error_b": float(np.abs(errors[late, 1]).max()),
         "other_error_a": float(others[-1, 0]),
         "other_error_b": float(others[-1, 1]),
-        "load_steps": result.load_steps,
-        "iterations": result.total_iterations,
-        "failed_iterations": result.failed_iterations,
-        "seconds": result.seconds,
+        **of_loading(result),
     }
-    print("{iterations} linear solutions in {load_steps} steps, {seconds:.2f} s".format(**record))
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "pinched_cylinder.png"
-        result.picture(picture, title="Pinched cylinder, an eighth", units=UNITS)
-        print(f"picture: {picture}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

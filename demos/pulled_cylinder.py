@@ -16,23 +16,20 @@ points with the same element on meshes from 24x16 on are 0.5125 ... 0.5168 and 0
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from any_shell import KNOWN, any_shell
+from command_line import in_results, one_of, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, RADIUS, THICKNESS, FORCE = 10.35, 4.953, 0.094, 40000.0
 REFERENCE = {"a": 2.750, "b": 4.555, "c": 3.275}
 PUBLISHED = [(0.864, 0.025), (1.471, 0.05), (2.217, 0.1), (2.904, 0.2), (3.227, 0.3), (3.443, 0.4),
              (3.653, 0.5), (4.061, 0.525), (4.171, 0.55), (4.274, 0.6), (4.385, 0.7), (4.455, 0.8),
              (4.508, 0.9), (4.551, 1.0)]  # fmt: skip
-PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
-"""What thin shells lie on."""
-FORMULATIONS = "HR", *PATCHES
 UNITS = Units(length="mm")
 
 
@@ -45,17 +42,7 @@ def place(a: float, b: float) -> np.ndarray:
 def cylinder(around: int, along: int, formulation: str = "HR") -> fl.Scene:
     """An eighth with a quarter of the force."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(10.5e6, 0.3125, 1.0))
-    shell: fl.Shell | fl.ThinShell
-    if formulation in PATCHES:
-        patch = PATCHES[formulation](place, (around, along))
-        shell = fl.ThinShell(patch, section, name="cylinder")
-    else:
-        shell = fl.Shell(
-            fl.surface(place, (around, along)),
-            section,
-            director=lambda x: np.array([x[0], x[1], 0.0]) / RADIUS,
-            name="cylinder",
-        )
+    shell = any_shell(formulation, place, (around, along), section, outward, name="cylinder")
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.symmetry("b=0", (0, 0, 1))
@@ -63,6 +50,11 @@ def cylinder(around: int, along: int, formulation: str = "HR") -> fl.Scene:
     scene.add(shell)
     scene.add(fl.PointLoad(shell["00"], force=(FORCE / 4, 0, 0)))
     return scene
+
+
+def outward(x: np.ndarray) -> np.ndarray:
+    """Normal of the cylinder."""
+    return np.array([x[0], x[1], 0.0]) / RADIUS
 
 
 def deflections(result: fl.StaticResult) -> dict[str, np.ndarray]:
@@ -75,8 +67,7 @@ def main(
     mesh: str = "24x16", formulation: str = "HR", path: bool = False, pictures: bool = True
 ) -> dict[str, Any]:
     """``formulation``: HR, or a thin shell without shear on the surface (thin) or a spline."""
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
+    one_of("formulation", formulation, KNOWN)
     try:
         around, along = map(int, mesh.split("x"))
     except ValueError:
@@ -84,70 +75,44 @@ def main(
     fl.follow_loads(cylinder(4, 4, formulation), [0.01])  # compiles
     result = fl.follow_loads(cylinder(around, along, formulation))
     moved = {name: float(values[-1]) for name, values in deflections(result).items()}
-    errors = {name: moved[name] / REFERENCE[name] - 1.0 for name in moved}
     record: dict[str, Any] = {
         "mesh": mesh,
         "formulation": formulation,
         **{f"deflection_{name}": value for name, value in moved.items()},
-        "max_error": max(map(abs, errors.values())),
+        "max_error": max(abs(moved[name] / REFERENCE[name] - 1.0) for name in moved),
         "load_steps": result.load_steps,
         "rejected_steps": result.failed_steps,
         "iterations": result.total_iterations,
         "seconds": result.seconds,
     }
-    print("deflections A {a:.4f}, B {b:.4f}, C {c:.4f}".format(**moved))
-    print("reference   A {a:.4f}, B {b:.4f}, C {c:.4f}".format(**REFERENCE))
-    print("errors {a:+.2%}, {b:+.2%}, {c:+.2%}".format(**errors))
-    print(
-        "{iterations} linear solutions in {load_steps} steps, {rejected_steps} rejected, "
-        "{seconds:.2f} s".format(**record)
-    )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "pulled_cylinder.png"
-        result.picture(picture, title="Pulled cylinder, an eighth", units=UNITS)
-        print(f"picture: {picture}")
-    if path:
-        record |= trace(around, along, formulation, pictures)
-    return record
+        file = in_results("pulled_cylinder.png")
+        result.picture(file, title="Pulled cylinder, an eighth", units=UNITS)
+    return record | (trace(around, along, formulation, pictures) if path else {})
 
 
 def trace(around: int, along: int, formulation: str, pictures: bool) -> dict[str, Any]:
     """The whole path through the snap."""
     path = fl.follow_path(cylinder(around, along, formulation))
-    inward = deflections(path)["b"]
-    record = {
+    if pictures:
+        published = np.array(PUBLISHED).T
+        path.plot_path(
+            deflections(path)["b"],
+            in_results("pulled_cylinder_path.png"),
+            label="deflection of B [mm]",
+            load=(FORCE / 1000, "force [kN]"),
+            reference=(published[0], FORCE / 1000 * published[1], "Sze et al. 2004"),
+            units=UNITS,
+        )
+        path.animate(in_results("pulled_cylinder.gif"), title="Pulled cylinder", units=UNITS)
+    return {
         "limit_loads": [point.factor for point in path.limits],
         "negative_pivots": [point.negative_pivots for point in path.limits],
         "path_steps": int((path.iterations > 0).sum()) - 1,
         "path_iterations": path.total_iterations,
         "path_seconds": path.seconds,
     }
-    for point in path.critical:
-        print(f"B has moved {inward[point.index]:.4f}: {point}")
-    print(
-        "the path: {path_iterations} linear solutions in {path_steps} steps, "
-        "{path_seconds:.1f} s".format(**record)
-    )
-    if pictures:
-        diagram = RESULTS / "pulled_cylinder_path.png"
-        published = np.array(PUBLISHED).T
-        path.plot_path(
-            inward,
-            diagram,
-            label="deflection of B [mm]",
-            load=(FORCE / 1000, "force [kN]"),
-            reference=(published[0], FORCE / 1000 * published[1], "Sze et al. 2004"),
-            units=UNITS,
-        )
-        path.animate(
-            RESULTS / "pulled_cylinder.gif", title="Pulled cylinder, an eighth", units=UNITS
-        )
-        print(f"pictures: {diagram}, {RESULTS / 'pulled_cylinder.gif'}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -24,6 +24,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from command_line import run
 
 import fem_lie as fl
 from fem_lie import lie
@@ -104,13 +105,8 @@ def main(formulation: str = "rod", elements: int = 64) -> dict[str, Any]:
         "michell_error": float(twist / MICHELL - 1),
         "overcurved_error": float(curvature / OVERCURVED - 1),
     }
-    print("{formulation}, {elements} elements: helix {helix_error:.1e}, ".format(**record), end="")
-    print("{helix_iterations:.1f} iterations per step; ".format(**record), end="")
-    print("Michell {michell_error:+.2%}, overcurved {overcurved_error:+.2%}".format(**record))
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -18,22 +18,16 @@ restitution, motions part after the first impacts.
 
 from __future__ import annotations
 
-from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
+from command_line import in_results, one_of, run
 
 import fem_lie as fl
 
-RESULTS = Path(__file__).parents[1] / "results"
-FIRST, SECOND, SIDE, DENSITY, GRAVITY = (
-    np.array([0, -0.2, 1.0]),
-    np.array([1, 0.2, 0]),
-    0.2,
-    7850,
-    9.81,
-)
+FIRST, SECOND = np.array([0, -0.2, 1.0]), np.array([1, 0.2, 0])
+SIDE, DENSITY, GRAVITY = 0.2, 7850, 9.81
 OUTER, INNER, CENTRE = np.array([1.8, 1.6, 1.4]), np.array([1.6, 1.4, 1.2]), (0.5, 0, 0.5)
 LENGTH = float(np.linalg.norm(SECOND - FIRST))
 MASS = DENSITY * SIDE**2 * LENGTH
@@ -58,21 +52,15 @@ def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.Rig
     across = np.cross((0, 0, 1), along)
     across /= np.linalg.norm(across)
     axes = np.stack([along, across, np.cross(along, across)], axis=1)
-    edges = np.array([LENGTH, SIDE, SIDE])
-    scene = fl.Scene()
-    rod = scene.add(
-        fl.RigidBody(MASS, inertia(MASS, edges), (FIRST + SECOND) / 2, axes, name="rod")
-    )
+    edges, middle = np.array([LENGTH, SIDE, SIDE]), (FIRST + SECOND) / 2
     outer, inner = (DENSITY * float(box.prod()) for box in (OUTER, INNER))
     moments = inertia(outer, OUTER) - inertia(inner, INNER)
+    scene = fl.Scene()
+    rod = scene.add(fl.RigidBody(MASS, inertia(MASS, edges), middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
     scene.add(fl.PointLoad(rod.centre, (0, 0, -GRAVITY * MASS)))
-    if ends == "square":
-        surface: fl.Surface = fl.Box(rod.centre, edges)
-    elif ends == "spheres":
-        surface = fl.Vertices([rod.at(FIRST), rod.at(SECOND)], SIDE / 2)
-    else:
-        raise ValueError(f"--ends must be square or spheres, got {ends!r}")
+    balls = fl.Vertices([rod.at(FIRST), rod.at(SECOND)], SIDE / 2)
+    surface = fl.Box(rod.centre, edges) if ends == "square" else balls
     walls = fl.Box(box.centre, INNER, inside=True)
     contact = scene.add(fl.Contact(surface, walls, law, name="rod in box"))
     return scene, rod, contact
@@ -80,10 +68,9 @@ def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.Rig
 
 def law_of(law: str, friction: float, restitution: float) -> fl.Impact | fl.Penalty:
     """By its name."""
+    one_of("--law", law, ("impact", "penalty"))
     if law == "impact":
         return fl.Impact(friction, restitution)
-    if law != "penalty":
-        raise ValueError(f"--law must be impact or penalty, got {law!r}")
     if friction or restitution:
         raise ValueError("--law penalty has neither friction nor restitution; give --friction 0")
     return fl.Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
@@ -109,17 +96,21 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     """Friction and restitution, what the rod's ends are, and how they touch."""
+    one_of("--ends", ends, REFERENCES)
     scene, rod, contact = rod_in_box(ends, law_of(law, friction, restitution))
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10)
     scheme.run(scene, duration=step, step=step, progress=False)  # what is compiled is there then
     before = process_time()
     result = scheme.run(scene, duration=duration, step=step)
     seconds = process_time() - before
-    end, steps = result.position(rod.at(FIRST))[-1], len(result.times) - 1
-    given = MASS * GRAVITY * duration
+    steps, given = len(result.times) - 1, MASS * GRAVITY * duration
     touching, overlap, residual = in_contact(result, contact)
-    record = {
-        "rod_end_z": float(end[2]),
+    if pictures:
+        file, title = in_results("rod_in_box.png"), "Rod in a box, at the end, and its way"
+        # with frames bodies are drawn see-through
+        result.picture(file, (duration,), trace=["rod.centre"], frames=True, title=title)
+    return {
+        "rod_end_z": float(result.position(rod.at(FIRST))[-1][2]),
         "momentum_error": float(np.abs(result.momentum[-1] + [0, 0, given]).max()) / given,
         "energy_gain": float(np.diff(result.total_energy).max()) / (MASS * GRAVITY),
         "penetration": overlap,
@@ -129,30 +120,7 @@ def main(
         "cone_residual": residual,
         "iterations_per_step": float(result.iterations[-1]) / steps,
     }
-    print(f"rod's first end at z = {record['rod_end_z']:.6f} m after {duration:g} s", end="")
-    reference = REFERENCES[ends].get(friction)
-    known = reference is not None and restitution == 0.0 and duration == 2.0
-    print(f", reference {reference:.4f}" if known else "")
-    print(
-        f"momentum {record['momentum_error']:.1e}, energy gained in a step at most "
-        f"{record['energy_gain']:.1e} m, overlap {record['penetration']:.1e} m"
-    )
-    print(
-        f"{steps} steps, {touching} with contact, "
-        f"{record['microseconds_per_contact_step']:.1f} µs of the processor each, "
-        f"residual of the cones {record['cone_residual']:.1e}"
-    )
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "rod_in_box.png"
-        # with frames bodies are drawn see-through
-        title = "Rod in a box, at the end, and its way"
-        result.picture(file, (duration,), trace=["rod.centre"], frames=True, title=title)
-        print(f"picture: {file}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -13,16 +13,15 @@ rolling, solved for the angular acceleration and integrated to 1e-12 (Runge-Kutt
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie import lie
 
-RESULTS = Path(__file__).parents[1] / "results"
 MASS, RADIUS, GRAVITY = 1.0, 0.3, 9.81
 INERTIA = MASS * RADIUS**2 * np.array([0.25, 0.25, 0.5])
 UP = np.array([0.0, 0.0, 1.0])
@@ -104,18 +103,11 @@ def main(
         "iterations_per_step": float(result.iterations[-1] / (len(result.times) - 1)),
         "seconds": result.seconds,
     }
-    print(f"path of {record['path_length']:.2f} m, largest distance from the reference "
-          f"{record['position_error']:.1e} m")  # fmt: skip
-    print(f"energy {record['energy_error']:.1e}, slip and gap {record['violation']:.1e}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "rolling_disc.png"
+        file = in_results("rolling_disc.png")
         result.picture(file, trace=["disc.centre"], title="Disc rolling without slip")
-        print(f"picture: {file}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

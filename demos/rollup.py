@@ -26,15 +26,14 @@ Newton's method beside it.
 from __future__ import annotations
 
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
-RESULTS = Path(__file__).parents[1] / "results"
 LENGTH, BENDING = 10.0, 100.0
 UNITS = Units(length="length")
 
@@ -74,18 +73,11 @@ def main(
         "failed_iterations": result.failed_iterations,
         "iterations_per_step": iterations / load_steps,
     }
-    print(f"{elements} elements, EA L^2/EI = {stiffness_ratio:g}, {load_steps} load steps")
-    print(
-        f"stress as an iterate: tip {record['tip_error']:.1e} L from the clamp, "
-        f"{record['iterations_per_step']:.1f} iterations per step"
-    )
     if plain_newton:
         record |= plain(elements, load_steps, stiffness_ratio)
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        path = RESULTS / "rollup.png"
+        path = in_results("rollup.png")
         result.picture(path, title="Cantilever rolled up to a circle", units=UNITS)
-        print(f"picture: {path}")
     return record
 
 
@@ -94,14 +86,9 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
     scene, _ = cantilever(elements, stiffness_ratio)
     try:
         result = fl.statics(scene, load_steps=load_steps, newton=fl.Newton(carried_stress=False))
-    except fl.ConvergenceError as error:
-        print(f"plain Newton: {error}")
+    except fl.ConvergenceError:
         return {"plain_converged": False}
     iterations = result.total_iterations
-    print(
-        f"plain Newton: {iterations} iterations, {result.failed_iterations} of them in steps that "
-        f"failed and were halved; {len(result.factors)} steps in the end"
-    )
     return {
         "plain_converged": True,
         "plain_steps": len(result.factors),
@@ -111,6 +98,4 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

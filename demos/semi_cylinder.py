@@ -27,29 +27,20 @@ mesh, 0.003 per factor e.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from any_shell import KNOWN, about_x, any_shell
+from command_line import in_results, one_of, run
+from records import of_loading
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 RADIUS, LENGTH, THICKNESS, FORCE = 1.016, 3.048, 0.03, 2000.0
 UNITS = Units(length="length")
-Formulation = fl.ShellFormulation | Callable[..., fl.SmoothPatch]
-"""An element, or what a thin shell lies on."""
-FORMULATIONS: dict[str, Formulation] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-    "thin": fl.smooth_patch,
-    "spline": fl.spline_patch,
-}
 # load factor: deflection of the crown
 REFERENCE = {
     "isotropic": {0.1: 0.161973, 0.2: 0.377751, 0.4: 1.145485, 0.7: 1.532459, 1.0: 1.717351},
@@ -74,21 +65,9 @@ def place(a: float, b: float) -> np.ndarray:
     return np.array([LENGTH * b, RADIUS * np.cos(angle), RADIUS * np.sin(angle)])
 
 
-def pinched(mesh: int, layers: fl.ShellSection, formulation: Formulation) -> fl.Scene:
+def pinched(mesh: int, layers: fl.ShellSection, formulation: str) -> fl.Scene:
     """A half with its supports and its load."""
-    shell: fl.Shell | fl.ThinShell
-    if not isinstance(formulation, fl.ShellFormulation):
-        patch = formulation(place, (mesh, mesh))
-        shell = fl.ThinShell(patch, layers, along=(1, 0, 0), name="shell")
-    else:
-        shell = fl.Shell(
-            fl.surface(place, (mesh, mesh)),
-            layers,
-            director=lambda x: np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2]),
-            along=(1, 0, 0),
-            formulation=formulation,
-            name="shell",
-        )
+    shell = any_shell(formulation, place, (mesh, mesh), layers, about_x, along=(1, 0, 0))
     shell.clamp("b=0")
     shell.symmetry("a=0", (0, 0, 1))
     shell.symmetry("a=1", (0, 1, 0))
@@ -105,43 +84,27 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     """``formulation``: default MITC4 for 90/0/90, else HR."""
-    if material not in REFERENCE:
-        raise ValueError(f"material must be one of {', '.join(REFERENCE)}, got {material}")
+    one_of("material", material, REFERENCE)
     if formulation is None:
         formulation = "MITC4" if material == "90/0/90" else "HR"
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
+    one_of("formulation", formulation, KNOWN)
     reference = REFERENCE[material]
-    result = fl.follow_loads(
-        pinched(mesh, section(material), FORMULATIONS[formulation]), list(reference)
-    )
+    result = fl.follow_loads(pinched(mesh, section(material), formulation), list(reference))
     found = RADIUS - result.position("shell.11")[:, 2]
     errors = found / np.array(list(reference.values())) - 1.0
-    print("load  deflection  reference  error")
-    for row in zip(reference, found, reference.values(), errors, strict=True):
-        print("{:4.2f} {:11.5f} {:10.5f}  {:+.2%}".format(*row))
-    record = {
+    if pictures:
+        file = in_results("semi_cylinder.png")
+        result.picture(file, title="Pinched semi-cylinder, a half", units=UNITS)
+    return {
         "mesh": mesh,
         "material": material,
         "formulation": formulation,
         "deflection_a": float(found[-1]),
         "error_a": float(errors[-1]),
         "path_error": float(np.abs(errors).max()),
-        "load_steps": result.load_steps,
-        "iterations": result.total_iterations,
-        "failed_iterations": result.failed_iterations,
-        "seconds": result.seconds,
+        **of_loading(result),
     }
-    print("{iterations} linear solutions in {load_steps} steps, {seconds:.2f} s".format(**record))
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "semi_cylinder.png"
-        result.picture(picture, title="Pinched semi-cylinder, a half", units=UNITS)
-        print(f"picture: {picture}")
-    return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

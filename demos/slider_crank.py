@@ -22,15 +22,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from extrapolation import extrapolated, largest_errors, order
+from records import of_motion, off_chord
 
 import fem_lie as fl
 
-try:
-    from demos.extrapolation import extrapolated, order, print_errors
-except ModuleNotFoundError:  # started as a script
-    from extrapolation import extrapolated, order, print_errors
-
-RESULTS = Path(__file__).parents[1] / "results"
 PIVOT, CRANK_END, SLIDER = np.array([[0, 0.1, 0.12], [0, 0.1, 0.2], [0.2, 0, 0]])
 SPEED, ROD_MASS, ROD_RADIUS = 6.0, 0.5, 0.008
 
@@ -94,10 +91,10 @@ def main(
         both = np.column_stack([0.2 + result.coordinate(guide), result.coordinate(pivot)])
         results.append(both[1:])
     limit = extrapolated(results)
-    reference = REFERENCE[1 : len(result.times), 1:]
-    if elements:
-        print("away from the rigid reference:")
-    errors, away = print_errors(("slider [m]", "crank [rad]"), results, reference)
+    errors, away = largest_errors(results, REFERENCE[1 : len(result.times), 1:])
+    if pictures:
+        file = in_results("slider_crank.png")
+        result.picture(file, trace=["crank.centre"], title="Spatial slider-crank")
     record: dict[str, Any] = {
         "elements": elements,
         "step": step,
@@ -110,34 +107,13 @@ def main(
         "change": np.abs(limit - results[-1]).max(axis=0).tolist(),
         "energy_error": result.energy_error,
         "violation": float(result.joint_violations.max()),
-        "iterations_per_step": float(result.iterations[-1] * h / duration),
-        "seconds": result.seconds,
+        **of_motion(result, round(duration / h)),
     }
-    print(f"energy {result.energy_error:.1e}, joints open by {record['violation']:.1e}")
     if elements:
-        record["deflection"] = deflection(result)
-        print(f"largest deflection of the rod over its length: {record['deflection']:.3f}")
-        for t in (0.25, 0.5, 0.75, 1.0):
-            if f"{t:g}" in record["angles"]:
-                print(f"crank at {t:4} s, extrapolated: {record['angles'][f'{t:g}']:.6f} rad")
-    if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        file = RESULTS / "slider_crank.png"
-        result.picture(file, trace=["crank.centre"], title="Spatial slider-crank")
-        print(f"picture: {file}")
+        away, length = off_chord(result.frames[:, result.info.body("rod").nodes, 0])
+        record["deflection"] = float((away / length).max())
     return record
 
 
-def deflection(result: fl.Result) -> float:
-    """Largest distance of the rod's nodes from the line through its ends, over that."""
-    x = result.frames[:, result.info.body("rod").nodes, 0]
-    chord = x[:, -1:] - x[:, :1]
-    length = np.linalg.norm(chord, axis=2, keepdims=True)
-    across = np.cross(x - x[:, :1], chord) / length
-    return float((np.linalg.norm(across, axis=2) / length[:, 0]).max())
-
-
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

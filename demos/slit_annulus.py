@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 INNER, OUTER, THICKNESS, FORCE = 6.0, 10.0, 0.03, 0.8
 REFERENCE = 13.850, 17.487
 PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
@@ -72,18 +72,11 @@ def main(
     }
     for name, value in zip("ab", REFERENCE, strict=True):
         record[f"error_{name}"] = record[f"deflection_{name}"] / value - 1.0
-    print("inner corner {deflection_a:.3f}, outer corner {deflection_b:.3f}".format(**record))
-    print("reference    {:.3f}, outer corner {:.3f}".format(*REFERENCE))
-    print("{iterations} linear solutions in {load_steps} steps, {seconds:.2f} s".format(**record))
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "slit_annulus.png"
+        picture = in_results("slit_annulus.png")
         result.picture(picture, title="Slit annular plate", units=UNITS)
-        print(f"picture: {picture}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -25,14 +25,14 @@ makes matrices stale here is the cable, though, whose stiffness across is its te
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from reference.impulse import balance
 
 import fem_lie as fl
 
-RESULTS = Path(__file__).parents[1] / "results"
 SIZE = np.array([0.2, 0.2, 0.05])
 RUBBER = fl.NeoHooke(5e6, 0.45, 1200.0)
 SPIN, RADIUS = 10.0, 0.8
@@ -76,36 +76,6 @@ def origin_of(body: fl.Solid) -> float:
     return float(body.places[:, 2].min())
 
 
-def forces_on_hub(result: fl.Result, joints: list[fl.Joint]) -> np.ndarray:
-    """Of all joints together, global components, shape (steps, 3), and of each."""
-    found = []
-    for joint in joints:
-        axes = result.rotation(joint.a) @ joint.frame()[1:].T
-        found.append(np.einsum("tij,tj->ti", axes, result.joint_force(joint)[:, :3]))
-    return np.array(found)
-
-
-def momentum(result: fl.Result, body: fl.Solid) -> np.ndarray:
-    """Of the hub, shape (steps, 3)."""
-    nodes = result.info.body("hub").nodes
-    masses = fl.BulkLoad(body, (RUBBER.density, 0, 0)).nodal()[:, 0]
-    axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, :3]
-    return np.einsum("n,tnij,tni->tj", masses, axes, local)
-
-
-def balance(result: fl.Result, body: fl.Solid, joints: list[fl.Joint], step: float) -> float:
-    """Largest difference of impulse and momentum, see above."""
-    alpha_m, alpha_f = (2 * RADIUS - 1) / (RADIUS + 1), RADIUS / (RADIUS + 1)
-    gamma = 0.5 + alpha_f - alpha_m
-    each, P = forces_on_hub(result, joints), momentum(result, body)
-    F = each.sum(axis=0)
-    mixed = (1 - alpha_f) * F[1:] + alpha_f * F[:-1]
-    force = gamma * mixed[1:] + (1 - gamma) * mixed[:-1]
-    change = np.diff(P, axis=0) / step
-    gap = (1 - alpha_m) * change[1:] + alpha_m * change[:-1] - force
-    return float(np.abs(gap[1:]).max() / np.abs(each).max())
-
-
 def main(
     cells: int = 2,
     elements: int = 4,
@@ -125,24 +95,18 @@ def main(
         "factorisations": result.factorisations,
         "refreshed_borders": result.phi_updates,
         "iterations": int(result.iterations[-1]),
-        "force_balance": balance(result, body, joints, step),
+        "force_balance": balance(result, body, joints, step, RUBBER.density, RADIUS),
         "spin_error": float(np.abs(spin / spin[0] - 1).max()),
         "energy_error": float(result.energy_error),
         "violation": float(np.abs(result.joint_violations).max()),
         "seconds": result.seconds,
     }
-    for name, value in record.items():
-        print(f"{name:18} {value:.3g}" if isinstance(value, float) else f"{name:18} {value}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        result.picture(RESULTS / "solid_hub.png")
+        result.picture(in_results("solid_hub.png"))
         stresses = fl.solid_stresses(result, body)
-        stresses.picture(RESULTS / "solid_hub_stress.png", title="von Mises stress of the hub")
-        print(f"pictures: {RESULTS / 'solid_hub.png'}, {RESULTS / 'solid_hub_stress.png'}")
+        stresses.picture(in_results("solid_hub_stress.png"), title="von Mises stress of the hub")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -16,6 +16,7 @@ import time
 from typing import Any
 
 import numpy as np
+from command_line import run
 
 import fem_lie as fl
 
@@ -77,12 +78,8 @@ def main(unknowns: float = 1e4, steps: int = 100, cells: int = CELLS) -> dict[st
         "momentum_error": result.momentum_error,
         "angular_momentum_error": result.angular_momentum_error,
     }
-    for name, value in record.items():
-        print(f"{name:26}{value:.4g}" if isinstance(value, float) else f"{name:26}{value}")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -13,17 +13,14 @@ is the change of an energy. The energy-decaying scheme damps the same waves, and
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import run
+from diagrams import COLOURS, diagram
+from double_pendulum import pendulum
 
 import fem_lie as fl
-
-try:
-    from demos.double_pendulum import RESULTS, pendulum
-except ModuleNotFoundError:  # started as a script
-    from double_pendulum import RESULTS, pendulum
 
 SCHEMES = {
     "trapezoidal": fl.GeneralisedAlpha(radius=1.0),
@@ -38,7 +35,6 @@ def main(
 ) -> dict[str, Any]:
     record: dict[str, Any] = {"step": step, "duration": duration, "elements": elements}
     histories = {}
-    print(f"{'':20}{'until, s':>10}{'energy, least':>15}{'largest':>12}{'ang. mom.':>12}")
     for name, scheme in SCHEMES.items():
         scene, _, _ = pendulum(1, elements)
         try:
@@ -57,10 +53,6 @@ def main(
                 result.iterations[-1] / max(1, round(result.times[-1] / step))
             ),
         }
-        print(
-            f"{name:20}{result.times[-1]:10.3f}{energy.min():15.12f}{energy.max():12.6f}"
-            f"{result.angular_momentum_error:12.1e}{'   failed' if failed else ''}"
-        )
     if pictures:
         draw(histories)
     return record
@@ -68,25 +60,11 @@ def main(
 
 def draw(histories: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Leave a diagram of the energies."""
-    from matplotlib.figure import Figure
-
-    from fem_lie.pictures.diagrams import COLOURS
-
-    RESULTS.mkdir(exist_ok=True)
-    figure = Figure(figsize=(7, 4), layout="constrained")
-    axes = figure.subplots()
-    for (name, (times, energy)), colour in zip(histories.items(), COLOURS, strict=False):
-        axes.plot(times, energy, lw=0.9, label=name.replace("_", "-"), color=colour)
-    axes.set_ylim(0.9, 1.2)
-    axes.set_xlabel("time, s")
-    axes.set_ylabel("energy over that at the start")
-    axes.legend()
-    path = Path(RESULTS) / "stiff_energy.png"
-    figure.savefig(path, dpi=150)
-    print(f"picture: {path}")
+    with diagram("stiff_energy.png") as axes:
+        for (name, (times, energy)), colour in zip(histories.items(), COLOURS, strict=False):
+            axes.plot(times, energy, lw=0.9, label=name.replace("_", "-"), color=colour)
+        axes.set(xlabel="time [s]", ylabel="energy over that at the start", ylim=(0.9, 1.2))
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

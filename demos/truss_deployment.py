@@ -56,6 +56,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
@@ -63,7 +64,6 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie._arrays import Array
 
-RESULTS = Path(__file__).parents[1] / "results"
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 DIAMETERS = {"stiff": (0.055, 0.08), "thin": (0.023, 0.024)}
 POLICIES: dict[str, fl.Policy] = {
@@ -245,23 +245,6 @@ def _check(cells: int, tubes: str, policy: str, driven: int) -> None:
 
 def report(record: dict[str, Any]) -> None:
     """Print a record as rows of Table 1."""
-    print(
-        "{cells} cells, {bars} bars, {tubes} tubes, policy {policy}, h = {step:g} s".format(
-            **record
-        )
-    )
-    print("steps   iterations (per step)   updates of K   of constraints   ms per step")
-    print(
-        f"{record['steps']:5} {record['iterations']:12} "
-        f"({record['iterations'] / record['steps']:.2f})"
-        f"{record['k_updates']:17}{record['phi_updates']:17}{record['ms_per_step']:14.2f}"
-    )
-    print(
-        f"largest deflection {100 * record['max_deflection']:.3f} % of the length, strain "
-        f"{record['max_strain']:.1e}, corners off by {record['off_at_end']:.1e} m at the end "
-        f"and by {record['posture_error']:.1e} m in equilibrium",
-        flush=True,
-    )
 
 
 def main(
@@ -320,15 +303,11 @@ def main(
     }
     report(record)
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        name = RESULTS / f"truss_deployment_{tubes}"
+        name = in_results(f"truss_deployment_{tubes}")
         picture(result, truss, name.with_suffix(".png"))
         result.animate(name.with_suffix(".gif"), title=f"Deployable truss, {tubes} tubes")
-        print(f"pictures: {name}.png, {name}.gif")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -16,14 +16,13 @@ energy then falls in every step, momenta stay.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 
 import fem_lie as fl
 
-RESULTS = Path(__file__).parents[1] / "results"
 FORMULATIONS = {
     "displacement": fl.Displacement(),
     "hr": fl.HellingerReissner(),
@@ -89,8 +88,6 @@ def main(
         "seconds": result.seconds,
         "ms_per_step": 1e3 * result.seconds / steps,
     }
-    for name, value in record.items():
-        print(f"{name:26}{value:.4g}" if isinstance(value, float) else f"{name:26}{value}")
     if pictures:
         draw(result)
     return record
@@ -98,16 +95,12 @@ def main(
 
 def draw(result: fl.Result) -> None:
     """Leave pictures of the flight, the energies and the momenta."""
-    RESULTS.mkdir(exist_ok=True)
-    name = RESULTS / "tumbling_plate"
+    name = in_results("tumbling_plate")
     times = np.linspace(0.0, min(0.5, float(result.times[-1])), 6)
     result.picture(f"{name}.png", times=times, title="A tumbling plate")
     result.plot_energies(f"{name}_energies.png")
     result.plot_momentum(f"{name}_momenta.png")
-    print(f"pictures: {name}*.png")
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -19,16 +19,14 @@ digits. tip_x, tip_y, tip_z are the *displacement* of the tip.
 from __future__ import annotations
 
 from math import log2, pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from command_line import in_results, run
+from diagrams import COLOURS, diagram
 
 import fem_lie as fl
-from fem_lie.pictures.diagrams import COLOURS
 
-RESULTS = Path(__file__).parents[1] / "results"
 REFERENCE = np.array([-1.141526, -1.718053346, -3.59321324])
 LENGTH = 10.0
 STIFFNESS = [2.5e10, 8.2604167e9, 8.2604167e9, 1.41872656e8, 5.20833e8, 1.30208333e8]
@@ -63,47 +61,31 @@ def solve(elements: int, load_steps: int) -> tuple[dict[str, Any], fl.StaticResu
 
 
 def main(elements: int = 16, load_steps: int = 2, pictures: bool = True) -> dict[str, Any]:
-    print("elements  displacement x  y          z          error  iterations")
     errors = {}
     for count in sorted({4, 8, 16, 32, elements}):
         numbers, result, scene = solve(count, load_steps)
         errors[count] = numbers["tip_error"]
-        print(
-            f"{count:8}  {numbers['tip_x']:.6f}  {numbers['tip_y']:.6f}  {numbers['tip_z']:.6f}"
-            f"  {numbers['tip_error']:.1e} {numbers['iterations']:11}"
-        )
         if count == elements:
             record, chosen, shown = numbers, result, scene
-    print("reference {:.6f}  {:.6f}  {:.6f}".format(*REFERENCE))
     record["order"] = log2(errors[8] / errors[32]) / 2
-    print(f"observed order from 8 to 32 elements: {record['order']:.2f}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        names = ("twisted_beam", "twisted_beam_frames", "twisted_beam_convergence")
-        bent, frames, diagram = (RESULTS / f"{name}.png" for name in names)
+        bent, frames = in_results("twisted_beam.png"), in_results("twisted_beam_frames.png")
         chosen.picture(bent, trace=["blade.end"], title="Beam with a pre-twist of 90°")
         shown.picture(frames, frames=True, title="Nodal frames of a twisted beam")
-        plot_errors(errors, diagram)
-        print(f"pictures: {bent}, {frames}, {diagram}")
+        plot_errors(errors)
     return record
 
 
-def plot_errors(errors: dict[int, float], path: Path) -> None:
+def plot_errors(errors: dict[int, float]) -> None:
     """Error over elements."""
-    figure = Figure(figsize=(6.0, 4.0), dpi=150, layout="constrained")
-    axes = figure.subplots()
     count, error = np.array(list(errors)), np.array(list(errors.values()))
-    axes.loglog(count, error, "o-", color=COLOURS[0], label="geodesic element")
-    axes.loglog(count, 0.5 * error[0] * (count[0] / count) ** 2, "k:", label="second order")
-    axes.set(xlabel="elements", ylabel="error of the tip, relative", title="Twisted beam")
-    axes.set_xticks(count, [str(n) for n in count])
-    axes.minorticks_off()
-    axes.grid(color="#DDDDDD", linewidth=0.6)
-    axes.legend(frameon=False)
-    figure.savefig(path)
+    with diagram("twisted_beam_convergence.png") as axes:
+        axes.loglog(count, error, "o-", color=COLOURS[0], label="geodesic element")
+        axes.loglog(count, 0.5 * error[0] * (count[0] / count) ** 2, "k:", label="second order")
+        axes.set(xlabel="elements", ylabel="error of the tip, relative", title="Twisted beam")
+        axes.set_xticks(count, [str(n) for n in count])
+        axes.minorticks_off()
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -10,19 +10,14 @@ rises by less than it goes up and down. The bars are those of double_pendulum.py
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
+from double_pendulum import STEP, pendulum
 
 import fem_lie as fl
 
-try:
-    from demos.double_pendulum import STEP, pendulum
-except ModuleNotFoundError:  # started as a script
-    from double_pendulum import STEP, pendulum
-
-RESULTS = Path(__file__).parents[1] / "results"
 INERTIA = [
     [3783.42, 352.9, 484.74],
     [352.9, 3776.16, 469.74],
@@ -71,18 +66,12 @@ def main(
         "seconds": result.seconds,
         "ms_per_step": 1e3 * result.seconds / steps,
     }
-    for name, value in record.items():
-        print(f"{name:26}{value:.4g}" if isinstance(value, float) else f"{name:26}{value}")
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        name = RESULTS / "variational_pendulum"
+        name = in_results("variational_pendulum")
         result.plot_energies(f"{name}_energies.png")
         result.plot_momentum(f"{name}_momenta.png")
-        print(f"pictures: {name}*.png")
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

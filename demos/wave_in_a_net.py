@@ -10,16 +10,15 @@ processor without those that the run takes to begin: those of two runs are compa
 
 from __future__ import annotations
 
-from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
+from command_line import in_results, run
 from matplotlib.figure import Figure
 
 import fem_lie as fl
 
-RESULTS = Path(__file__).parents[1] / "results"
 STRETCH, BLOW = 1.05, 2.0
 THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
 
@@ -52,16 +51,16 @@ def main(
     limit = scheme.stable_step(scene)
     step = courant * limit
 
-    def run(count: int, every: int) -> tuple[fl.Result, float]:
+    def timed(count: int, every: int) -> tuple[fl.Result, float]:
         start = process_time()
         result = scheme.run(scene, duration=count * step, step=step, save_every=every)
         return result, process_time() - start
 
-    run(1, 1)
-    _, begun = run(1, 1)
+    timed(1, 1)
+    _, begun = timed(1, 1)
     # all that is kept takes time of its own
-    _, seconds = run(steps + 1, steps + 1)
-    result, _ = run(steps, max(1, steps // 50))
+    _, seconds = timed(steps + 1, steps + 1)
+    result, _ = timed(steps, max(1, steps // 50))
     elements, energy = len(net.elements), result.total_energy
     third = len(energy) // 3
     early, late = energy[:third].mean(), energy[-third:].mean()
@@ -77,8 +76,6 @@ def main(
         "highest": float(np.abs(result.frames[:, :, 0, 2]).max()),
         "ns_per_element_step": 1e9 * (seconds - begun) / (steps * elements),
     }
-    for name, value in record.items():
-        print(f"{name:26}{value:.4g}" if isinstance(value, float) else f"{name:26}{value}")
     if pictures:
         draw(result, result.info.body(net.name).nodes, cells)
     return record
@@ -86,7 +83,6 @@ def main(
 
 def draw(result: fl.Result, nodes: np.ndarray, cells: int) -> None:
     """The height of the net at six times."""
-    RESULTS.mkdir(exist_ok=True)
     figure = Figure(figsize=(9.0, 6.0), dpi=150, layout="constrained")
     axes = figure.subplots(2, 3).ravel()
     rows = np.linspace(1, len(result.times) - 1, 6).astype(int)
@@ -96,11 +92,8 @@ def draw(result: fl.Result, nodes: np.ndarray, cells: int) -> None:
         image = ax.imshow(height.T, origin="lower", cmap="RdBu", vmin=-most, vmax=most)
         ax.set(title=f"t = {1e3 * result.times[row]:.1f} ms", xticks=[], yticks=[])
     figure.colorbar(image, ax=axes.tolist(), label="height, m", shrink=0.7)
-    figure.savefig(RESULTS / "wave_in_a_net.png")
-    print(f"picture: {RESULTS / 'wave_in_a_net.png'}")
+    figure.savefig(in_results("wave_in_a_net.png"))
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

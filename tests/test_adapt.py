@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import effectivity
-from demos import adaptive_shell
+from demos import adaptive_cylinder, adaptive_shell
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 PLAIN = fl.Geodesic(bending_flexibility=False)
@@ -175,10 +175,10 @@ def test_names_and_area_survive():
 
 
 def test_new_points_lie_on_the_true_surface():
-    mesh = adaptive_shell.eighth()
-    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_shell.on_cylinder)
+    mesh = adaptive_cylinder.eighth()
+    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_cylinder.on_cylinder)
     radius = np.hypot(*fine.points[:, 1:].T)
-    np.testing.assert_allclose(radius, adaptive_shell.RADIUS, rtol=1e-12)
+    np.testing.assert_allclose(radius, adaptive_cylinder.RADIUS, rtol=1e-12)
 
 
 # --- the loop -------------------------------------------------------------------------------------

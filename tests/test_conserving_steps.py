@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from demos.time_error import TIP, rigid_pendulum, tip
 from fem_lie.solve.motion.step_control import Control, StepChoice
 from fem_lie.solve.motion.variable_steps import VariableSteps
+from studies.time_error import TIP, rigid_pendulum, tip
 from tests.test_energy_momentum import bars
 from tests.test_time_error import Alternating, arm_that_stops, jump, pushed
 

@@ -18,6 +18,10 @@ def main(demo: str, **parameters):
     return importlib.import_module(f"demos.{demo}").main(pictures=False, **parameters)
 
 
+def study(name: str, **parameters):
+    return importlib.import_module(f"studies.{name}").main(pictures=False, **parameters)
+
+
 def tip(record) -> np.ndarray:
     return np.array([record[f"tip_{axis}"] for axis in "xyz"])
 
@@ -168,7 +172,7 @@ def test_free_rigid_body():
 
 def test_free_rigid_body_of_the_paper():
     """Second order in spite of the kinks of its loads."""
-    coarse, fine = (main("free_rigid_body", case="paper", step=h) for h in (1e-3, 2.5e-4))
+    coarse, fine = (main("tumbling_body", case="paper", step=h) for h in (1e-3, 2.5e-4))
     for name, bound in (
         ("rotation_error", 1e-4),
         ("angular_velocity_error", 1e-3),
@@ -180,7 +184,7 @@ def test_free_rigid_body_of_the_paper():
 
 
 def test_free_rigid_body_about_its_middle_axis():
-    record = main("free_rigid_body", case="dzhanibekov", step=1e-3)
+    record = main("tumbling_body", case="dzhanibekov", step=1e-3)
     assert record["rotation_error"] <= 2e-5
     assert record["angular_velocity_error"] <= 2e-5
     assert record["energy_error"] <= 1e-6
@@ -206,7 +210,7 @@ def test_heavy_top_with_the_cayley_map():
 
 def test_local_frame_claims():
     """What turns as a whole: the same motion with a fraction of the factorisations."""
-    record = main("local_frame_claims", scene="net")
+    record = study("local_frame_claims", scene="net")
     assert record["factorisations_inertial"] >= 10 * record["factorisations_local"]
     assert record["factorisations_inertial_limit"] >= 10 * record["factorisations_local_limit"]
     assert record["error_local"] == pytest.approx(record["error_inertial"], rel=0.1)
@@ -220,15 +224,15 @@ def test_bad_options():
     with pytest.raises(ValueError, match="no reference time is met"):
         main("heavy_top", step=3e-3, duration=0.03)
     with pytest.raises(ValueError, match=r"scene must be one of pendulum, .*, got 'rope'"):
-        main("local_frame_claims", scene="rope")
-    with pytest.raises(ValueError, match="case must be 1, 2 or 3, got 4"):
+        study("local_frame_claims", scene="rope")
+    with pytest.raises(ValueError, match="case must be one of 1, 2, 3, got 4"):
         main("double_pendulum", case=4)
-    with pytest.raises(ValueError, match=r"formulation must be one of geodesic, .*, got none such"):
+    with pytest.raises(ValueError, match=r"formulation must be one of geo.*, got 'none such'"):
         main("bend45", formulation="none such")
     with pytest.raises(ValueError, match=r"policy must be one of automatic, .*, got 'often'"):
         main("double_pendulum", policy="often")
-    with pytest.raises(ValueError, match=r"case must be symmetric, paper or .*, got 'heavy'"):
-        main("free_rigid_body", case="heavy")
+    with pytest.raises(ValueError, match="case must be one of paper, dzhanibekov, got 'heavy'"):
+        main("tumbling_body", case="heavy")
 
 
 def test_command_line(tmp_path):
@@ -237,7 +241,7 @@ def test_command_line(tmp_path):
     command = [sys.executable, "demos/rollup.py", "--elements", "4", "--load-steps", "7"]
     command += ["--stiffness-ratio", "1e5", "--no-pictures", "--json", str(file)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    assert "4 elements" in done.stdout
+    assert re.search(r"elements +4\n", done.stdout)
     record = json.loads(file.read_text())
     assert (record["elements"], record["load_steps"]) == (4, 7)
     assert all(isfinite(value) for value in record.values())
@@ -248,15 +252,15 @@ def test_command_line_says_what_is_wrong():
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     # before it a first run says that it compiles
-    assert done.stderr.endswith("double_pendulum.py: case must be 1, 2 or 3, got 4\n")
+    assert done.stderr.endswith("double_pendulum.py: case must be one of 1, 2, 3, got 4\n")
 
 
 def test_pictures(tmp_path, monkeypatch):
     bend45 = importlib.import_module("demos.bend45")
-    monkeypatch.setattr(bend45, "RESULTS", tmp_path)
+    monkeypatch.setattr("command_line.RESULTS", tmp_path)
     bend45.main(elements=4)
     sizes = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
-    assert set(sizes) == {"bend45.png", "bend45_convergence.png", "bend45_forces.png"}
+    assert set(sizes) == {"bend45.png", "bend45_forces.png"}
     assert min(sizes.values()) > 10_000
 
 
@@ -285,7 +289,7 @@ def test_rotating_beam():
 
 def test_speed_against_error(tmp_path):
     """Slopes are those of the theory; fewer resolutions than in docs/speed_against_error.csv."""
-    record = main("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)
+    record = study("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)
     for key, expected in record.items():
         if key.startswith("expected_order_"):
             assert record[key.removeprefix("expected_")] == pytest.approx(expected, abs=0.15), key

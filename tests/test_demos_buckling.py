@@ -92,7 +92,7 @@ def test_compressed_cylinder_bears_the_classical_load_if_perfect():
 
 def test_knock_down_by_a_mode_is_koiters():
     """One cell of one width; all of them by the demo itself."""
-    module = demo("cylinder_knock_down")
+    module = importlib.import_module("studies.cylinder_knock_down")
     # the formula's own limit
     assert module.koiter_pattern(1e-3)[0] == pytest.approx(module.koiter(1e-3), rel=1e-3)
     theory, tau = module.koiter_pattern(0.5)
@@ -110,7 +110,7 @@ def test_spherical_cap_snaps_where_its_meridian_does():
 
 def test_meridian_of_a_shallow_cap_obeys_reissners_equations(monkeypatch):
     """What the shallow theory leaves out is of the order (H/a)^2: at 0.05 they differ by 3.4e-3."""
-    module = demo("spherical_cap")
+    module = demo("reference.spherical_cap")
     monkeypatch.setattr(module, "RISE", 0.01)
     monkeypatch.setattr(module, "RADIUS", (1 + 0.01**2) / 0.02)
     t = module.thickness_of(5.0)

@@ -10,10 +10,14 @@ def main(demo: str, **parameters):
     return importlib.import_module(f"demos.{demo}").main(pictures=False, **parameters)
 
 
+def study(name: str, **parameters):
+    return importlib.import_module(f"studies.{name}").main(pictures=False, **parameters)
+
+
 @pytest.mark.parametrize("case", [1, 2, 3])
 def test_pendulums(case):
     """Bounds are those of a million steps."""
-    record = main("pendulum_conservation", case=case, steps=1000)
+    record = study("pendulum_conservation", case=case, steps=1000)
     bound = 2e-11 if case == 2 else 5e-12
     assert record["energy_error"] <= bound
     assert record["angular_momentum_error"] <= bound
@@ -23,7 +27,7 @@ def test_pendulums(case):
 
 def test_tip_of_the_pendulum():
     """Exudyn with the same elements; converged in time to 2e-7 m there and to 1e-5 m here."""
-    record = main("pendulum_conservation", case=1, steps=5000, step=2e-4)
+    record = study("pendulum_conservation", case=1, steps=5000, step=2e-4)
     reference = np.array([-0.25256, -0.71726, 0.22333])
     tip = np.array([record[f"tip_{axis}"] for axis in "xyz"])
     assert np.linalg.norm(tip - reference) <= 1e-4
@@ -31,7 +35,7 @@ def test_tip_of_the_pendulum():
 
 
 def test_decaying_pendulum():
-    record = main("pendulum_conservation", case=1, steps=500, decaying=0.8, save_every=1)
+    record = study("pendulum_conservation", case=1, steps=500, decaying=0.8, save_every=1)
     assert record["largest_energy_gain"] <= 1e-15
     assert record["angular_momentum_error"] <= 5e-12
 
@@ -54,14 +58,14 @@ def test_stiff_energy():
 
 
 def test_conservation_against_time():
-    record = main("conservation_against_time", repeats=1, steps=4)
+    record = study("conservation_against_time", repeats=1, steps=4)
     assert record["energy_momentum_order"] >= 1.8
     assert record["energy_momentum_energy_error"] <= 1e-12
 
 
 def test_order_four():
     """In configuration, velocity and joint forces."""
-    record = main("order_four", steps=50, speed=False)
+    record = study("order_four", steps=50, speed=False)
     orders = {key: value for key, value in record.items() if key.startswith("order")}
     assert len(orders) == 6
     assert all(abs(order - 4.0) <= 0.1 for order in orders.values()), orders

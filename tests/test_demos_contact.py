@@ -51,7 +51,7 @@ def test_crossing_beams():
 
 
 def test_rod_in_box_has_no_other_ends():
-    with pytest.raises(ValueError, match="--ends must be square or spheres, got 'round'"):
+    with pytest.raises(ValueError, match="--ends must be one of square, spheres, got 'round'"):
         DEMO.main(ends="round", pictures=False)
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from demos.time_error import TIP, rigid_pendulum, tip
-from demos.variable_step import four_bar
 from fem_lie import lie
 from fem_lie.solve.motion.step_control import Control, StepChoice
+from studies.time_error import TIP, rigid_pendulum, tip
+from studies.variable_step import four_bar
 
 PARTS = 10
 # of second order, an error measured by a step in PARTS parts lacks that of the parts

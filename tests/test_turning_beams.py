@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from demos.rotating_beam import angle
+from demos.spin_up import angle
 from fem_lie import lie
 from fem_lie.solve.conserving.between import mean_forces
 from fem_lie.solve.conserving.between.cayley import span

@@ -1,6 +1,6 @@
-"""The numbers of all demos, and whether two versions of the code give the same.
+"""The numbers of all demos and studies, and whether two versions of the code give the same.
 
-Each demo runs with its defaults, or ``--short`` where that takes long, without pictures, and writes
+Each runs with its defaults, or ``--short`` where that takes long, without pictures, and writes
 its record (``--json``) into a folder; two folders are compared number by number, but for times:
 relative to their size, or to 1 where they are smaller. It runs the demos of the folder it is called
 in, with the environment it is called with; ``tools/run`` is that of its own checkout.
@@ -20,8 +20,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-DEMOS = Path("demos")
-HELPERS = ("command_line", "extrapolation")
+DEMOS, STUDIES = Path("demos"), Path("studies")
+HELPERS = ("__init__", "any_shell", "command_line", "diagrams", "extrapolation", "records")
 SHORT = {
     "bricard": "--duration 2",
     "compressed_cylinder": "--mesh 6 --ratios 100,200",
@@ -45,8 +45,15 @@ TOLERANCE = 1e-10
 
 
 def demos() -> list[str]:
-    """Names of all demos."""
-    return sorted(file.stem for file in DEMOS.glob("*.py") if file.stem not in HELPERS)
+    """Names of all demos and studies."""
+    files = (*DEMOS.glob("*.py"), *STUDIES.glob("*.py"))
+    return sorted(file.stem for file in files if file.stem not in HELPERS)
+
+
+def how(name: str) -> list[str]:
+    """What Python is given to run a demo or study."""
+    study = (STUDIES / f"{name}.py").exists()
+    return ["-m", f"studies.{name}"] if study else [f"demos/{name}.py"]
 
 
 def make(folder: Path, names: list[str], limit: float, *, short: bool) -> None:
@@ -55,7 +62,7 @@ def make(folder: Path, names: list[str], limit: float, *, short: bool) -> None:
     for name in names:
         record, start = folder.absolute() / f"{name}.json", time.perf_counter()
         options = SHORT.get(name, "").split() if short else []
-        command = [sys.executable, f"demos/{name}.py", "--no-pictures", "--json", str(record)]
+        command = [sys.executable, *how(name), "--no-pictures", "--json", str(record)]
         command += options
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=limit)

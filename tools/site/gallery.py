@@ -1,4 +1,4 @@
-"""One page for each demo: what it says of itself, picture, last run beside its reference, code.
+"""A page for each demo and study: what it says of itself, picture, last run, code.
 
 Nothing is run: pictures, what was printed and records are those of ``docs/gallery``, which
 ``tools/run python3 -m tools.site.gallery [NAME…]`` makes anew with the options of
@@ -29,33 +29,46 @@ GROUPS = {
         "stiff_energy rings catenary"
     ),
     "Shells": (
-        "hemisphere semi_cylinder linear_shells pulled_cylinder pinched_cylinder slit_annulus "
-        "cantilever_shear cantilever_moment laminate i_beam_shell adaptive_shell"
+        "hemisphere semi_cylinder pulled_cylinder pinched_cylinder slit_annulus "
+        "cantilever_shear cantilever_moment laminate i_beam_shell adaptive_shell adaptive_cylinder"
     ),
     "Solids": "cooks_membrane solid_hub",
     "Buckling and snapping": (
         "euler_column deep_arch hinged_roof lateral_torsional spherical_cap bistable_strip "
-        "compressed_cylinder cylinder_knock_down"
+        "compressed_cylinder"
     ),
     "Mechanisms": (
         "four_bar double_four_bar bricard governor slider_crank truss_deployment rolling_disc "
         "rod_in_box"
     ),
     "Motion": (
-        "double_pendulum heavy_top free_rigid_body rotating_beam flapping_plate tumbling_plate "
-        "wave_in_a_net space_net pendulum_conservation variational_pendulum"
+        "double_pendulum heavy_top free_rigid_body tumbling_body rotating_beam spin_up "
+        "flapping_plate tumbling_plate wave_in_a_net space_net variational_pendulum"
     ),
     "Studies": (
         "local_frame_claims speed_against_error speed_against_error_shells order_four time_error "
-        "variable_step conservation_against_time"
+        "variable_step conservation_against_time cylinder_knock_down "
+        "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups"
     ),
 }
 
 
 def demos() -> list[str]:
-    """Names of all demos."""
-    files = (ROOT / "demos").glob("*.py")
+    """Names of all demos and studies."""
+    files = (*(ROOT / "demos").glob("*.py"), *(ROOT / "studies").glob("*.py"))
     return sorted(file.stem for file in files if file.stem not in HELPERS)
+
+
+def script(name: str) -> Path:
+    """Where the code of a demo or study is, from the root."""
+    demo = Path("demos") / f"{name}.py"
+    return demo if (ROOT / demo).exists() else Path("studies") / f"{name}.py"
+
+
+def command(name: str) -> list[str]:
+    """What Python is given to run it."""
+    file = script(name)
+    return [str(file)] if file.parent.name == "demos" else ["-m", f"studies.{name}"]
 
 
 def grouped() -> dict[str, list[str]]:
@@ -70,7 +83,7 @@ def grouped() -> dict[str, list[str]]:
 
 def said(name: str) -> tuple[str, str]:
     """First line and rest of what a demo says of itself."""
-    source = (ROOT / "demos" / f"{name}.py").read_text(encoding="utf-8")
+    source = (ROOT / script(name)).read_text(encoding="utf-8")
     text = ast.get_docstring(ast.parse(source)) or ""
     first, _, rest = text.partition("\n")
     return first, rest.strip()
@@ -85,16 +98,16 @@ def title(name: str) -> str:
 def page(name: str) -> str:
     """A demo, in Markdown."""
     first, rest = said(name)
-    options = " ".join(["", *SHORT.get(name, "").split()])
+    given = " ".join([*command(name), *SHORT.get(name, "").split()])
     parts = [f"# {title(name)}", first, *_escaped(rest)]
     parts += [f"![{first.rstrip('.')}]({file.name})" for file in pictures(name)]
     output, record = KEPT / f"{name}.txt", KEPT / f"{name}.json"
     if output.exists():
-        parts += ["## Last run", f"`tools/run python3 demos/{name}.py{options}`"]
+        parts += ["## Last run", f"`tools/run python3 {given}`"]
         parts += [f"```text\n{output.read_text(encoding='utf-8').rstrip()}\n```"]
     if record.exists():
         parts += [f":::{{dropdown}} Its record (`--json`)\n{table(record)}\n:::"]
-    parts += ["## Code", f"```{{literalinclude}} ../../demos/{name}.py\n:language: python\n```"]
+    parts += ["## Code", f"```{{literalinclude}} ../../{script(name)}\n:language: python\n```"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -147,9 +160,9 @@ def write(docs: Path) -> None:
 def make(name: str) -> None:
     """Run a demo, and keep its record, what it prints and its pictures."""
     start, results = time.time(), ROOT / "results"
-    command = [sys.executable, f"demos/{name}.py", "--json", str(KEPT / f"{name}.json")]
-    command += SHORT.get(name, "").split()
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    words = [sys.executable, *command(name), "--json", str(KEPT / f"{name}.json")]
+    words += SHORT.get(name, "").split()
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
     told = done.stdout.replace(f"{ROOT}/", "")
     (KEPT / f"{name}.txt").write_text(told, encoding="utf-8")
     for file in sorted(results.glob("*.png")):

@@ -24,74 +24,39 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import fem_lie as fl
+from demos.any_shell import KNOWN, AnyShell, about_x, any_shell
+from demos.command_line import in_results, one_of, run
 from fem_lie.pictures.units import Units
 
 HERE = Path(__file__).parent
-RESULTS = HERE.parent / "results"
 SMALL = 1e-6
 UNITS = Units(length="length")
-AnyShell = fl.ShellFormulation | Callable[..., fl.SmoothPatch]
-"""An element, or what a thin shell lies on."""
-FORMULATIONS: dict[str, AnyShell] = {
-    "HR": fl.HellingerReissner(),
-    "HW": fl.HuWashizu(),
-    "MITC4": fl.Displacement(),
-    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
-    "thin": fl.smooth_patch,
-    "spline": fl.spline_patch,
-}
 
 
 class Case(NamedTuple):
     """A problem: its scene, where and along what the deflection is taken, and how large it is."""
 
-    build: Callable[[int, AnyShell], fl.Scene]
+    build: Callable[[int, str], fl.Scene]
     point: str
     direction: tuple[float, float, float]
     value: float
 
 
-def _scene(*things: Any) -> fl.Scene:
-    scene = fl.Scene()
-    for thing in things:
-        scene.add(thing)
-    return scene
-
-
-def _shell(
-    place: Callable[[float, float], np.ndarray],
-    cells: tuple[int, int],
-    section: fl.ShellSection,
-    formulation: AnyShell,
-    director: Callable[[np.ndarray], np.ndarray],
-) -> fl.Shell | fl.ThinShell:
-    """On a mesh, or a thin one on a patch; edges and corners have the same names."""
-    if not isinstance(formulation, fl.ShellFormulation):
-        return fl.ThinShell(formulation(place, cells), section, name="shell")
-    mesh = fl.surface(place, cells)
-    return fl.Shell(mesh, section, director=director, formulation=formulation, name="shell")
-
-
-def _about_x(x: np.ndarray) -> np.ndarray:
-    """Normal of a cylinder about the axis x."""
-    return np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2])
-
-
-def _cylinder(
+def part(
     mesh: int,
     length: float,
     radius: float,
     angles: tuple[float, float],
     section: fl.ShellSection,
-    formulation: AnyShell,
-) -> fl.Shell | fl.ThinShell:
+    formulation: str,
+) -> AnyShell:
     """Curves a=0 and a=1 at the two angles from z, b=0 in the middle, b=1 with a diaphragm."""
 
     def place(a: float, b: float) -> np.ndarray:
         angle = np.radians(angles[0] + a * (angles[1] - angles[0]))
         return np.array([length * b, -radius * np.sin(angle), radius * np.cos(angle)])
 
-    shell = _shell(place, (mesh, mesh), section, formulation, _about_x)
+    shell = any_shell(formulation, place, (mesh, mesh), section, about_x)
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     for direction in ((0, 1, 0), (0, 0, 1)):
@@ -99,37 +64,35 @@ def _cylinder(
     return shell
 
 
-def scordelis_lo(mesh: int, formulation: AnyShell) -> fl.Scene:
+def scordelis_lo(mesh: int, formulation: str) -> fl.Scene:
     section = fl.ShellSection.layer(0.25, fl.Material(4.32e8, 0.0, 1.0))
-    shell = _cylinder(mesh, 25.0, 25.0, (0.0, 40.0), section, formulation)
-    return _scene(shell, fl.AreaLoad(shell, force=(0, 0, -90.0)))
+    shell = part(mesh, 25.0, 25.0, (0.0, 40.0), section, formulation)
+    return scene_of(shell, fl.AreaLoad(shell, force=(0, 0, -90.0)))
 
 
-def cylinder(mesh: int, formulation: AnyShell) -> fl.Scene:
+def cylinder(mesh: int, formulation: str) -> fl.Scene:
     section = fl.ShellSection.layer(3.0, fl.Material(3e6, 0.3, 1.0))
-    shell = _cylinder(mesh, 300.0, 300.0, (0.0, 90.0), section, formulation)
+    shell = part(mesh, 300.0, 300.0, (0.0, 90.0), section, formulation)
     shell.symmetry("a=1", (0, 0, 1))
-    return _scene(shell, fl.PointLoad(shell["00"], force=(0, 0, -0.25)))
+    return scene_of(shell, fl.PointLoad(shell["00"], force=(0, 0, -0.25)))
 
 
-def hemisphere(mesh: int, formulation: AnyShell) -> fl.Scene:
+def hemisphere(mesh: int, formulation: str) -> fl.Scene:
     def place(a: float, b: float) -> np.ndarray:
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         level = np.cos(height)
         return 10 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(height)])
 
     section = fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0))
-    shell = _shell(place, (mesh, mesh), section, formulation, lambda x: x / 10)
+    shell = any_shell(formulation, place, (mesh, mesh), section, lambda x: x / 10)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.guide("00", (0, 0, 1))
     outward = fl.PointLoad(shell["00"], force=(1, 0, 0))
-    return _scene(shell, outward, fl.PointLoad(shell["10"], force=(0, -1, 0)))
+    return scene_of(shell, outward, fl.PointLoad(shell["10"], force=(0, -1, 0)))
 
 
-def twisted(
-    thickness: float, force: tuple[float, float, float]
-) -> Callable[[int, AnyShell], fl.Scene]:
+def twisted(thickness: float, force: tuple[float, float, float]) -> Callable[[int, str], fl.Scene]:
     """At the end the width is along z, at the root along y; ``mesh`` cells across, six along."""
 
     def place(a: float, b: float) -> np.ndarray:
@@ -143,13 +106,21 @@ def twisted(
         n = np.cross(turn + np.array([1.0, 0.0, 0.0]), across)
         return n / np.linalg.norm(n)
 
-    def build(mesh: int, formulation: AnyShell) -> fl.Scene:
+    def build(mesh: int, formulation: str) -> fl.Scene:
         section = fl.ShellSection.layer(thickness, fl.Material(29e6, 0.22, 1.0))
-        shell = _shell(place, (6 * mesh, mesh), section, formulation, normal)
+        shell = any_shell(formulation, place, (6 * mesh, mesh), section, normal)
         shell.clamp("a=0")
-        return _scene(shell, fl.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
+        return scene_of(shell, fl.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
 
     return build
+
+
+def scene_of(*things: Any) -> fl.Scene:
+    """With all of them."""
+    scene = fl.Scene()
+    for thing in things:
+        scene.add(thing)
+    return scene
 
 
 # the end of the twisted strip stays straight: its corner moves as its middle does
@@ -164,7 +135,7 @@ CASES = {
 }
 
 
-def deflection(case: Case, mesh: int, formulation: AnyShell) -> float:
+def deflection(case: Case, mesh: int, formulation: str) -> float:
     """Under the full load, if everything stayed linear."""
     result = fl.follow_loads(case.build(mesh, formulation), [SMALL])
     (shell,) = result.info.bodies
@@ -180,31 +151,21 @@ def deflection(case: Case, mesh: int, formulation: AnyShell) -> float:
 def main(
     case: str = "all", mesh: int = 16, formulation: str = "HR", pictures: bool = True
 ) -> dict[str, Any]:
-    if case != "all" and case not in CASES:
-        raise ValueError(f"case must be all or one of {', '.join(CASES)}, got {case}")
-    if formulation not in FORMULATIONS:
-        raise ValueError(f"formulation must be one of {', '.join(FORMULATIONS)}, got {formulation}")
+    one_of("case", case, ["all", *CASES])
+    one_of("formulation", formulation, KNOWN)
     record: dict[str, Any] = {"mesh": mesh, "formulation": formulation}
-    print(f"{'':14} deflection   reference   ratio")
     for name in CASES if case == "all" else (case,):
         # the twisted strip is narrow, and has six times as many cells along
         count = max(1, mesh // 8) if CASES[name].point == "middle" else mesh
-        value = deflection(CASES[name], count, FORMULATIONS[formulation])
+        value = deflection(CASES[name], count, formulation)
         record[name] = value
         record[f"ratio_{name}"] = value / CASES[name].value
-        print(
-            f"{name:14} {value:10.5e}  {CASES[name].value:10.5e}  {value / CASES[name].value:.4f}"
-        )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        picture = RESULTS / "linear_shells.png"
-        roof = fl.follow_loads(scordelis_lo(mesh, FORMULATIONS[formulation]), [10.0])
-        roof.picture(picture, title="Scordelis-Lo roof under ten times its load", units=UNITS)
-        print(f"picture: {picture}")
+        roof = fl.follow_loads(scordelis_lo(mesh, formulation), [10.0])
+        title = "Scordelis-Lo roof under ten times its load"
+        roof.picture(in_results("linear_shells.png"), title=title, units=UNITS)
     return record
 
 
 if __name__ == "__main__":
-    from command_line import run
-
-    run(main)
+    run(main, show=True)

@@ -22,19 +22,17 @@ load of several widths counts.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 import fem_lie as fl
+from demos.command_line import RESULTS, run
+from demos.compressed_cylinder import cell, outward
+from demos.diagrams import diagram
+from demos.reference.compressed_cylinder import KOITER, koiter
 from fem_lie.pictures.diagrams import COLOURS
-
-try:
-    from demos.compressed_cylinder import KOITER, RESULTS, cell, knock_down_diagram, koiter, outward
-except ModuleNotFoundError:  # started as a script
-    from compressed_cylinder import KOITER, RESULTS, cell, knock_down_diagram, koiter, outward
 
 AMPLITUDES = (0.1, 0.5, 1.0)
 SLIMNESS = (0.85, 1.0, 1.15)  # times that of the formula
@@ -148,28 +146,25 @@ def main(mesh: int = 6, ratios: str = "100,500", pictures: bool = True) -> dict[
         "{from_koiter:.3f} of the classical load".format(**record)
     )
     if pictures:
-        RESULTS.mkdir(exist_ok=True)
-        diagram = RESULTS / "cylinder_knock_down.png"
-        plot(record["loads"], diagram)
-        print(f"picture: {diagram}")
+        plot(record["loads"])
+        print(f"picture: {RESULTS / 'cylinder_knock_down.png'}")
     return record
 
 
-def plot(loads: dict[float, dict[float, Any]], path: Path) -> None:
+def plot(loads: dict[float, dict[float, Any]]) -> None:
     """Loads over amplitude beside Koiter's curve."""
-    figure, axes = knock_down_diagram()
     fine = 1.05 * np.linspace(0.0, 1.0, 60) ** 2
-    axes.plot(fine, [koiter(d) for d in fine], "--", color="#777777", label="Koiter 1963, small d")
     curve = [1.0] + [koiter_pattern(d)[0] for d in fine[1:]]
-    axes.plot(fine, curve, color="black", label="one term, any pattern")
-    for (ratio, found), colour, mark in zip(loads.items(), COLOURS, "os^", strict=False):
-        values = [of["load"] for of in found.values()]
-        axes.plot(found.keys(), values, mark, color=colour, label=f"R/t = {ratio:g}")
-    axes.legend(frameon=False)
-    figure.savefig(path)
+    small = [koiter(d) for d in fine]
+    with diagram("cylinder_knock_down.png") as axes:
+        axes.set(xlabel="amplitude of the rings over t", ylabel="load over the classical one")
+        axes.set_ylim(0.0, 1.05)
+        axes.plot(fine, small, "--", color="#777777", label="Koiter 1963, small d")
+        axes.plot(fine, curve, color="black", label="one term, any pattern")
+        for (ratio, found), colour, mark in zip(loads.items(), COLOURS, "os^", strict=False):
+            values = [of["load"] for of in found.values()]
+            axes.plot(found.keys(), values, mark, color=colour, label=f"R/t = {ratio:g}")
 
 
 if __name__ == "__main__":
-    from command_line import run
-
     run(main)

@@ -33,11 +33,9 @@ from typing import Any
 import numpy as np
 
 import fem_lie as fl
-
-try:
-    from demos.double_pendulum import REFERENCE_TIP, RESULTS, STEP, deflection, pendulum
-except ModuleNotFoundError:  # started as a script
-    from double_pendulum import REFERENCE_TIP, RESULTS, STEP, deflection, pendulum
+from demos.command_line import RESULTS, run
+from demos.double_pendulum import REFERENCE_TIP, STEP, pendulum
+from demos.records import deflection
 
 PAPER = {1: (5.0e-12, 7.0e-10), 2: (1.7e-5, 1.0e-5), 3: (4.9e-9, 9.1e-3)}
 """Largest relative errors of energy and angular momentum that the paper reports."""
@@ -185,6 +183,4 @@ def errors(result: fl.Result, path: Path, case: int) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
-
     run(main)

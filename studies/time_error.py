@@ -283,6 +283,6 @@ def save(figure: Figure, name: str) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

@@ -187,6 +187,6 @@ def draw(result: fl.Result, adaptive: np.ndarray, constant: np.ndarray) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

@@ -146,6 +146,6 @@ def draw(rows: list[Row], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

@@ -26,13 +26,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
-
-try:
-    from demos.double_pendulum import pendulum
-    from demos.speed_against_error import DURATION, LENGTH
-except ModuleNotFoundError:  # started as a script
-    from double_pendulum import pendulum
-    from speed_against_error import DURATION, LENGTH
+from demos.double_pendulum import pendulum
+from studies.speed_against_error import DURATION, LENGTH
 
 RESULTS = Path(__file__).parents[1] / "results"
 SOFT = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e7, nu=0.3, density=1200.0))
@@ -172,6 +167,6 @@ def draw(tables: dict[str, list[tuple[float, float]]]) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

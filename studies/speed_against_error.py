@@ -209,6 +209,6 @@ def draw(statics: dict[str, list[Row]], dynamics: dict[str, list[Row]], path: Pa
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

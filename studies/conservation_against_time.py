@@ -7,8 +7,6 @@ only round-off changes, and with the tolerance of generalised-alpha) and energy-
 smaller steps; largest change of the total energy over the energy in play. Seconds are those of the
 time loop, the best of several runs.
 
-    python3 demos/conservation_against_time.py
-
 An invariant that is kept is not a motion that is right: all schemes are of second order, and their
 errors of motion at equal steps are close to each other. What conservation buys is that nothing of
 it is lost or gained in the long run, at two to three times the iterations.
@@ -110,6 +108,6 @@ def draw(rows: list[tuple[str, float, float, float, float]]) -> None:
 
 
 if __name__ == "__main__":
-    from command_line import run
+    from demos.command_line import run
 
     run(main)

@@ -276,6 +276,6 @@ def draw(records: dict[str, dict[str, Any]], results: dict[str, fl.Result]) -> N
 
 
 if __name__ == "__main__":
-    from command_line import run as command
+    from demos.command_line import run as command
 
     command(main, without={"scene": all_scenes})

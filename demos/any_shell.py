@@ -1,0 +1,51 @@
+"""A shell of any formulation on a map of the unit square, by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+import fem_lie as fl
+
+AnyShell = fl.Shell | fl.ThinShell
+FORMULATIONS: dict[str, fl.ShellFormulation] = {
+    "HR": fl.HellingerReissner(),
+    "HW": fl.HuWashizu(),
+    "MITC4": fl.Displacement(),
+    "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
+}
+PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
+"""What thin shells, without shear, lie on: the surface itself, or a spline through its nodes."""
+KNOWN = [*FORMULATIONS, *PATCHES]
+
+
+def any_shell(
+    formulation: str,
+    place: Callable[[float, float], np.ndarray],
+    cells: tuple[int, int],
+    section: fl.ShellSection,
+    director: Callable[[np.ndarray], np.ndarray],
+    *,
+    along: tuple[float, float, float] | None = None,
+    name: str = "shell",
+) -> AnyShell:
+    """On a mesh, or a thin one on a patch; edges and corners have the same names."""
+    if formulation in PATCHES:
+        patch = PATCHES[formulation](place, cells)
+        if along is None:
+            return fl.ThinShell(patch, section, name=name)
+        return fl.ThinShell(patch, section, along=along, name=name)
+    return fl.Shell(
+        fl.surface(place, cells),
+        section,
+        director=director,
+        along=along,
+        formulation=FORMULATIONS[formulation],
+        name=name,
+    )
+
+
+def about_x(x: np.ndarray) -> np.ndarray:
+    """Normal of a cylinder about the axis x."""
+    return np.array([0.0, x[1], x[2]]) / np.hypot(x[1], x[2])

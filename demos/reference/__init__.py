@@ -1,0 +1,1 @@
+"""What demos are compared with: closed forms, equations solved otherwise, tables."""

@@ -1,0 +1,1 @@
+"""Studies: tables and sweeps of what the demos show once. Each runs as ``-m studies.NAME``."""
