@@ -63,5 +63,5 @@ def test_demos_are_short(demo):
 
 
 def test_what_is_code():
-    source = '"""Of a\nmodule."""\n\n# why\nx = [\n    1,\n]\n\n\ndef f():\n    """Docs."""\n    return x\n'
-    assert lines_of_code(source) == 5
+    head = '"""Of a\nmodule."""\n\n# why\nx = [\n    1,\n]\n\n\n'
+    assert lines_of_code(head + 'def f():\n    """Docs."""\n    return x\n') == 5
