@@ -14,18 +14,18 @@ with --step, half of it and so on are extrapolated.
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import in_results, run
 from extrapolation import largest_errors, order
+from reference.tables import table
 
 import fem_lie as fl
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], float)
 AXES = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]], float)
-REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "bricard.csv", delimiter=",")
+REFERENCE = table("bricard")
 EVERY = 0.25
 """Time between two rows of the reference."""
 

@@ -1,4 +1,4 @@
-"""A cable hangs between two points: the elastic catenary; then it hangs from one, and swings.
+"""A cable hangs between two points: the elastic catenary.
 
 Unstretched length L = 10 between (0, 0) and (8, 1), weight w = 10 per unstretched length, stiffness
 EA = 1e4, no bending. The tension has the horizontal part H, which is constant, and at arc length s
@@ -12,11 +12,7 @@ that is longer than it by a hundredth, so that it is taut. sag_error is the larg
 node from its place on the catenary over the sag of that below the chord, iterations are those of
 Newton's method for the whole load. Bending stiffness, which sections have, is EI = 1e-10 EA L^2.
 
-Hung from one end, with a point mass M = w L/(10 g) at the other, it swings across with frequencies
-of Bessel's functions of p = 2 omega sqrt(M/(rho g)) and q = 2 omega sqrt(M/(rho g) + L/g), if it
-does not stretch (EA = 1e7 here): Y_2(p) J_0(q) = J_2(p) Y_0(q). frequency_error is that of the
-first three. Without the mass the free end would have no tension, and turn against its bending
-alone.
+The record has the error of the frequencies of hanging_cable.py, too.
 
 The element can be chosen by --element:
 
@@ -40,20 +36,11 @@ from __future__ import annotations
 from math import log2
 from typing import Any
 
+import hanging_cable
 import numpy as np
 from command_line import one_of, run
 from diagrams import COLOURS, diagram
-from reference.catenary import (
-    GRAVITY,
-    LENGTH,
-    RISE,
-    SPAN,
-    STRETCH,
-    catenary,
-    exact_frequencies,
-    parabola,
-    sag,
-)
+from reference.catenary import GRAVITY, LENGTH, RISE, SPAN, STRETCH, catenary, parabola, sag
 
 import fem_lie as fl
 from fem_lie.mesh.curves import curve
@@ -70,15 +57,15 @@ ELEMENTS: dict[str, fl.Formulation | fl.AncfElement] = {
 }
 
 
-def section(stiffness: float, longer: float = 1.0) -> fl.Section:
+def section(longer: float = 1.0) -> fl.Section:
     """Per length of a line that is so many times as long as the cable."""
     bending = 1e-10 * STRETCH * LENGTH**2
-    return fl.Section.from_stiffness([longer * stiffness] * 3 + [bending] * 3, mass=1.0 / longer)
+    return fl.Section.from_stiffness([longer * STRETCH] * 3 + [bending] * 3, mass=1.0 / longer)
 
 
 def laid(element: str, elements: int) -> Cable:
     """The cable at the start."""
-    made, own = ELEMENTS[element], section(STRETCH)
+    made, own = ELEMENTS[element], section()
     if isinstance(made, fl.IsogeometricCable):
         place, s = parabola(1.0), np.linspace(0, 1, elements + 1)
         rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
@@ -88,7 +75,7 @@ def laid(element: str, elements: int) -> Cable:
     if isinstance(made, fl.AncfElement):
         return fl.AncfBeam(mesh, own, length=LENGTH, formulation=made, name="cable")
     if isinstance(made, fl.Kirchhoff):
-        return fl.Rod(mesh, section(STRETCH, LONGER), formulation=made, name="cable")
+        return fl.Rod(mesh, section(LONGER), formulation=made, name="cable")
     return fl.Cable(mesh, own, length=LENGTH, formulation=made, name="cable")
 
 
@@ -120,29 +107,13 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
     return record, result, cable
 
 
-def swing(element: str, elements: int) -> float:
-    """Error of the first three frequencies of the cable hung from one end."""
-    made, own = ELEMENTS[element], section(1e7)
-    mesh = curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
-    cable = fl.Cable(mesh, own, formulation=made)
-    mass = fl.RigidBody(0.1 * LENGTH, (1e-3,) * 3, position=(0, 0, -LENGTH))
-    mass.held[0, 3:] = True
-    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
-    for body in (cable, mass):
-        scene.add(body)
-    scene.add(fl.Spherical(cable.end, mass.centre))
-    cable.pin(cable.start)
-    found = fl.vibrations(scene, 6, at=fl.statics(scene)).frequencies
-    return float(np.abs(found / np.repeat(exact_frequencies(), 2) - 1).max())
-
-
 def main(element: str = "cable", elements: int = 32, pictures: bool = True) -> dict[str, Any]:
     one_of("element", element, ELEMENTS)
     record, result, cable = hang(element, elements)
     coarse, fine = (hang(element, count)[0]["sag_error"] for count in (8, 32))
     record["order"] = log2(coarse / fine) / 2
     if element in ("cable", "discrete"):  # EA = 1e7 is not strained enough for the others
-        record["frequency_error"] = swing(element, elements)
+        record |= hanging_cable.main(element, elements)
     if pictures:
         plot(cable.frames[:, 0], result.frames[-1][:, 0])
     return record

@@ -14,6 +14,8 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_type_hints
 
+from mpi4py import MPI
+
 Record = dict[str, Any]
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -47,7 +49,7 @@ def run(
         record = chosen(**given)
     except ValueError as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
-    if show:
+    if show and MPI.COMM_WORLD.rank == 0:
         print(table(record))
         for picture in _written_since(start):
             print(f"picture: {picture}")

@@ -21,20 +21,20 @@ digits of the posture make of it: it asks for that when its increments fall no m
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import in_results, run
 from extrapolation import extrapolated
+from reference.tables import table
 
 import fem_lie as fl
 
-REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "double_four_bar.csv", delimiter=",")
-INERTIA = (1e-9, 1.0 / 12.0, 1.0 / 12.0)
-LARGEST = 0.02
-"""Largest variable step, s."""
+REFERENCE = table("double_four_bar")
+INERTIA, HALF = (1e-9, 1.0 / 12.0, 1.0 / 12.0), np.array([0.5, 0.0, 0.0])
+Scheme = fl.GeneralisedAlpha | fl.EnergyMomentum
+Step = float | fl.AdaptiveStep
+Found = tuple[fl.Result, np.ndarray, dict[str, Any]]
 
 
 def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) -> fl.Scene:
@@ -54,8 +54,7 @@ def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) 
         place = np.array([k + 0.5, 0.0, 0.0]) + along
         bar = scene.add(fl.RigidBody(1.0, INERTIA, place, name=f"top {k}"))
         bar.move(np.cross(-speed * z, along))
-        half = np.array([0.5, 0.0, 0.0])
-        left, right = place - half, place + half
+        left, right = place - HALF, place + HALF
         scene.add(fl.Revolute(upright[k].centre, bar.centre, at=left, axis=z))
         if pins:
             for normal in np.eye(3)[:2]:
@@ -73,10 +72,10 @@ def parallel(result: fl.Result) -> float:
     return float(np.abs(np.arctan2(cross, dot)).max())
 
 
-def attempt(go: Callable[[], fl.Result]) -> tuple[fl.Result, np.ndarray, dict[str, Any]]:
+def attempt(scheme: Scheme, scene: fl.Scene, duration: float, step: Step) -> Found:
     """One run, as far as it comes: what is found, the path of a corner, and how good they are."""
     try:
-        result = go()
+        result = scheme.run(scene, duration=duration, step=step)
     except fl.ConvergenceError as error:
         result = error.result
     rows = REFERENCE[REFERENCE[:, 0] <= result.times[-1] * (1 + 1e-12)]
@@ -98,24 +97,18 @@ def main(
     pictures: bool = True,
 ) -> dict[str, Any]:
     """``runs``: constant steps of step, step/2 and so on; each must divide 0.5 s."""
-    alpha = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance)
-    found = []
-    for h in (step / 2**k for k in range(runs)):
-        found.append(attempt(lambda h=h: alpha.run(mechanism(), duration=duration, step=h)))
-    variable, pinned = fl.AdaptiveStep(1e-3, largest=LARGEST), mechanism(pins=True)
-    ways = {
-        "pins": lambda: alpha.run(pinned, duration=duration, step=step),
-        "variable": lambda: alpha.run(mechanism(), duration=duration, step=variable),
-        "conserving": lambda: fl.EnergyMomentum().run(pinned, duration=duration, step=step),
-    }
+    alpha, conserving = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance), fl.EnergyMomentum()
+    halves, variable = [step / 2**k for k in range(runs)], fl.AdaptiveStep(1e-3, largest=0.02)
+    found = [attempt(alpha, mechanism(), duration, h) for h in halves]
     shared = min(len(path) for _, path, _ in found)
     limit = extrapolated([path[:shared] for _, path, _ in found])
     if pictures:
-        file = in_results("double_four_bar.png")
-        found[-1][0].picture(file, title="Double four-bar mechanism")
+        found[-1][0].picture(in_results("double_four_bar.png"), title="Double four-bar mechanism")
     return {
         "hinges": found[-1][2],
-        **{name: attempt(go)[2] for name, go in ways.items()},
+        "pins": attempt(alpha, mechanism(pins=True), duration, step)[2],
+        "variable": attempt(alpha, mechanism(), duration, variable)[2],
+        "conserving": attempt(conserving, mechanism(pins=True), duration, step)[2],
         "step": step,
         "errors": [numbers["error"] for _, _, numbers in found],
         "extrapolated": float(np.abs(limit - REFERENCE[:shared, 1:3]).max()),

@@ -25,13 +25,12 @@ from typing import Any
 
 from command_line import in_results, run
 from records import of_path
-from reference.euler_column import BETA, GROWS, LENGTH, elastica
+from reference.euler_column import BETA, FARTHEST, LENGTH, deflection_error
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
 
 BENDING, RATIO = 1.0, 1e6
-FARTHEST = {"fixed-free": 1.0, "pinned-pinned": 0.5, "fixed-pinned": 0.5, "fixed-fixed": 0.5}
 
 
 def column(ends: str, elements: int) -> tuple[fl.Scene, fl.Beam]:
@@ -76,17 +75,12 @@ def study(
     if file is not None:
         others = [(path, path.observed["deflection"]) for path in (straight, imperfect)]
         over = (1.0, "load over Euler's")
+        units = Units(length="length")
         branch.plot_path(
-            "deflection",
-            file,
-            label="deflection",
-            load=over,
-            others=others,
-            units=Units(length="length"),
+            "deflection", file, label="deflection", load=over, others=others, units=units
         )
     # the load is referred to the one at which this column buckles
-    exact = elastica(load / point.factor, ends) if ends in GROWS else None
-    error = deflection / exact - 1.0 if exact else None
+    error = deflection_error(deflection, load / point.factor, ends)
     effort = of_path(straight, branch, imperfect)
     effort["load_steps"] += 3  # the first states were looked for, too
     return {

@@ -37,55 +37,32 @@ import numpy as np
 from command_line import in_results, run
 from diagrams import COLOURS, diagram
 from records import of_motion
-from reference.flapping_plate import BEAT, CHORD, DENSITY, INERTIA, LENGTH, THICKNESS, E, beam_tip
+from reference import flapping_plate as given
+from reference.flapping_plate import BEAT, LENGTH, beam_tip, energy_error
 
 import fem_lie as fl
 from fem_lie import lie
 
 
-def moment(amplitude: float, time: float) -> float:
-    """Per length of the root, about y: a positive amplitude lifts the tip."""
-    return float(amplitude * INERTIA * BEAT**2 * np.sin(BEAT * time))
-
-
-def sheet(cells: tuple[int, int], amplitude: float, nu: float) -> fl.Scene:
-    """The hinged sheet with its drive."""
-    wing = fl.Shell(
-        fl.surface(lambda a, b: (LENGTH * a, CHORD * b, 0.0), cells),
-        fl.ShellSection.layer(THICKNESS, fl.Material(E, nu, DENSITY)),
-        name="wing",
-    )
+def sheet(cells: tuple[int, int], A: float, nu: float) -> fl.Scene:
+    """The hinged sheet with its drive of amplitude ``A``."""
+    mesh = fl.surface(lambda a, b: (LENGTH * a, given.CHORD * b, 0.0), cells)
+    section = fl.ShellSection.layer(given.THICKNESS, fl.Material(given.E, nu, given.DENSITY))
+    wing = fl.Shell(mesh, section, name="wing")
     wing.hinge("a=0")
-    wing.turn((0.0, -amplitude * BEAT, 0.0), about=(0.0, 0.0, 0.0))
+    wing.turn((0.0, -A * BEAT, 0.0), about=(0.0, 0.0, 0.0))
     scene = fl.Scene()
     scene.add(wing)
-    drive = fl.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: moment(amplitude, t))
-    scene.add(drive)
+    scene.add(fl.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: given.moment(A, t)))
     return scene
 
 
 def flap(
-    cells: tuple[int, int], amplitude: float, nu: float, step: float, periods: float, radius: float
+    cells: tuple[int, int], amplitude: float, nu: float, step: float, periods: float
 ) -> fl.Result:
     """Beat for some periods, in steps of a part of the period."""
     scene, h = sheet(cells, amplitude, nu), 2 * np.pi / BEAT * step
-    duration = round(periods / step) * h
-    return fl.GeneralisedAlpha(radius=radius).run(scene, duration=duration, step=h)
-
-
-def energy_error(result: fl.Result, scene: fl.Scene, amplitude: float) -> float:
-    """Energy against the work of the moment at the root, by the trapezoidal rule."""
-    (wing,) = scene.bodies
-    assert isinstance(wing, fl.Shell)
-    edges, lengths = wing.edges("a=0")
-    nodes = result.info.body("wing").nodes[edges]
-    axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, 3:]
-    rate = np.einsum("ek,teki,teki->t", lengths, axes[..., 1], local)
-    power = rate * np.array([moment(amplitude, t) for t in result.times])
-    steps = 0.5 * (power[1:] + power[:-1]) * np.diff(result.times)
-    energy = result.kinetic + result.elastic
-    gained = np.concatenate([[0.0], np.cumsum(steps)])
-    return float(np.abs(energy - energy[0] - gained).max() / energy.max())
+    return fl.GeneralisedAlpha(radius=0.9).run(scene, duration=round(periods / step) * h, step=h)
 
 
 def main(
@@ -95,17 +72,17 @@ def main(
     periods: float = 2.0,
     pictures: bool = True,
 ) -> dict[str, Any]:
-    A, radius, cells = np.radians(amplitude), 0.9, (mesh, max(mesh // 2, 1))
-    coarse = flap(cells, A, 0.38, step, periods, radius)
-    fine = flap(cells, A, 0.38, step / 2, periods, radius)
-    strip = flap((mesh, 1), 1e-3, 0.0, step, periods, radius)
+    A, cells = np.radians(amplitude), (mesh, max(mesh // 2, 1))
+    coarse = flap(cells, A, 0.38, step, periods)
+    fine = flap(cells, A, 0.38, step / 2, periods)
+    strip = flap((mesh, 1), 1e-3, 0.0, step, periods)
     away = fine.position("wing.10")[::2] - coarse.position("wing.10")
     tip = fine.position("wing.10")[:, 2]
     root = lie.so3_log(fine.rotation("wing.00"))[:, 1]  # the frame of the sheet is that of space
     small, closed = strip.position("wing.10")[:, 2], beam_tip(1e-3, strip.times)
     rigid = 1e-3 * LENGTH * np.sin(BEAT * strip.times)
     if pictures:
-        draw(fine, root, strip.times, small, closed, A)
+        draw(fine, root, strip, A)
     return {
         "mesh": mesh,
         "amplitude": amplitude,
@@ -125,20 +102,14 @@ def main(
     }
 
 
-def draw(
-    result: fl.Result,
-    root: np.ndarray,
-    times: np.ndarray,
-    small: np.ndarray,
-    closed: np.ndarray,
-    amplitude: float,
-) -> None:
+def draw(result: fl.Result, root: np.ndarray, strip: fl.Result, amplitude: float) -> None:
     """The sheet at several times, and root, tip and small amplitudes over time."""
     beat = 2 * np.pi / BEAT
     moments, file = np.linspace(0.25, 0.75, 6) * beat, in_results("flapping_plate.png")
     result.picture(file, moments, trace=["wing.10"], title="Flapping plate")
     t, tip = result.times / beat, result.position("wing.10")
-    rigid = amplitude * np.sin(BEAT * result.times)
+    rigid, times = amplitude * np.sin(BEAT * result.times), strip.times
+    small, closed = strip.position("wing.10")[:, 2], beam_tip(1e-3, times)
     with diagram("flapping_plate_tip.png", panels=2) as (left, right):
         left.plot(t, np.degrees(rigid), ":", color="#777777", label="rigid sheet")
         left.plot(t, -np.degrees(root), color=COLOURS[0], label="root")

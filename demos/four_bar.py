@@ -15,12 +15,12 @@ largest, next to the change of the branch 1 % for N.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import in_results, run
 from records import of_motion
+from reference.tables import table
 
 import fem_lie as fl
 from fem_lie import lie
@@ -30,7 +30,7 @@ SPEED, DEFECT = 0.6, np.radians(5.0)
 THICK = ([5.2992e7, 1.68803e7, 1.68803e7, 733.488, 1130.5, 1130.5], 1.9968, 4.25984e-5)
 THIN = ([1.3248e7, 4.22008e6, 4.22008e6, 45.843, 70.656, 70.656], 0.4992, 2.6624e-6)
 
-REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "four_bar.csv", delimiter=",")
+REFERENCE = table("four_bar")
 PEAKS = np.array([433.4, 44.2, 715.2, 63.9, 119.1, 2.67])
 
 

@@ -20,20 +20,20 @@ so on the limit is extrapolated.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import in_results, one_of, run
 from extrapolation import extrapolated, largest_errors, order
 from records import of_motion
+from reference.tables import table
 
 import fem_lie as fl
 
-ASIDE, START = 0.05, np.radians(60.0)
+ASIDE, START, X = 0.05, np.radians(60.0), np.array([1, 0, 0])
 COLUMNS = {1.0: (0, 1, 2), 0.16: (0, 3, 4)}
 """Columns of the reference for each speed: t, height of the slider, angle of the rods (degrees)."""
-REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "governor.csv", delimiter=",")
+REFERENCE = table("governor")
 FINER, TOLERANCE = 128, 0.1
 """First step over --step, and tolerance of the first milliseconds, m/s over --step."""
 
@@ -41,16 +41,14 @@ FINER, TOLERANCE = 128, 0.1
 def rod(scene: fl.Scene, side: float, axis: fl.RigidBody, slider: fl.RigidBody) -> None:
     """A rod with its mass, hinge and spring."""
     m, end, y = 0.3, 5.0, np.array([0, 1, 0])
-    along = np.array([side * np.sin(START), 0, -np.cos(START)])
-    hinge = np.array([side * ASIDE, 0, 0])
+    hinge, along = side * ASIDE * X, np.array([side * np.sin(START), 0, -np.cos(START)])
     lever = (m * 0.5 + end * 1.0) / (m + end)
     across = m / 3 * (0.005**2 + 0.25) + m * (lever - 0.5) ** 2 + end * (1.0 - lever) ** 2
     inertia = (m / 3 * (2 * 0.005**2), across, across)
     axes = np.column_stack([along, y, np.cross(along, y)])
     body = fl.RigidBody(m + end, inertia, hinge + lever * along, axes, name=f"rod {side:+.0f}")
     scene.add(body)
-    name, turns = f"hinge {side:+}", (0, -side, 0)
-    scene.add(fl.Revolute(axis.centre, body.centre, at=hinge, axis=turns, name=name))
+    scene.add(fl.Revolute(axis.centre, body.centre, at=hinge, axis=(0, -side, 0)))
     middle, bottom = hinge + 0.5 * along, slider.centre.position + hinge
     distance = fl.Distance(body.centre, slider.centre, at=middle, to=bottom)
     scene.add(fl.Spring(distance.length, stiffness=8e5, damping=4e4, rest=0.5))
@@ -62,9 +60,8 @@ def governor(speed: float) -> fl.Scene:
     axis = scene.add(fl.RigidBody(0.3, (0.025, 0.025, 5e-6), (0, 0, 0), name="axis"))
     slider = scene.add(fl.RigidBody(3.0, (0.005, 0.005, 0.005), (0, 0, -0.5), name="slider"))
     scene.add(fl.Revolute(fl.ground(), axis.centre, axis=(0, 0, 1), name="bearing"))
-    scene.add(
-        fl.Prismatic(axis.centre, slider.centre, at=(0, 0, -0.5), axis=(0, 0, 1), name="guide")
-    )
+    low, up = (0, 0, -0.5), (0, 0, 1)
+    scene.add(fl.Prismatic(axis.centre, slider.centre, at=low, axis=up, name="guide"))
     for side in (1.0, -1.0):
         rod(scene, side, axis, slider)
     for body in scene.bodies:
@@ -75,10 +72,9 @@ def governor(speed: float) -> fl.Scene:
 def motion(result: fl.Result, times: Any) -> Any:
     """Height of the slider above its lowest place and angle of a rod in degrees, shape (T, 2)."""
     there = result.resampled(times)
-    s = 1.0 + there.position("slider.centre")[:, 2]
     along = there.rotation("rod +1.centre")[:, :, 0]
     theta = np.degrees(np.arctan2(np.hypot(along[:, 0], along[:, 1]), -along[:, 2]))
-    return np.column_stack([s, theta])
+    return np.column_stack([1.0 + there.position("slider.centre")[:, 2], theta])
 
 
 def main(

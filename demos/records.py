@@ -83,3 +83,9 @@ def of_equal_steps(result: fl.Result) -> dict[str, Any]:
         momentum = components("angular_momentum", result.angular_momentum[row])
         record |= {f"{key}_{name}": value for key, value in momentum.items()}
     return record
+
+
+def bow(result: fl.Result, name: str) -> float:
+    """Largest distance of a bar's nodes from the line through its ends, over the length of that."""
+    away, length = off_chord(result.frames[:, result.info.body(name).nodes, 0])
+    return float((away / length).max())

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from command_line import in_results, one_of, run
+from rigid import axes_along, box_inertia
 
 import fem_lie as fl
 
@@ -40,23 +41,14 @@ REFERENCES = {
 }
 
 
-def inertia(mass: float, edges: np.ndarray) -> np.ndarray:
-    """Principal moments of inertia of a box."""
-    squares = edges**2
-    return mass / 12 * (squares.sum() - squares)
-
-
 def rod_in_box(ends: str, law: fl.Impact | fl.Penalty) -> tuple[fl.Scene, fl.RigidBody, fl.Contact]:
     """The scene, the rod, and what touches."""
-    along = (SECOND - FIRST) / LENGTH
-    across = np.cross((0, 0, 1), along)
-    across /= np.linalg.norm(across)
-    axes = np.stack([along, across, np.cross(along, across)], axis=1)
     edges, middle = np.array([LENGTH, SIDE, SIDE]), (FIRST + SECOND) / 2
     outer, inner = (DENSITY * float(box.prod()) for box in (OUTER, INNER))
-    moments = inertia(outer, OUTER) - inertia(inner, INNER)
+    moments = box_inertia(outer, OUTER) - box_inertia(inner, INNER)
     scene = fl.Scene()
-    rod = scene.add(fl.RigidBody(MASS, inertia(MASS, edges), middle, axes, name="rod"))
+    axes = axes_along(SECOND - FIRST)
+    rod = scene.add(fl.RigidBody(MASS, box_inertia(MASS, edges), middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
     scene.add(fl.PointLoad(rod.centre, (0, 0, -GRAVITY * MASS)))
     balls = fl.Vertices([rod.at(FIRST), rod.at(SECOND)], SIDE / 2)

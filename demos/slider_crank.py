@@ -18,54 +18,47 @@ of 1e-3 leave 0.4 rad there, and only from 1.25e-4 on errors fall with the squar
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import in_results, run
 from extrapolation import extrapolated, largest_errors, order
-from records import of_motion, off_chord
+from records import bow, of_motion
+from reference.tables import table
+from rigid import axes_along
 
 import fem_lie as fl
 
 PIVOT, CRANK_END, SLIDER = np.array([[0, 0.1, 0.12], [0, 0.1, 0.2], [0.2, 0, 0]])
 SPEED, ROD_MASS, ROD_RADIUS = 6.0, 0.5, 0.008
-
-REFERENCE = np.loadtxt(Path(__file__).parent / "reference" / "slider_crank.csv", delimiter=",")
+REFERENCE = table("slider_crank")
+Mechanism = tuple[fl.Scene, fl.Revolute, fl.Prismatic]
 EVERY = 0.05
 """Time between two rows of the reference."""
 
 
-def mechanism(
-    elements: int = 0, modulus: float = 2e8
-) -> tuple[fl.Scene, fl.Revolute, fl.Prismatic]:
+def mechanism(elements: int = 0, modulus: float = 2e8) -> Mechanism:
     """The scene, the crank's and the slider's joint; without elements the rod is rigid."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    crank = scene.add(
-        fl.RigidBody(0.12, (1e-4, 1e-4, 1e-5), 0.5 * (PIVOT + CRANK_END), name="crank")
-    )
+    middle, J = 0.5 * (PIVOT + CRANK_END), (1e-4, 1e-4, 1e-5)
+    crank = scene.add(fl.RigidBody(0.12, J, middle, name="crank"))
     crank.turn((SPEED, 0, 0), about=PIVOT)
     along = (SLIDER - CRANK_END) / 0.3
     velocity_b = np.cross((SPEED, 0, 0), CRANK_END - PIVOT)
-    speed = velocity_b @ along / along[0]
+    speed = np.array([velocity_b @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), SLIDER, name="slider"))
-    slider.move((speed, 0, 0))
+    slider.move(speed)
     if elements:
         density = ROD_MASS / (np.pi * ROD_RADIUS**2 * 0.3)
         section = fl.Section.circle(ROD_RADIUS, fl.Material(modulus, 0.3, density))
         rod = fl.Beam.straight(CRANK_END, SLIDER, section, cells=elements, name="rod")
-        start, end = rod.start, rod.end
     else:
-        across = np.cross((0, 0, 1), along)
-        across /= np.linalg.norm(across)
-        axes = np.column_stack([along, across, np.cross(along, across)])
-        rod = fl.RigidBody(
-            ROD_MASS, (4e-4, 4e-3, 4e-3), 0.5 * (CRANK_END + SLIDER), axes, name="rod"
-        )
-        start = end = rod.centre
+        middle, axes = 0.5 * (CRANK_END + SLIDER), axes_along(along)
+        rod = fl.RigidBody(ROD_MASS, (4e-4, 4e-3, 4e-3), middle, axes, name="rod")
     scene.add(rod)
     rod.move(velocity_b)
-    rod.turn(np.cross(along, np.array([speed, 0, 0]) - velocity_b) / 0.3, about=CRANK_END)
+    rod.turn(np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
+    start, end = (rod.start, rod.end) if elements else (rod.centre, rod.centre)
     pivot = scene.add(fl.Revolute(fl.ground(), crank.centre, at=PIVOT, axis=(1, 0, 0)))
     scene.add(fl.Spherical(crank.centre, start, at=CRANK_END))
     scene.add(fl.Spherical(slider.centre, end, at=SLIDER))
@@ -88,8 +81,8 @@ def main(
     for h in (step / 2**k for k in range(runs)):
         scene, pivot, guide = mechanism(elements, modulus)
         result = scheme.run(scene, duration=duration, step=h, save_every=round(EVERY / h))
-        both = np.column_stack([0.2 + result.coordinate(guide), result.coordinate(pivot)])
-        results.append(both[1:])
+        slide, turn = result.coordinate(guide)[1:], result.coordinate(pivot)[1:]
+        results.append(np.column_stack([0.2 + slide, turn]))
     limit = extrapolated(results)
     errors, away = largest_errors(results, REFERENCE[1 : len(result.times), 1:])
     if pictures:
@@ -110,8 +103,7 @@ def main(
         **of_motion(result, round(duration / h)),
     }
     if elements:
-        away, length = off_chord(result.frames[:, result.info.body("rod").nodes, 0])
-        record["deflection"] = float((away / length).max())
+        record["deflection"] = bow(result, "rod")
     return record
 
 

@@ -17,18 +17,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import pi, sin
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from command_line import one_of, run
 from diagrams import COLOURS, diagram
 from free_rigid_body import angles
+from reference.tables import rotations, table
 
 import fem_lie as fl
-from fem_lie import lie
-
-TABLES = Path(__file__).parent / "reference"
 
 
 def pulsating() -> fl.Scene:
@@ -63,13 +60,6 @@ CASES = {
 }
 
 
-def rotations(quaternions: np.ndarray) -> np.ndarray:
-    """Rotation matrices of unit quaternions (w, x, y, z), shape (T, 3, 3)."""
-    w, v = quaternions[:, :1], quaternions[:, 1:]
-    sine = np.linalg.norm(v, axis=1, keepdims=True)
-    return lie.so3_exp(2.0 * np.arctan2(sine, w) * v / np.where(sine > 0, sine, 1.0))
-
-
 def main(
     case: str = "dzhanibekov",
     step: float = 1e-3,
@@ -82,17 +72,17 @@ def main(
     # turning about the middle axis is unstable: it multiplies what the iteration leaves
     scheme = fl.GeneralisedAlpha(radius=radius, tolerance=1e-11)
     result = scheme.run(make(), duration=duration or whole, step=step)
-    table = np.loadtxt(TABLES / f"{name}.csv", delimiter=",")
-    table = table[table[:, 0] < result.times[-1] + 0.5 * step]
-    rows, R = [result.index(t) for t in table[:, 0]], result.rotation(0)
-    turning = result.velocities[rows, 0, 3:] - table[:, 5:8]
+    exact = table(name)
+    exact = exact[exact[:, 0] < result.times[-1] + 0.5 * step]
+    rows, R = [result.index(t) for t in exact[:, 0]], result.rotation(0)
+    turning = result.velocities[rows, 0, 3:] - exact[:, 5:8]
     if pictures:
-        draw(case, result, table)
+        draw(case, result, exact)
     record: dict[str, Any] = {
         "case": case,
         "step": step,
         "radius": radius,
-        "rotation_error": float(angles(R[rows], rotations(table[:, 1:5])).max(initial=0.0)),
+        "rotation_error": float(angles(R[rows], rotations(exact[:, 1:5])).max(initial=0.0)),
         "angular_velocity_error": float(np.linalg.norm(turning, axis=1).max(initial=0.0)),
         "microseconds_per_step": 1e6 * result.seconds / (len(result.times) - 1),
     }
@@ -100,20 +90,20 @@ def main(
         record["energy_error"] = result.energy_error
         record["angular_momentum_error"] = result.angular_momentum_error
     else:
-        speed = np.einsum("tij,tj->ti", R, result.velocities[:, 0, :3])[rows] - table[:, 8:11]
-        place = result.position(0)[rows] - table[:, 11:]
+        speed = np.einsum("tij,tj->ti", R, result.velocities[:, 0, :3])[rows] - exact[:, 8:11]
+        place = result.position(0)[rows] - exact[:, 11:]
         record["velocity_error"] = float(np.linalg.norm(speed, axis=1).max())
         record["position_error"] = float(np.linalg.norm(place, axis=1).max())
     return record
 
 
-def draw(case: str, result: fl.Result, table: np.ndarray) -> None:
+def draw(case: str, result: fl.Result, exact: np.ndarray) -> None:
     """Angular velocity in the body's axes over time, and the reference."""
     with diagram(f"tumbling_body_{case}.png") as axes:
         for k in range(3):
             turning = result.velocities[:, 0, 3 + k]
             axes.plot(result.times, turning, color=COLOURS[k], label=f"ω{k + 1}")
-            axes.plot(table[:, 0], table[:, 5 + k], "o", color=COLOURS[k], markersize=4)
+            axes.plot(exact[:, 0], exact[:, 5 + k], "o", color=COLOURS[k], markersize=4)
         title = f"{case}; dots: reference"
         axes.set(xlabel="t [s]", ylabel="angular velocity [rad/s]", title=title)
 

@@ -8,6 +8,9 @@ import pytest
 import fem_lie as fl
 
 demo = importlib.import_module("demos.truss_deployment")
+scene = importlib.import_module("demos.truss_scene")
+layout = importlib.import_module("demos.reference.truss")
+study = importlib.import_module("studies.truss_policies")
 
 
 def main(**parameters):
@@ -16,15 +19,15 @@ def main(**parameters):
 
 def test_a_telescope_always_overlaps():
     """Its two tubes are longer than it in every posture, in the side faces and the leaning ones."""
-    for q in np.linspace(demo.START, demo.END, 50):
-        (c0, d0, e0, _), (c1, d1, *_) = (demo.corners(level, q) for level in range(2))
+    for q in np.linspace(layout.START, layout.END, 50):
+        (c0, d0, e0, _), (c1, d1, *_) = (layout.corners(level, q) for level in range(2))
         opening, closing, leaning = (
             np.linalg.norm(b - a) for a, b in ((d0, c1), (c0, d1), (e0, d1))
         )
         assert np.linalg.norm(c1 - c0) == pytest.approx(4.0)
         assert leaning == pytest.approx(np.hypot(2.0, 4.0))
-        assert max(opening, leaning) < 2 * demo.TUBES["opening"] - 0.3
-        assert closing < 2 * demo.TUBES["closing"] - 0.3
+        assert max(opening, leaning) < 2 * scene.TUBES["opening"] - 0.3
+        assert closing < 2 * scene.TUBES["closing"] - 0.3
 
 
 def test_stiff_bars_deploy_with_one_mass_and_stiffness_matrix():
@@ -53,13 +56,13 @@ def test_half_way_the_posture_follows_from_the_layout():
     section = fl.Section.tube(0.0115, 0.012, demo.STEEL)
     truss = demo.Truss(3, section, elements=1, driven=2, choices=fl.Choices())
     assert demo.posture_error(truss, 10.0) < 1e-6
-    assert demo.angle(10.0) == pytest.approx(np.radians(47.5))
+    assert layout.angle(10.0) == pytest.approx(np.radians(47.5))
 
 
 def test_policies_and_components_agree():
     """They decide on the cost, not on the motion; full Newton takes the fewest iterations."""
     thin = {"cells": 1, "tubes": "thin", "step": 2e-2, "duration": 1.2}
-    rows = main(**thin, table=True)["rows"]
+    rows = list(study.main(**thin, elements=2)["rows"].values())
     assert [row["policy"] for row in rows] == 2 * list(demo.POLICIES)
     assert [row["steps"] for row in rows] == 4 * [60] + 4 * [120]
     full, nni4, frozen, auto = rows[:4]

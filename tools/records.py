@@ -21,7 +21,17 @@ from pathlib import Path
 from typing import Any
 
 DEMOS, STUDIES = Path("demos"), Path("studies")
-HELPERS = ("__init__", "any_shell", "command_line", "diagrams", "extrapolation", "records")
+HELPERS = (
+    "__init__",
+    "any_shell",
+    "command_line",
+    "diagrams",
+    "extrapolation",
+    "newton_on_frames",
+    "records",
+    "rigid",
+    "truss_scene",
+)
 SHORT = {
     "bricard": "--duration 2",
     "compressed_cylinder": "--mesh 6 --ratios 100,200",
@@ -35,7 +45,9 @@ SHORT = {
     "slider_crank": "--duration 1",
     "speed_against_error": "--repeats 1 --finest 64 --smallest-step 5e-4",
     "speed_against_error_shells": "--repeats 1 --finest 16",
+    "thin_cylinder": "--mesh 6 --ratios 100,200",
     "truss_deployment": "--duration 2",
+    "truss_policies": "--duration 1",
     "tumbling_plate": "--steps 2000",
 }
 """Options of demos that take over a minute by default."""

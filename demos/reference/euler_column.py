@@ -15,6 +15,8 @@ BETA = {
 }
 """Root of the critical load over EI/L^2."""
 GROWS = {"fixed-free": 1.0, "pinned-pinned": 0.5, "fixed-fixed": 0.25}  # over L
+FARTHEST = {"fixed-free": 1.0, "pinned-pinned": 0.5, "fixed-pinned": 0.5, "fixed-fixed": 0.5}
+"""Where the deflection is largest, over L."""
 
 
 def elastica(over: float, ends: str) -> float:
@@ -23,3 +25,8 @@ def elastica(over: float, ends: str) -> float:
     lever = GROWS[ends] * LENGTH * 2 * np.sqrt(m) / ellipk(m)
     # clamped at both ends it goes that far to either side of its inflections
     return float(2 * lever if ends == "fixed-fixed" else lever)
+
+
+def deflection_error(deflection: float, over: float, ends: str) -> float | None:
+    """Relative; None where the elastica is not known in closed form."""
+    return deflection / elastica(over, ends) - 1.0 if ends in GROWS else None

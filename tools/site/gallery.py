@@ -26,7 +26,7 @@ WIDTH = 900
 GROUPS = {
     "Beams and rods at rest": (
         "rollup bend45 elastica twisted_beam branching_frame own_energy section_properties "
-        "stiff_energy rings catenary"
+        "stiff_energy rings catenary hanging_cable"
     ),
     "Shells": (
         "hemisphere semi_cylinder pulled_cylinder pinched_cylinder slit_annulus "
@@ -35,7 +35,7 @@ GROUPS = {
     "Solids": "cooks_membrane solid_hub",
     "Buckling and snapping": (
         "euler_column deep_arch hinged_roof lateral_torsional spherical_cap bistable_strip "
-        "compressed_cylinder"
+        "thin_cylinder compressed_cylinder"
     ),
     "Mechanisms": (
         "four_bar double_four_bar bricard governor slider_crank truss_deployment rolling_disc "
@@ -48,7 +48,7 @@ GROUPS = {
     "Studies": (
         "local_frame_claims speed_against_error speed_against_error_shells order_four time_error "
         "variable_step conservation_against_time cylinder_knock_down "
-        "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups"
+        "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups truss_policies"
     ),
 }
 
