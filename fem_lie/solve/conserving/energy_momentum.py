@@ -95,7 +95,8 @@ class EnergyMomentum(Integrator):
 
     def _integration(self, equations: Equations, step: float) -> Run | StraightRun:
         if is_straight(equations):
-            return StraightRun(self.policy, equations, step, (self.tolerance, self.max_iterations))
+            given = self.tolerance, self.max_iterations
+            return StraightRun(self.policy, equations, step, given, self.told().loss)
         return Run(self.told(), equations, step)
 
     def _follow(
@@ -175,16 +176,6 @@ class EnergyDecaying(EnergyMomentum):
         number(self.radius, "radius")
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
-
-    def equations(self, scene: Scene) -> Equations:
-        """See the base class."""
-        equations = super().equations(scene)
-        if is_straight(equations):
-            raise ValueError(
-                "EnergyDecaying has no nodes that are no frames (Cable, Net, ThinShell, Solid): "
-                "use EnergyMomentum or GeneralisedAlpha"
-            )
-        return equations
 
     def told(self) -> Options:
         """See the base class."""

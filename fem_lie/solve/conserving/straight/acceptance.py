@@ -8,11 +8,12 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
-from fem_lie.bodies.balances import BY_LOADS, DAMPING, WORK
+from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.kind import SLOPE, axes, first, straight
 from fem_lie.lie.tuples import cross, load, load_row, minus, rotate, scaled, store, store_row
 from fem_lie.solve.conserving.between.cayley import advance, left_moment
+from fem_lie.solve.conserving.step.dissipation import REMEMBERS, remember
 from fem_lie.solve.conserving.straight.nodes import rates_of
 from fem_lie.solve.conserving.straight.records import (
     ENERGY,
@@ -30,10 +31,13 @@ def accept(model: Model, state: State, this: Step, h: float) -> None:
     """Make the end of the step the start of the next one."""
     books, told, losses = state.books, state.told, this.losses
     _keep_what_is_left(model, state, this)
+    if model.loss > 0.0:
+        _learn(model, state, this)
     for i in range(model.kinds.shape[0]):
         _advance(i, model, state, this, h)
     books[WORK] += losses[WORK]
     books[DAMPING] += losses[DAMPING]
+    books[NUMERICAL] += losses[NUMERICAL]
     for k in range(BY_LOADS, books.shape[0]):
         books[k] += h * losses[k]
     M, q = model.inertia, this.q[1]
@@ -50,15 +54,37 @@ def accept(model: Model, state: State, this: Step, h: float) -> None:
 
 
 @inlined
+def _learn(model: Model, state: State, this: Step) -> None:
+    """Remember changes of velocities and forces, see :mod:`..step.dissipation`."""
+    lag, n = state.lag, model.kinds.shape[0]
+    # the first step knows of no change before
+    μ = model.learning if lag[REMEMBERS] > 0.0 else 1.0
+    lag[REMEMBERS] = 1.0
+    remember(lag, μ)
+    for i in range(n):
+        for k in range(4):
+            for j in range(3):
+                old = state.w[i, k, j]
+                state.w[i, k, j] = old + μ * (this.V1[i, k, j] - state.V[i, k, j] - old)
+    for place in range(this.F1.shape[0]):
+        for k in range(6):
+            old = state.w_F[place, k]
+            change = this.F1[place, k] - state.F[place, k]
+            state.w_F[place, k] = old + μ * (change - old)
+    state.lasting[0] = this.lasting[0]
+    state.lasting[1] = this.lasting[2] + μ * (this.lasting[1] - this.lasting[2])
+
+
+@inlined
 def _keep_what_is_left(model: Model, state: State, this: Step) -> None:
     """Forces and energy that the next step makes up for."""
     told, left = state.told, np.empty(6)
-    gain = square = 0.0
+    gain, square, share = 0.0, 0.0, 0.5 * (1.0 + model.loss * state.lag[REMEMBERS])
     for i in range(model.kinds.shape[0]):
         kind = model.kinds[i]
         d1, d2, d3 = axes(kind, this.middle[i])
         for at in (0, 3):
-            store(left, at, scaled(0.5, rotate(d1, d2, d3, load(this.r, 6 * i + at))))
+            store(left, at, scaled(share, rotate(d1, d2, d3, load(this.r, 6 * i + at))))
         before, u = state.carry[i], load(this.step[i], 0)
         if kind < SLOPE:
             store(before, 3, left_moment(load(before, 3), load(before, 0), u))

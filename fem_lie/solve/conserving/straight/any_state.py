@@ -11,9 +11,11 @@ from fem_lie.lie.kinds import SLOPE, inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.solve.conserving.between.screws import half_way
+from fem_lie.solve.conserving.rows.cells import energies_at
+from fem_lie.solve.conserving.rows.changes import forces_at
+from fem_lie.solve.conserving.step.dissipation import REMEMBERS
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight import step as steps
-from fem_lie.solve.conserving.straight.cells import energies_at
 from fem_lie.solve.conserving.straight.joints import Joints
 from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.solve.conserving.straight.scene import cells_of_frames, model_of, viscous_terms
@@ -39,22 +41,24 @@ class AnyState(Integration[Recorder]):
         size: Of the present step: of a part, where one is made in parts.
     """
 
-    def __init__(self, policy: Policy, equations: Equations, step: float) -> None:
+    def __init__(self, policy: Policy, equations: Equations, step: float, loss: float) -> None:
         """Allocate everything; nothing is computed yet.
 
         Args:
             policy: When to factorise.
             equations: Of the scene.
             step: Step size.
+            loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
         """
         super().__init__(policy, equations, step)
         unknowns, z = equations.unknowns, np.zeros
         n, m = unknowns.moving, unknowns.m
         self._changing, self._n, self.size = unknowns.time_dependent, n, self.h
         self.framed, self.joints = cells_of_frames(equations), Joints(equations)
-        self.model = model_of(equations, self.framed)
+        self.model = model_of(equations, self.framed, loss)
         self._frames = np.flatnonzero(self.model.kinds < SLOPE)
         cells, places = len(self.model.cells.calls) + self.framed.count, self.framed.places
+        others = len(self.model.cells.nodes) if loss > 0.0 else 0
         self.s = State(
             H=equations.start.frames.copy(),
             rest=z((n, 4, 3)),
@@ -70,6 +74,10 @@ class AnyState(Integration[Recorder]):
             earlier=z((2, m)),
             gap=z(m),
             scale=np.ones(m),
+            lag=z(11),
+            w=z((n, 4, 3)),
+            w_F=z((places, 6)),
+            lasting=z((2, others, 2, 3)),
         )
         self.this = Step(
             step=z((n, 6)),
@@ -88,6 +96,10 @@ class AnyState(Integration[Recorder]):
             q=z((2, n, 4, 3)),
             outer=z((n, 6)),
             change=z(m),
+            lasting=z((3, others, 2, 3)),
+            filtered=z((2, n, 6)),
+            own=z((3, n, 4, 3)),
+            sums=z((3, 3, 3, 3)),
         )
         # mean accelerations of the last two steps, twice their trends, and sizes of the last three
         self._rates, self._sizes = z((2, n, 6)), z(3)
@@ -131,6 +143,8 @@ class AnyState(Integration[Recorder]):
         if self.framed.count:
             evaluate(self.framed.table, s.H, np.zeros_like(s.H), s.F, s.W[alone:])
         s.account[:] = s.W
+        if len(s.lasting[0]):
+            forces_at(self.model.cells, s.H, s.rest, s.lasting[0])
 
     def _set_time(self, time: float) -> None:
         """Let loads and targets of a time act."""
@@ -165,7 +179,8 @@ class AnyState(Integration[Recorder]):
         H, v = s.H.copy(), np.zeros_like(equations.start.velocities)
         H[:n] = self.this.middle
         a: Array = self._still
-        plan = Plan(self._still, None, 4.0 / self.size**2, 2.0 / self.size, choices=self.choices)
+        h = (1.0 + self.model.loss * s.lag[REMEMBERS]) * self.size
+        plan = Plan(self._still, None, 4.0 / h**2, 2.0 / h, choices=self.choices)
         if len(self._frames):
             a, plan = self._of_frames(H, v, plan)
         now = Instant(H, v, a, s.weights)

@@ -3,8 +3,8 @@
 A grip's frame is a function of its nodes. Its place is a sum over their rows, so that it moves by
 ``J_x Δr``, exactly. It turns by the vector ψ of Cayley's map that is between both ends, and
 ``J_ω Δr``, with the Jacobian in the middle of the step, is that to second order. What is missing is
-made up as in :mod:`.cells`: with the step ``s`` of the grip's nodes without their rigid part, in
-their metric ``M``, ::
+made up as in :mod:`..rows.cells`: with the step ``s`` of the grip's nodes without their rigid part,
+in their metric ``M``, ::
 
     ψ = D Δr,        D = J_ω + (ψ − J_ω Δr) ⊗ M s/|s|²
 
@@ -36,20 +36,20 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.straight.cells import (
+from fem_lie.solve.conserving.rows.cells import (
     Work,
     memory,
     part_of,
     rotation_of,
     take_centre,
 )
-from fem_lie.solve.conserving.straight.records import Step
-from fem_lie.solve.conserving.straight.rows import (
+from fem_lie.solve.conserving.rows.halves import (
     CellTable,
     gather,
     has_place,
     largest_cell,
 )
+from fem_lie.solve.conserving.straight.records import Step
 
 _STILL = 1e-12
 """Of ``|s|²`` over the square of the size: what is missing is round-off there."""

@@ -11,11 +11,11 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap
+from fem_lie.solve.conserving.rows.halves import CellTable
+from fem_lie.solve.conserving.rows.measure import weigh_cells
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.straight.grips import GripSpan, give, set_grips, set_nodes
-from fem_lie.solve.conserving.straight.measure import weigh_cells
 from fem_lie.solve.conserving.straight.records import State, Step
-from fem_lie.solve.conserving.straight.rows import CellTable
 from fem_lie.system.equations import Equations
 
 

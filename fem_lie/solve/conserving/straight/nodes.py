@@ -27,8 +27,10 @@ from fem_lie.lie.tuples import (
     store,
 )
 from fem_lie.solve.conserving.between.cayley import span, spin
-from fem_lie.solve.conserving.straight.records import Model, State, Step
-from fem_lie.solve.conserving.straight.rows import gathered, spread
+from fem_lie.solve.conserving.rows.halves import gathered, spread
+from fem_lie.solve.conserving.step.dissipation import REMEMBERS
+from fem_lie.solve.conserving.step.products import begin_products
+from fem_lie.solve.conserving.straight.records import Model, State, Step, products_of
 
 
 @inlined
@@ -61,9 +63,12 @@ def rates_of(kind: int, H: Array, V: Array, out: Array) -> None:
 
 
 @compiled
-def predict(model: Model, state: State, h: float, out: Array) -> None:
-    """Increments (n, 6) of a step with the acceleration of the last one."""
+def predict(model: Model, state: State, this: Step, h: float) -> None:
+    """Increments of a step with the acceleration of the last one."""
     rates = np.empty(6)
+    if model.loss * state.lag[REMEMBERS] > 0.0:
+        begin_products(model.inertia, state.V, state.w, products_of(this))
+    out = this.step
     for i in range(out.shape[0]):
         rates_of(model.kinds[i], state.H[i], state.V[i], rates)
         for k in range(6):
@@ -81,9 +86,10 @@ def correct(model: Model, state: State, this: Step, x: Array) -> None:
             store(this.step[i], at, combined(1.0, load(this.step[i], at), -1.0, change))
         _hold(model.kinds[i], state.H[i], model.held[i], this.step[i])
     first_weight = 6 * this.step.shape[0]
+    share = 0.5 * (1.0 + model.loss * state.lag[REMEMBERS])
     for c in range(state.weights.shape[0]):
-        # twice the balance has twice the forces of joints
-        state.weights[c] -= 0.5 * state.scale[c] * x[first_weight + c]
+        # the balance has 2/(1 + χ) times the forces of joints
+        state.weights[c] -= share * state.scale[c] * x[first_weight + c]
 
 
 @compiled

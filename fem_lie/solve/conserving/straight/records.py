@@ -1,7 +1,8 @@
 """What compiled steps of nodes of any kind know: the model, the state, the step.
 
 An increment of a node is six numbers along global axes: of a frame its translation and the vector
-of Cayley's map, of other nodes those of the halves, see :mod:`.rows`. Rates are of all rows.
+of Cayley's map, of other nodes those of the halves, see :mod:`..rows.halves`. Rates are of all
+rows.
 """
 
 from __future__ import annotations
@@ -9,9 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import inlined
 from fem_lie.forms.cells import CellTable as FrameCells
 from fem_lie.lie.kinds.inertia import Inertia
-from fem_lie.solve.conserving.straight.rows import CellTable
+from fem_lie.solve.conserving.rows.halves import CellTable
+from fem_lie.solve.conserving.step.records import Products
 
 ENERGY, SQUARES, LEAK, LIMIT = 0, 1, 2, 3
 """Of :attr:`State.told`."""
@@ -34,6 +37,8 @@ class Model(NamedTuple):
         following: Loads along the axes of the nodes, (n, 6); they may be changed.
         moment: Moments fixed in space on frames, (n, 3); they may be changed.
         damping: As ``inertia``, of damping that goes with mass; without rows there is none.
+        loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
+        learning: μ.
     """
 
     cells: CellTable
@@ -48,6 +53,8 @@ class Model(NamedTuple):
     following: Array
     moment: Array
     damping: Inertia
+    loss: float
+    learning: float
 
 
 class State(NamedTuple):
@@ -70,6 +77,11 @@ class State(NamedTuple):
         earlier: Those over the two before, the later one first, (2, m).
         gap: What the constraints violate, (m,).
         scale: Factor of each in the matrix, (m,).
+        lag: Numbers of dissipation, see :mod:`fem_lie.solve.conserving.step.dissipation`, (11,).
+        w: Memory of changes of velocity, (n, 4, 3).
+        w_F: Of changes of ``F``, (places, 6).
+        lasting: Forces of other cells, and memory of their changes, see :mod:`..rows.changes`,
+            (2, places, 2, 3); without dissipation no places.
     """
 
     H: Array
@@ -86,6 +98,10 @@ class State(NamedTuple):
     earlier: Array
     gap: Array
     scale: Array
+    lag: Array
+    w: Array
+    w_F: Array
+    lasting: Array
 
 
 class Step(NamedTuple):
@@ -109,6 +125,11 @@ class Step(NamedTuple):
         q: For inertia, (2, n, 4, 3).
         outer: Forces of joints, and viscous ones, (n, 6).
         change: Increments of the constraints less those of their targets, (m,).
+        lasting: Forces of cells at the end, changes and what is kept of the memory, see
+            :mod:`..rows.changes`, (3, places, 2, 3).
+        filtered: Changes of elastic forces and their memory, (2, n, 6).
+        own: Of :class:`~fem_lie.solve.conserving.step.records.Products`, (3, n, 4, 3).
+        sums: Likewise, (3, 3, 3, 3).
     """
 
     step: Array
@@ -127,3 +148,13 @@ class Step(NamedTuple):
     q: Array
     outer: Array
     change: Array
+    lasting: Array
+    filtered: Array
+    own: Array
+    sums: Array
+
+
+@inlined
+def products_of(this: Step) -> Products:
+    """Of velocities in the metric of inertia."""
+    return Products(this.own[0], this.own[1], this.own[2], this.sums)

@@ -14,6 +14,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
 from fem_lie.solve.conserving.between.end_forces import at_end
+from fem_lie.solve.conserving.step.dissipation import LENGTH
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight.acceptance import accept
 from fem_lie.solve.conserving.straight.any_state import AnyState
@@ -56,7 +57,12 @@ class StraightRun(AnyState):
     """One integration."""
 
     def __init__(
-        self, policy: Policy, equations: Equations, step: float, told: tuple[float, int]
+        self,
+        policy: Policy,
+        equations: Equations,
+        step: float,
+        told: tuple[float, int],
+        loss: float = 0.0,
     ) -> None:
         """Allocate everything; nothing is computed yet.
 
@@ -66,8 +72,9 @@ class StraightRun(AnyState):
             step: Step size.
             told: Tolerance, and most iterations, of
                 :class:`~fem_lie.solve.conserving.energy_momentum.EnergyMomentum`.
+            loss: χ of :mod:`fem_lie.solve.conserving.step.dissipation`.
         """
-        super().__init__(policy, equations, step)
+        super().__init__(policy, equations, step, loss)
         self._tolerance, self._limit = told
         self._rescues, self._iterations = policy.rescue, 0
         self._increment, self._before = np.inf, np.zeros(equations.unknowns.m)
@@ -114,7 +121,11 @@ class StraightRun(AnyState):
     def _resize(self, size: float) -> None:
         """Let steps have this size; what is left over is an impulse."""
         if abs(size - self.size) > _SAME * self.h:
-            self.s.carry[:] *= self.size / size
+            share, s = size / self.size, self.s
+            for memory in (s.w, s.w_F, s.lasting[1]):
+                memory *= share
+            s.lag[LENGTH] *= share * share
+            s.carry[:] *= 1.0 / share
             self.size, self._factors = size, None
 
     def _accept(self) -> None:
@@ -153,7 +164,7 @@ class StraightRun(AnyState):
 
     def _begin(self, *, still: bool) -> float:
         """Where the iteration begins; the size of the largest motion."""
-        motion.predict(self.model, self.s, self.size, self.this.step)
+        motion.predict(self.model, self.s, self.this, self.size)
         if still:
             self.this.step[:] = 0.0
         self.s.weights[:] = self._before

@@ -9,9 +9,9 @@ from fem_lie.forms.cell_forms import FormTable, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.kinds import SLOPE
-from fem_lie.solve.conserving.straight.measure import measure_cells
+from fem_lie.solve.conserving.rows.halves import CellTable
+from fem_lie.solve.conserving.rows.measure import measure_cells
 from fem_lie.solve.conserving.straight.records import Model
-from fem_lie.solve.conserving.straight.rows import CellTable
 from fem_lie.system.equations import Equations
 
 
@@ -72,8 +72,8 @@ def cells_of_frames(equations: Equations) -> Cells:
     return Cells([(where, term) for where, term in parts if kinds[where.start] < SLOPE])
 
 
-def model_of(equations: Equations, framed: Cells) -> Model:
-    """What steps see of a scene, with its cells of frames."""
+def model_of(equations: Equations, framed: Cells, loss: float) -> Model:
+    """What steps see of a scene, with its cells of frames; ``loss``: χ of dissipation."""
     known, unknowns = equations.tables, equations.unknowns
     return Model(
         cells=_cells(equations),
@@ -88,6 +88,8 @@ def model_of(equations: Equations, framed: Cells) -> Model:
         following=known.loads.following.copy(),
         moment=known.loads.moment.copy(),
         damping=known.damping,
+        loss=loss,
+        learning=1.0 - loss,
     )
 
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
-from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, WORK
+from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.forces import wrench
-from fem_lie.lie.kinds.kind import SLOPE, axes
+from fem_lie.lie.kinds.kind import SLOPE, axes, first, straight
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -33,7 +33,18 @@ from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between import discrete_gradient
 from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
-from fem_lie.solve.conserving.straight.cells import Energies, Nodes, add_elastic
+from fem_lie.solve.conserving.rows.cells import Energies, Nodes, add_elastic
+from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
+from fem_lie.solve.conserving.step.dissipation import (
+    ELASTIC,
+    MEMORY,
+    REMEMBERS,
+    WORKS,
+    choose_memory,
+    set_velocities,
+    velocity_loss,
+)
+from fem_lie.solve.conserving.step.products import set_products
 from fem_lie.solve.conserving.straight.records import (
     ENERGY,
     LEAK,
@@ -42,8 +53,8 @@ from fem_lie.solve.conserving.straight.records import (
     Model,
     State,
     Step,
+    products_of,
 )
-from fem_lie.solve.conserving.straight.rows import gathered
 
 _ULP = float(np.finfo(np.float64).eps)
 
@@ -65,16 +76,23 @@ def add_viscous(model: Model, this: Step, h: float, rates: Array, forces: Array)
 
 @compiled
 def residual(model: Model, state: State, this: Step, h: float) -> None:
-    """Twice the balance of momenta over the step, along the axes in the middle, into ``this.r``.
+    """The balance of momenta over the step, along the axes in the middle, into ``this.r``.
 
-    Nodes have moved, and the outer forces are there.
+    It is times ``2/(1 + χ)``. Nodes have moved, and the outer forces are there.
     """
     kinds, forces, q, n = model.kinds, this.forces, this.q, this.step.shape[0]
+    forces[:] = 0.0
+    _add_elastic(model, state, this)
+    χ = model.loss * state.lag[REMEMBERS]
+    if χ > 0.0:
+        _dissipate(model, state, this, h)
     for i in range(n):
         for k in range(4):
             for j in range(3):
                 q[0, i, k, j] = (this.V1[i, k, j] - state.V[i, k, j]) / h
     inertia.multiply(model.inertia.indptr, model.inertia.indices, model.inertia.blocks, q[0], q[1])
+    if χ > 0.0:
+        this.losses[NUMERICAL] += velocity_loss(state.V, this.V1, this.delta, h, q[1])
     for i in range(n):
         for k in range(4):
             for j in range(3):
@@ -85,29 +103,43 @@ def residual(model: Model, state: State, this: Step, h: float) -> None:
     if model.damping.indptr.shape[0] > 0:
         _add_damping(model, this, h)
     for i in range(n):
-        _along_increments(kinds[i], this.mean[i], q[1, i], forces[i])
+        _add_along_increments(kinds[i], this.mean[i], q[1, i], forces[i])
         _make_up(kinds[i], state.carry[i], this.step[i], forces[i])
         for k in range(6):
             forces[i, k] += this.outer[i, k]
-    _add_elastic(model, state, this)
-    for i in range(n):
-        _balance(i, model, this)
+        _balance(i, model, this, 2.0 / (1.0 + χ))
     for c in range(state.gap.shape[0]):
         this.r[6 * n + c] = state.scale[c] * (state.gap[c] + this.change[c])
 
 
 @inlined
-def _along_increments(kind: int, mean: Array, f: Array, out: Array) -> None:
-    """Forces (6,) along increments of a node, of those on its rows, (4, 3)."""
-    out[:] = 0.0
+def _add_along_increments(kind: int, mean: Array, f: Array, out: Array) -> None:
+    """Add forces on the rows of a node, (4, 3), to those along its increments, (6,)."""
     if kind < SLOPE:
-        moment = (0.0, 0.0, 0.0)
+        moment = load(out, 3)
         for k in range(1, 4):
             moment = plus(moment, cross(load_row(mean, k), load_row(f, k)))
-        store(out, 0, load_row(f, 0))
+        store(out, 0, plus(load(out, 0), load_row(f, 0)))
         store(out, 3, moment)
     else:
-        gathered(kind, f, out)
+        at = first(kind)
+        for k in range(straight(kind)):
+            store(out, 3 * k, plus(load(out, 3 * k), load_row(f, at + k)))
+
+
+@compiled
+def _dissipate(model: Model, state: State, this: Step, h: float) -> None:
+    """Add what is filtered of elastic forces, and set velocities at the end."""
+    χ, lag, products = model.loss, state.lag, products_of(this)
+    set_products(model.inertia, state.V, state.w, this.delta, h, products)
+    ψ = choose_memory(products.sums, χ, lag)
+    set_velocities(state.V, state.w, products.δ, χ, lag[MEMORY], ψ, this.V1)
+    a = 0.5 * χ * lag[ELASTIC]
+    b = a * lag[MEMORY]
+    this.losses[NUMERICAL] += a * lag[WORKS] - b * lag[WORKS + 1]
+    for i in range(this.forces.shape[0]):
+        for k in range(6):
+            this.forces[i, k] += a * this.filtered[0, i, k] - b * this.filtered[1, i, k]
 
 
 @inlined
@@ -147,10 +179,20 @@ def _add_elastic(model: Model, state: State, this: Step) -> None:
         most = 0.1 * state.told[LIMIT] / sqrt(squares_before)
         repay = max(-most, min(most, state.told[LEAK] / squares_before))
     squares = 0.0
+    state.lag[WORKS] = state.lag[WORKS + 1] = 0.0
     if model.cells.sees.shape[0] > 0:
         squares += _add_straight(model, state, this, (repay, squares_before / count, unknown))
     if model.framed.x.shape[0] > 0:
         squares += _add_framed(model, state, this, (repay, squares_before / count, unknown))
+    elif model.loss > 0.0:
+        this.filtered[:] = 0.0
+    if model.loss > 0.0 and model.cells.sees.shape[0] > 0:
+        end, change, kept = this.lasting[0], this.lasting[1], this.lasting[2]
+        lasting = Lasting(state.lasting[0], state.lasting[1], end, change, kept)
+        nodes = Nodes(state.H, state.rest, this.step)
+        by_change, by_memory = add_changes(model.cells, nodes, lasting, this.filtered)
+        state.lag[WORKS] += by_change
+        state.lag[WORKS + 1] += by_memory
     this.told[0], this.told[1] = squares, repay
 
 
@@ -175,15 +217,15 @@ def _add_framed(
     ends = Ends(state.H, this.end, state.F, this.F1)
     path = Path(this.mean, this.delta, this.step)
     energies = discrete_gradient.Energies(state.W[M:], W1[M:], state.account[M:])
-    lasts = discrete_gradient.Filtered(False, state.F, np.empty((2, 0, 6)))
-    squares, _, _ = discrete_gradient.add_elastic(
+    lasts = discrete_gradient.Filtered(model.loss > 0.0, state.w_F, this.filtered)
+    squares, state.lag[WORKS], state.lag[WORKS + 1] = discrete_gradient.add_elastic(
         model.framed, ends, path, energies, this.work[M:], factors, lasts, this.forces
     )
     return squares
 
 
 @inlined
-def _balance(i: int, model: Model, this: Step) -> None:
+def _balance(i: int, model: Model, this: Step, factor: float) -> None:
     """Of one node, with loads along its axes and moments; what holds it is a reaction."""
     kind, m, r = model.kinds[i], this.middle[i], this.r[6 * i : 6 * i + 6]
     (d1, d2, d3), f = axes(kind, m), model.following[i]
@@ -207,4 +249,4 @@ def _balance(i: int, model: Model, this: Step) -> None:
         force, moment = wrench(kind, m, own)
         add_wrench(this.losses, BY_REACTIONS, load_row(m, 0), force, moment)
     for k in range(6):
-        r[k] = 0.0 if model.held[i, k] else 2.0 * r[k]
+        r[k] = 0.0 if model.held[i, k] else factor * r[k]

@@ -9,8 +9,8 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.tuples import cross, dot, load_row, plus
-from fem_lie.solve.conserving.straight.cells import Work, memory, part_of, take_centre
-from fem_lie.solve.conserving.straight.rows import (
+from fem_lie.solve.conserving.rows.cells import Work, memory, part_of, take_centre
+from fem_lie.solve.conserving.rows.halves import (
     DIRECTIONS,
     NOTHING,
     PLACES,

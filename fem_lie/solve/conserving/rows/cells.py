@@ -52,7 +52,7 @@ from fem_lie.solve.conserving.between.mean_forces import (
     solve_symmetric,
     unshrunk,
 )
-from fem_lie.solve.conserving.straight.rows import (
+from fem_lie.solve.conserving.rows.halves import (
     NOTHING,
     PLACES,
     CellTable,
@@ -118,17 +118,9 @@ def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
     return centre
 
 
-@compiled
-def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
-    """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
-    r, d, A, begin = work.r, work.d, work.A, cells.first[e]
-    A[:] = 0.0
-    b = (0.0, 0.0, 0.0)
-    for a in range(r.shape[0]):
-        for k in range(2):
-            weight, arm = cells.weights[begin + a, k], load_row(r[a], k)
-            add_resistance(A, weight, arm)
-            b = plus(b, scaled(weight, cross(arm, load_row(d[a], k))))
+@inlined
+def solve_thin(A: Array, b: Vector) -> Vector:
+    """``A⁻¹ b`` of a metric of rotations (3, 3), nothing about an axis along which all lies."""
     thin = _THIN * (A[0, 0] + A[1, 1] + A[2, 2])
     if thin == 0.0:
         return 0.0, 0.0, 0.0
@@ -142,7 +134,23 @@ def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
             b[2] - A[2, 0] * ω[0] - A[2, 1] * ω[1] - (A[2, 2] - thin) * ω[2],
         )
         ω = plus(ω, solve_symmetric(A, left))
+    for k in range(3):
+        A[k, k] -= thin
     return ω
+
+
+@compiled
+def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
+    """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
+    r, d, A, begin = work.r, work.d, work.A, cells.first[e]
+    A[:] = 0.0
+    b = (0.0, 0.0, 0.0)
+    for a in range(r.shape[0]):
+        for k in range(2):
+            weight, arm = cells.weights[begin + a, k], load_row(r[a], k)
+            add_resistance(A, weight, arm)
+            b = plus(b, scaled(weight, cross(arm, load_row(d[a], k))))
+    return solve_thin(A, b)
 
 
 @compiled
@@ -189,7 +197,7 @@ class Nodes(NamedTuple):
 
 
 @inlined
-def _set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
+def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
     """Means ``r`` from the first node and increments ``d`` of a cell, and halves at the end."""
     r, d, other, begin = work.r, work.d, work.other, cells.first[e]
     mine = cells.nodes[begin : cells.first[e + 1]]
@@ -234,7 +242,7 @@ def add_elastic(
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
         work = part_of(room, count)
         r, d, f = work.r, work.d, work.f
-        _set_out(cells, e, nodes, work)
+        set_out(cells, e, nodes, work)
         W1[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
         take_centre(cells, e, r)
         ω = (0.0, 0.0, 0.0)
