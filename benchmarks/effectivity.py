@@ -1,6 +1,6 @@
 """Estimated over true error in space, mesh by mesh, of beams and shells: 1 is exact.
 
-``tools/run python3 -m benchmarks.effectivity [--case NAME ...]``
+``tools/run python3 -m benchmarks.effectivity [--case NAME ...] [--cost]``
 
 Meshes are nested. The true stress is the one recovered on the finest, of which an estimated error
 stands in the last line of each case; the true error of another mesh is the norm of the difference,
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -235,12 +236,35 @@ def beam_rows(formulation: fl.Formulation, force: Sequence[float]) -> list[Row]:
     return rows
 
 
+def cost(repeats: int = 200) -> float:
+    """Time of an estimate over that of the elastic forces, 32 x 32 cells, in turns; the median."""
+    scene = hemisphere.pinched(0.04, hemisphere.quarter(32))
+    result = fl.follow_loads(scene, [0.1])
+    (shell,) = scene.bodies
+    assembly = fl.Shell.assemble([shell])
+    frames = np.empty_like(result.frames[-1])
+    frames[assembly.order] = result.frames[-1]
+    out, seconds = np.zeros((assembly.count, 6)), np.empty((repeats, 3))
+    for row in seconds:
+        row[0] = perf_counter()
+        assembly.add_forces(frames, out)
+        row[1] = perf_counter()
+        fl.space_error(result, shell, scene)
+        row[2] = perf_counter()
+    forces, estimate = np.median(np.diff(seconds, axis=1), axis=0)
+    return float(estimate / forces)
+
+
 def main() -> None:
     """Print tables in Markdown."""
     parser = argparse.ArgumentParser(description=__doc__)
     names = [*BEAMS, *SHELLS]
     parser.add_argument("--case", nargs="+", choices=names, default=names, metavar="NAME")
+    parser.add_argument("--cost", action="store_true", help="of an estimate, in forces of a shell")
     given = parser.parse_args()
+    if given.cost:
+        print(f"an estimate costs {cost():.2f} times the elastic forces of 32 x 32 cells")
+        return
     print("| scene | element | cells | unknowns | true error | estimated over true |")
     print("| --- | --- | --- | --- | --- | --- |")
     for name in given.case:

@@ -97,6 +97,15 @@ def test_it_holds_in_motion():
     assert (np.array(found[1]) < 0.6 * np.array(found[0])).all()
 
 
+def test_forms_of_a_shell_are_made_once(monkeypatch):
+    scene = sheet(square(4))
+    shell = scene.bodies[0]
+    result = fl.statics(scene)
+    first = fl.space_error(result, shell, scene)
+    monkeypatch.setattr(fl.Shell, "assemble", never)
+    np.testing.assert_array_equal(fl.space_error(result, shell, scene).squares, first.squares)
+
+
 # --- goals ----------------------------------------------------------------------------------------
 
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fem_lie._arrays import Array
 from fem_lie.adapt.stress_fields import StressFields
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.stresses.nodal_values import CellPoints
-from fem_lie.results.stresses.shell_quantities import turned
 from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series
-from fem_lie.results.stresses.shell_stress import between, integration
+from fem_lie.results.stresses.shell_stress import ShellStress, in_axes, integration
 from fem_lie.scene import Scene
 
 
@@ -34,13 +31,12 @@ def shell_fields(
     series = resultant_series(result, shell, steps=steps)
     rule, _ = integration(shell)
     shapes = CellPoints.of(shell.own_mesh, rule).shapes
-    compliance = np.linalg.inv(shell.stiffness)
+    compliance = ShellStress.of(shell).compliance
     return [_fields(found, shapes, compliance) for found in series]
 
 
 def _fields(found: Resultants, shapes: Array, compliance: Array) -> StressFields:
     places, number = found.places, found.places.patches.number
-    turn = between(places.shared[number], places.section_at_nodes)
-    recovered = np.einsum("qk,mkb->mqb", shapes, turned(found.averaged[number], *turn))
-    own = turned(found.at_points, *between(places.asked, places.section))
-    return StressFields(own, recovered, found.areas, compliance)
+    nodal = in_axes(found.averaged[number], places.shared[number], places.section_at_nodes)
+    own = in_axes(found.at_points, places.asked, places.section)
+    return StressFields(own, shapes @ nodal, found.areas, compliance)

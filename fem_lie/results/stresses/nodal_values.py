@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import basix
 import numpy as np
@@ -133,10 +134,15 @@ class SharedValues:
 
     def mean(self, values: Array) -> Array:
         """Mean over the cells of each patch, shape (p, ...), of values of shape (m, k, ...)."""
-        total = np.zeros((len(self.node), *values.shape[2:]))
-        np.add.at(total, self.number, values)
-        count = np.bincount(self.number.ravel(), minlength=len(self.node))
-        return total / count.reshape(-1, *[1] * (total.ndim - 1))
+        each = values.reshape(self.number.size, -1)
+        return np.asarray(self._mean @ each).reshape(-1, *values.shape[2:])
+
+    @cached_property
+    def _mean(self) -> csr_matrix:
+        """From values of nodes of cells to their means, (p, m k)."""
+        number = self.number.ravel()
+        share = 1.0 / np.bincount(number, minlength=len(self.node))
+        return csr_matrix((share[number], (number, np.arange(len(number)))))
 
 
 def shared_values(

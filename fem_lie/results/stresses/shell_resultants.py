@@ -115,8 +115,11 @@ def _of_states(
 ) -> list[Resultants]:
     instance(shell, Shell, "shell", "a Shell")
     nodes = nodes_in(result.info, shell)
-    places = StressPlaces.of(shell, along, kink_angle)
-    stress = ShellStress(shell)
+    if along is None:
+        places = StressPlaces.in_sections(shell, kink_angle)
+    else:
+        places = StressPlaces.of(shell, along, kink_angle)
+    stress = ShellStress.of(shell)
     return [Resultants.of(shell, places, result.frames[step][nodes], stress) for step in steps]
 
 

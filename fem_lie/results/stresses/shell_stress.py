@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import basix
 import numpy as np
@@ -19,6 +20,7 @@ from fem_lie.results.stresses.nodal_values import (
     shared_values,
     unit,
 )
+from fem_lie.results.stresses.shell_quantities import turned
 
 Along = npt.ArrayLike | Callable[[Array], npt.ArrayLike]
 
@@ -28,7 +30,18 @@ _MOST_ROUNDS = 25
 
 
 class ShellStress:
-    """Resultants at the points of integration, in the axes of the sections."""
+    """Resultants at the points of integration, in the axes of the sections.
+
+    Attributes:
+        compliance: Inverse of the stiffness of each cell, shape (m, 8, 8).
+    """
+
+    @classmethod
+    def of(cls, shell: Shell) -> ShellStress:
+        """That of a shell, whose forms are made once."""
+        if shell not in _STRESSES:
+            _STRESSES[shell] = cls(shell)
+        return _STRESSES[shell]
 
     def __init__(self, shell: Shell) -> None:
         self._assembly = Shell.assemble([shell])
@@ -36,6 +49,7 @@ class ShellStress:
         self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
         self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
+        self.compliance = np.linalg.inv(shell.stiffness)
 
     def __call__(self, frames: Array) -> Array:
         """Shape (m, g, 8)."""
@@ -44,7 +58,8 @@ class ShellStress:
         H[assembly.order] = frames
         assembly.reset_stress(H)
         found = self._carried()
-        # fields that the energy is quadratic in have settled at once
+        if not assembly.settles:
+            return found
         for _ in range(_MOST_ROUNDS):
             assembly.reset_stress(H)
             before, found = found, self._carried()
@@ -60,6 +75,9 @@ class ShellStress:
         mesh, cells = self._assembly.mesh, self._assembly.cell_order.astype(np.int32)
         values = self._expression.eval(mesh, cells)
         return np.asarray(values, dtype=np.float64).reshape(self._shape)
+
+
+_STRESSES: WeakKeyDictionary[Shell, ShellStress] = WeakKeyDictionary()
 
 
 def integration(shell: Shell) -> tuple[Array, Array]:
@@ -95,6 +113,14 @@ class StressPlaces:
     patches: SharedValues
     shared: Array
     jump: float
+
+    @classmethod
+    def in_sections(cls, shell: Shell, kink_angle: float) -> StressPlaces:
+        """In the axes of the sections, found once."""
+        kept = _PLACES.setdefault(shell, {})
+        if kink_angle not in kept:
+            kept[kink_angle] = cls.of(shell, None, kink_angle)
+        return kept[kink_angle]
 
     @classmethod
     def of(cls, shell: Shell, along: Along | None, kink_angle: float) -> StressPlaces:
@@ -136,11 +162,19 @@ class StressPlaces:
         )
 
 
+_PLACES: WeakKeyDictionary[Shell, dict[float, StressPlaces]] = WeakKeyDictionary()
+
+
 def between(old: Array, new: Array) -> tuple[Array, Array]:
     """Cosine and sine of the angle from e₁ of one triad to e₁ of another, all (..., 3, 3)."""
     c, s = np.einsum("...ij,...j->i...", old[..., :2, :], new[..., 0, :])
     size = np.hypot(c, s)
     return c / size, s / size
+
+
+def in_axes(values: Array, old: Array, new: Array) -> Array:
+    """Components (..., 8) along the triads ``new`` of what they are along ``old``, (..., 3, 3)."""
+    return values if old is new else turned(values, *between(old, new))
 
 
 def _directions(along: Along, places: Array) -> Array:

@@ -33,8 +33,8 @@ from fem_lie.results.stresses.nodal_values import (
     slopes_along,
     unit,
 )
-from fem_lie.results.stresses.shell_quantities import QUANTITIES, Quantity, quantity, turned
-from fem_lie.results.stresses.shell_stress import ShellStress, StressPlaces, between, integration
+from fem_lie.results.stresses.shell_quantities import QUANTITIES, Quantity, quantity
+from fem_lie.results.stresses.shell_stress import ShellStress, StressPlaces, in_axes, integration
 
 LARGEST_JUMP = 0.5 * KINK_ANGLE  # of axes, from their mean
 
@@ -74,8 +74,8 @@ class ResultantValues:
             shell,
             frames,
             places,
-            turned(raw, *between(places.section, places.asked)),
-            turned(nodal, *between(places.section_at_nodes, places.asked_at_nodes)),
+            in_axes(raw, places.section, places.asked),
+            in_axes(nodal, places.section_at_nodes, places.asked_at_nodes),
         )
 
     # --- values ---
@@ -114,8 +114,8 @@ class ResultantValues:
     def averaged(self) -> Array:
         """As :attr:`nodal`, along ``places.shared``, whatever axes these are; shape (p, 8)."""
         places, patches = self.places, self.places.patches
-        turn = between(places.asked_at_nodes, places.shared[patches.number])
-        values = patches.mean(turned(self.in_cells, *turn))
+        shared = places.shared[patches.number]
+        values = patches.mean(in_axes(self.in_cells, places.asked_at_nodes, shared))
         if self.shell.own_mesh.degree == 1:
             values[patches.edge] = self._at_edges()
         return values
@@ -124,14 +124,14 @@ class ResultantValues:
         """Values at edges by :mod:`fem_lie.results.stresses.nodal_values`."""
         places, patches = self.places, self.places.patches
         which, cells = nearby(patches)
-        own = turned(self.at_points, *between(places.asked, places.section))
+        own = in_axes(self.at_points, places.asked, places.section)
         normal, e1 = (unit(self._mean(places.section[:, :, i])) for i in (2, 0))
         section, axes = axes_along(normal, e1)[cells], places.shared[which]
         away = self._mean(self.points)[cells] - self.shell.own_mesh.points[patches.node[which]]
         return planes(
             np.searchsorted(np.flatnonzero(patches.edge), which),
             np.einsum("rj,rij->ri", away, axes[:, :2]),
-            turned(self._mean(own)[cells], *between(section, axes)),
+            in_axes(self._mean(own)[cells], section, axes),
             int(patches.edge.sum()),
         )
 
