@@ -65,6 +65,40 @@ def test_fourth_order_with_joints():
     np.testing.assert_allclose(found, 4.0, atol=0.15)
 
 
+MOMENTA = {name: fl.Composed(fl.Variational(), how) for name, how in COMPOSITIONS.items()}
+"""Schemes whose parts are those of the variational one."""
+
+
+@pytest.mark.parametrize(("scheme", "steps"), [("five", (16, 32, 64)), ("triple", (64, 128, 256))])
+def test_fourth_order_of_variational_parts(scheme, steps):
+    names = "frames", "velocities", "joint_forces"
+    found = orders(MOMENTA[scheme], rigid_pendulum, 0.4, steps, names)
+    np.testing.assert_allclose(found, 4.0, atol=0.1)
+    found = orders(MOMENTA[scheme], flying, 0.01, [2 * n for n in steps], names[:2])
+    np.testing.assert_allclose(found, 4.0, atol=0.1)
+
+
+@pytest.mark.parametrize("scheme", MOMENTA.values(), ids=MOMENTA)
+def test_momenta_of_variational_parts(scheme):
+    """They are exact; joints are closed at the end of each step; the energy goes up and down."""
+    result = scheme.run(flying(), duration=0.05, step=1e-3)
+    assert result.momentum_error <= 1e-13
+    assert result.angular_momentum_error <= 1e-13
+    assert 1e-12 <= result.energy_error <= 1e-4
+    held = scheme.run(bars()[0], duration=0.04, step=4e-3)
+    assert held.angular_momentum_error <= 1e-12
+    assert held.joint_violations.max() <= 1e-13
+
+
+def test_work_of_variational_parts():
+    """Books are those of the trapezoidal rule, and close with steps."""
+    far, near = (
+        MOMENTA["five"].run(driven(), duration=0.1, step=step).balance_error
+        for step in (2e-3, 1e-3)
+    )
+    assert near <= 0.35 * far <= 1e-2
+
+
 def driven() -> fl.Scene:
     """A rigid arm that is driven, beside one that is held and pushed."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -157,7 +191,10 @@ def resumed_as_whole(scheme, scene, plan, file, monkeypatch):
     same(fl.Result.load(file), whole)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+RESUMED = SCHEMES | {"variational": fl.Composed(fl.Variational())}
+
+
+@pytest.mark.parametrize("scheme", RESUMED.values(), ids=RESUMED)
 @pytest.mark.parametrize("scene", [lambda: bars()[0], driven], ids=["free", "driven"])
 def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scheme, scene):
     plan = {"duration": 0.12, "step": 4e-3}
@@ -233,5 +270,9 @@ def test_strains_that_change():
 def test_a_step_that_fails():
     with pytest.raises(fl.ConvergenceError, match=r"part 1 of step 1 of 10 .* 2 iterations"):
         fl.Composed(fl.EnergyMomentum(max_iterations=2, policy=fl.Never())).run(
+            bars()[0], duration=0.1, step=1e-2
+        )
+    with pytest.raises(fl.ConvergenceError, match=r"part 1 of step 1 of 10 .* 1 iteration"):
+        fl.Composed(fl.Variational(max_iterations=1, policy=fl.Never())).run(
             bars()[0], duration=0.1, step=1e-2
         )

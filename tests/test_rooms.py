@@ -87,7 +87,7 @@ MAY_IMPORT = {
     "solve.conserving": {"solve.conserving.straight"},
     "solve.variational": {"solve.conserving.step"},
     "solve.explicit": {"solve.motion"},
-    "solve.composed": {"solve.conserving"},
+    "solve.composed": {"solve.conserving", "solve.variational"},
     "solve.multirate": {"solve.conserving"},
     "solve.hamel": {"solve.conserving.between"},
 }

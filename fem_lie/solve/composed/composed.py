@@ -7,13 +7,17 @@ each. Configurations and velocities are of fourth order, and so are joint forces
 which are those of the equations of motion at the ends of steps; but what drives and prescribed
 motions need is of second order, for their accelerations are differences over a step.
 
+Steps of the variational scheme keep its momenta, and an energy that does not drift, with errors of
+fourth order; books of work and impulses are kept by the trapezoidal rule over whole steps, for
+which each takes two factorisations if anything acts from outside.
+
 Each size of parts has a matrix of its own, and both are kept.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,11 +26,15 @@ from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.compositions import Composition, FiveStages
+from fem_lie.solve.composed.momentum_parts import MomentumRun
 from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.variational.variational import Variational
 from fem_lie.system.equations import Equations
 
+_SYMMETRIC = EnergyMomentum, Variational
 _MOST_SIZES = 2
 _ROUND_OFF = 1e-12
 
@@ -42,8 +50,8 @@ class Composed(Integrator):
     Joint forces and reactions take a factorisation for each state that is kept.
 
     Attributes:
-        scheme: Of which steps are made; it must be symmetric, ``EnergyMomentum()`` is. Its policy
-            decides for each size of parts.
+        scheme: Of which steps are made; it must be symmetric, as ``EnergyMomentum()`` and
+            ``Variational()`` are. Its policy decides for each size of parts.
         composition: Of which parts, :class:`~fem_lie.FiveStages` or :class:`~fem_lie.TripleJump`.
 
     Example:
@@ -69,26 +77,25 @@ class Composed(Integrator):
         instance(self.scheme, Integrator, "scheme", "a scheme such as EnergyMomentum()")
         kind = "a Composition such as FiveStages()"
         instance(self.composition, Composition, "composition", kind)
-        conserves = isinstance(self.scheme, EnergyMomentum)
-        if not conserves or isinstance(self.scheme, EnergyDecaying):
+        if not isinstance(self.scheme, _SYMMETRIC) or isinstance(self.scheme, EnergyDecaying):
             raise ValueError(
-                "only a symmetric scheme can be composed, such as EnergyMomentum(): what another "
-                f"one loses it would feed in parts that go back; got {self.scheme}"
+                "only a symmetric scheme can be composed, EnergyMomentum() or Variational(): what "
+                f"another one loses it would feed in parts that go back; got {self.scheme}"
             )
         _check_parts(self.composition)
 
-    @property
-    def _inner(self) -> EnergyMomentum:
-        assert isinstance(self.scheme, EnergyMomentum)
-        return self.scheme
-
     def _equations(self, scene: Scene) -> Equations:
-        equations = self._inner.equations(scene)
+        assert isinstance(self.scheme, _SYMMETRIC)
+        equations = self.scheme.equations(scene)
         _refuse(equations)
         return equations
 
-    def _integration(self, equations: Equations, step: float) -> ComposedRun:
-        return ComposedRun(self._inner.told(), equations, step, self.composition.halves)
+    def _integration(self, equations: Equations, step: float) -> Integration[Any]:
+        how = self.composition
+        if isinstance(self.scheme, Variational):
+            return MomentumRun(self.scheme.told(), equations, step, how.parts)
+        assert isinstance(self.scheme, EnergyMomentum)
+        return ComposedRun(self.scheme.told(), equations, step, how.halves)
 
 
 def _check_parts(composition: Composition) -> None:

@@ -18,15 +18,16 @@ _UNFILTERED = 1e-6
 class Ends:
     """What results and books want to know there."""
 
-    def __init__(self, equations: Equations, step: float) -> None:
+    def __init__(self, equations: Equations, step: float, sweeps: int = 1) -> None:
         """Nothing is factorised yet.
 
         Args:
             equations: Of the scene.
             step: Step size.
+            sweeps: Of :func:`~fem_lie.solve.motion.consistent.accelerations`.
         """
         n, m = equations.unknowns.moving, equations.unknowns.m
-        self.equations, self.h, self._n = equations, step, n
+        self.equations, self.h, self._n, self._sweeps = equations, step, n, sweeps
         self._still, self._none = np.zeros((n, 6)), np.zeros(m)
         self._work = np.zeros(equations.unknowns.size)
         self._made: DirectSolver | None = None
@@ -74,7 +75,7 @@ class Ends:
         now = Instant(H, v[:n], self._still, self._none)
         # elements' own unknowns are those half-way
         equations.residual(now, np.ones(len(self._none)), self._work)
-        return accelerations(equations, self._solver, H, v, time, self.h)
+        return accelerations(equations, self._solver, H, v, time, self.h, self._sweeps)
 
     def through(self, H: Array, steps: Array, time: float, changing: bool) -> tuple[Array, Array]:
         """Twists, shape (N, 6), and their rates, shape (n, 6), of a line through two steps.

@@ -53,11 +53,16 @@ class VariationalRun(RunState):
         """See the base class."""
         return self._made
 
+    @property
+    def time(self) -> float:
+        """Of the present state."""
+        return self.index * self.h
+
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
         before = self._iterations
-        made = self._stretch(history) if self._alone else self._one_step()
+        made = self._stretch(history.next_stop(self.index)) if self._alone else self._one_step()
         history.count += self._iterations - before
         return made
 
@@ -65,7 +70,7 @@ class VariationalRun(RunState):
         """Make the next step from Python."""
         if self._changing:
             given = self._driven, self.twists
-            prescribe(self.equations, self.H, self.index * self.h, self.h, self.rows, given)
+            prescribe(self.equations, self.H, self.time, self.h, self.rows, given)
         made = self._made_with(self.decisions) or self._rescued()
         if made:
             self._accept()
@@ -86,14 +91,19 @@ class VariationalRun(RunState):
         beside = beside or not (books.empty or books.compiled)
         return not beside and self._factors is not None and self.decisions.rule is not None
 
-    def _stretch(self, history: Recorder) -> bool:
-        """As many steps as the compiled loop makes by itself; whether all of them are made."""
+    @property
+    def _books_inside(self) -> bool:
+        """Whether the compiled loop books what acts from outside."""
+        return True
+
+    def _stretch(self, stop: int) -> bool:
+        """Steps that the compiled loop makes by itself, up to ``stop``; whether all are made."""
         rule, packed, books = self.decisions.rule, self._packed, self.books
         assert rule is not None
         counters, first = packed.counters, self.index
-        last = min(history.next_stop(first), first + max(1, _AT_A_TIME // len(self._r)))
+        last = min(stop, first + max(1, _AT_A_TIME // len(self._r)))
         given = self.h, self.options.tolerance, self.options.max_iterations
-        booked = not books.empty, *books.looks
+        booked = self._books_inside and not books.empty, *books.looks
         counters[:] = first, 0, self._iterations
         code, asked = loop.MATRIX, False
         while code == loop.MATRIX:
@@ -217,7 +227,7 @@ class VariationalRun(RunState):
 
     def _book(self, weights: Array) -> None:
         """By the trapezoidal rule, with velocities along a line through the last two steps."""
-        time = self.index * self.h
+        time = self.time
         if self._changing:
             self.equations.prescribed(time).act()
         twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
@@ -235,17 +245,26 @@ class VariationalRun(RunState):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
-            time, n = self.index * self.h, self._n
-            v: Array = self.equations.start.velocities
-            rates: Array = np.zeros((n, 6))
-            weights: Array = self.weights
-            # each of the two takes a factorisation
-            if self.index and history.filled & ~Record.COORDINATES:
-                v = self._ends.velocities(self.H, self.before, time)
-            if Record.FORCES in history.filled:
-                rates, weights = self._ends.accelerations(self.H, v, time)
-            history.fill(time, self.H, v[:n], rates, weights, self.books.total)
+            self.tell(history, self.time, moved=self.index > 0)
         return wanted
+
+    def tell(self, history: Recorder, time: float, moved: bool) -> None:
+        """Keep the present state.
+
+        Args:
+            history: Where it goes.
+            time: When it is.
+            moved: Whether velocities are no more those of the start.
+        """
+        n, v = self._n, self.equations.start.velocities
+        rates: Array = np.zeros((n, 6))
+        weights: Array = self.weights
+        # each of the two takes a factorisation
+        if moved and history.filled & ~Record.COORDINATES:
+            v = self._ends.velocities(self.H, self.before, time)
+        if Record.FORCES in history.filled:
+            rates, weights = self._ends.accelerations(self.H, v, time)
+        history.fill(time, self.H, v[:n], rates, weights, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
         return history.result(self._factorisations, history.seconds)

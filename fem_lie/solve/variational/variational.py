@@ -83,14 +83,21 @@ class Variational(Integrator):
         """Check the options."""
         check_until_round_off(self.tolerance, self.max_iterations, self.policy)
 
-    def _equations(self, scene: Scene) -> Equations:
+    def equations(self, scene: Scene) -> Equations:
+        """The equations of a scene; ``ValueError`` names what the scheme cannot do."""
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         _refuse(equations)
         return equations
 
+    def told(self) -> Options:
+        """What a run is told."""
+        return Options(self.tolerance, self.policy, self.max_iterations)
+
+    def _equations(self, scene: Scene) -> Equations:
+        return self.equations(scene)
+
     def _integration(self, equations: Equations, step: float) -> VariationalRun:
-        options = Options(self.tolerance, self.policy, self.max_iterations)
-        return VariationalRun(options, equations, step)
+        return VariationalRun(self.told(), equations, step)
 
 
 def _refuse(equations: Equations) -> None:

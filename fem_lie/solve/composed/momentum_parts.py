@@ -1,0 +1,216 @@
+r"""Parts of composed steps of the variational scheme, and a run of them.
+
+Between parts there are frames and momenta. Of the latter only what constraints allow counts, and
+what a part makes of it is symmetric and near the identity, so that parts need not be halved as
+those of the conserving scheme (:mod:`.compositions`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.results import Result
+from fem_lie.solve.motion.convergence import failure
+from fem_lie.solve.motion.integration import Integration
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.variational.ends import Ends
+from fem_lie.solve.variational.run import VariationalRun
+from fem_lie.solve.variational.run_state import Options
+from fem_lie.system.equations import Equations
+
+
+class MomentumPart(VariationalRun):
+    """Steps of one size, with matrices of their own; all sizes have one state.
+
+    The compiled loop makes one at a time, and what acts from outside is booked over whole steps.
+    """
+
+    def __init__(
+        self, options: Options, equations: Equations, step: float, shared: MomentumPart | None
+    ) -> None:
+        """Allocate everything; nothing is computed yet.
+
+        Args:
+            options: Of the scheme.
+            equations: Of the scene.
+            step: Size, which may be negative.
+            shared: The part whose state is that of all; default: this one.
+        """
+        super().__init__(options, equations, step)
+        self._ends = Ends(equations, abs(step), sweeps=2)
+        self._start = 0.0
+        if shared is not None:
+            self.H, self.rest, self.steps = shared.H, shared.rest, shared.steps
+            self.before, self.gap, self.books = shared.before, shared.gap, shared.books
+            self.weights, self.earlier = shared.weights, shared.earlier
+
+    @property
+    def time(self) -> float:
+        """When the present part begins."""
+        return self._start
+
+    def start_as_shared(self) -> None:
+        """Start where another part was started."""
+        self._take_rows()
+        self.scale[:] = self._fill(None)
+
+    def make(self, start: float, last: float, earlier: float) -> bool:
+        """Make the next step of this size; whether it is made.
+
+        Args:
+            start: When it begins.
+            last: Size of the step before it.
+            earlier: Size of the one before that.
+        """
+        self._start, h = start, self.h
+        # two steps of this size, from which this one follows along a line through their rates
+        rate, change = self.steps[0] / last, (self.steps[0] - self.steps[1]) / last
+        self.steps[0] = h * rate
+        self.steps[1] = h * (rate - change * (h + last) / (last + earlier))
+        # multipliers act at the end of one step and the start of the next
+        self.weights *= (last * (h + last)) / (h * (last + earlier))
+        self.earlier[:] = self.weights
+        made = self._stretch(self.index + 1) if self._alone else self._one_step()
+        if made:
+            # and the last one as if it were of this size
+            self.steps[1] = h * rate
+        return made
+
+    @property
+    def _books_inside(self) -> bool:
+        return False
+
+    def _book(self, weights: Array) -> None:
+        """Nothing: whole steps are booked."""
+
+    def book(self, h: float, time: float) -> None:
+        """Book a whole step of the size ``h`` that ends, by the trapezoidal rule."""
+        if not self.books.empty:
+            v, rates, weights = self.at_end(time)
+            self.books.add(h, time, self.H, v[: self._n], rates, weights)
+
+    def at_end(self, time: float) -> tuple[Array, Array, Array]:
+        """Twists, their rates and multipliers; each call takes two factorisations."""
+        v = self._ends.velocities(self.H, self.before, time)
+        return v, *self._ends.accelerations(self.H, v, time)
+
+    @property
+    def iterations(self) -> int:
+        """Of all steps of this size."""
+        return self._iterations
+
+    @property
+    def factorisations(self) -> int:
+        """Of its matrix."""
+        return self._factorisations
+
+    @property
+    def left(self) -> tuple[float, float]:
+        """The last increment, and the largest residual."""
+        return self._increment, float(np.abs(self._r).max(initial=0.0))
+
+
+class MomentumRun(Integration[Recorder]):
+    """One integration."""
+
+    def __init__(
+        self, options: Options, equations: Equations, step: float, shares: tuple[float, ...]
+    ) -> None:
+        """Nothing is computed yet.
+
+        Args:
+            options: Of the scheme of the parts.
+            equations: Of the scene.
+            step: Size of the whole steps.
+            shares: Sizes of their parts, over that; two of them differ.
+        """
+        super().__init__(options.policy, equations, step)
+        self.options, self._shares = options, shares
+        sizes = list(dict.fromkeys(shares))
+        first = MomentumPart(options, equations, step * sizes[0], None)
+        others = (MomentumPart(options, equations, step * size, first) for size in sizes[1:])
+        self._parts = first, *others
+        self._order = [sizes.index(share) for share in shares]
+        self._ends = np.cumsum([0.0, *shares])
+        self._sizes = np.array([first.h, first.h])
+        self._made, self._part = 0, 0
+
+    def history(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None
+    ) -> Recorder:
+        """See the base class."""
+        return self._parts[0].history(steps, saving, progress, store)
+
+    def start(self) -> None:
+        """See the base class."""
+        first, *others = self._parts
+        first.start()
+        for part in others:
+            part.start_as_shared()
+
+    @property
+    def frames(self) -> Array:
+        """See the base class."""
+        return self._parts[0].frames
+
+    @property
+    def index(self) -> int:
+        """See the base class."""
+        return self._made
+
+    def _advance(self, history: Recorder) -> bool:
+        for at, k in enumerate(self._order):
+            part, self._part = self._parts[k], at
+            start = float((self.index + self._ends[at]) * self.h)
+            if not part.make(start, *self._sizes.tolist()):
+                return False
+            self._sizes[:] = part.h, self._sizes[0]
+        self._made += 1
+        self._parts[0].book(self.h, self.index * self.h)
+        history.count = self._iterations
+        return True
+
+    @property
+    def _iterations(self) -> int:
+        return sum(part.iterations for part in self._parts)
+
+    def _failure(self, steps: int) -> str:
+        options, part = self.options, self._parts[self._order[self._part]]
+        numbers = options.max_iterations, *part.left, options.tolerance
+        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
+        return f"part {self._part + 1} of {text}"
+
+    def _record(self, history: Recorder) -> bool:
+        history.show_progress(self.index)
+        wanted = history.wants(self.index)
+        if wanted:
+            self._parts[0].tell(history, self.index * self.h, moved=self.index > 0)
+        return wanted
+
+    def _result(self, history: Recorder) -> Result:
+        made = sum(part.factorisations for part in self._parts)
+        return history.result(made, history.seconds)
+
+    # --- checkpoints ---
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        kept: dict[str, Any] = {"made": np.array([self._made]), "sizes": self._sizes.copy()}
+        for k, part in enumerate(self._parts):
+            kept |= {f"part.{k}.{name}": value for name, value in part.memory().items()}
+        return kept
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        self._made = int(kept["made"][0])
+        self._sizes[:] = kept["sizes"]
+        for k, part in enumerate(self._parts):
+            front = f"part.{k}."
+            own = {n.removeprefix(front): a for n, a in kept.items() if n.startswith(front)}
+            part.restore(own)
