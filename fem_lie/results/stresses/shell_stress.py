@@ -56,6 +56,8 @@ class ShellStress:
         assembly = self._assembly
         H = np.empty_like(frames)
         H[assembly.order] = frames
+        # from zero, so that a state has the same values to the last bit whatever was asked before
+        assembly.carried[:] = 0.0
         assembly.reset_stress(H)
         found = self._carried()
         if not assembly.settles:
