@@ -46,6 +46,7 @@ class ShellStress:
     def __init__(self, shell: Shell) -> None:
         self._assembly = Shell.assemble([shell])
         rule = integration(shell)[0]
+        self._unloaded = self._assembly.carried.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
         self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
@@ -56,8 +57,8 @@ class ShellStress:
         assembly = self._assembly
         H = np.empty_like(frames)
         H[assembly.order] = frames
-        # from zero, so that a state has the same values to the last bit whatever was asked before
-        assembly.carried[:] = 0.0
+        # so that a state has the same values to the last bit whatever was asked before
+        assembly.restore(self._unloaded)
         assembly.reset_stress(H)
         found = self._carried()
         if not assembly.settles:
