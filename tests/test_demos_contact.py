@@ -58,3 +58,10 @@ def test_rod_in_box_has_no_other_ends():
 def test_rod_in_box_has_no_friction_of_penalties():
     with pytest.raises(ValueError, match="neither friction nor restitution"):
         DEMO.main(0.2, law="penalty", pictures=False)
+
+
+def test_capstan():
+    """Forces at both ends of a rope around a drum differ by exp(mu phi)."""
+    record = importlib.import_module("demos.capstan").main()
+    assert record["error"] < 0.005
+    assert record["iterations"] <= 8 * record["load_steps"]

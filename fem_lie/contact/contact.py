@@ -11,6 +11,7 @@ from fem_lie._arrays import Array, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.penalty import PenaltyForces
+from fem_lie.contact.rubbing import Friction
 from fem_lie.contact.sides.kinematics import gaps
 from fem_lie.contact.sides.meeting import Balls, Lines
 from fem_lie.contact.sides.meeting import Sides as MeetingSides
@@ -168,7 +169,15 @@ class Contact:
                 "for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
                 "holds; give Penalty elsewhere"
             )
-        return PenaltyForces(self._meeting(nodes), self.law, self.label)
+        sides, friction = self._meeting(nodes), None
+        if self.law.friction > 0.0:
+            friction = Friction(sides, self.law, self._frames(nodes))
+        return PenaltyForces(sides, self.law, self.label, friction)
+
+    @property
+    def rubs(self) -> bool:
+        """Whether forces depend on how surfaces came to where they are."""
+        return isinstance(self.law, Penalty) and self.law.friction > 0.0
 
     @property
     def _lines(self) -> bool:
@@ -181,6 +190,14 @@ class Contact:
         first, second = (self.a, self.b) if self.a.pieces() else (self.b, self.a)
         planes = None if second.pieces() else planes_side(second.faces(), nodes)
         return Lines(first.pieces(), second.pieces(), planes, nodes)
+
+    def _frames(self, nodes: Nodes) -> Array:
+        """Initial frames of nodes, of other bodies' anything."""
+        numbers = [nodes(body) for body in self.bodies]
+        H = np.zeros((1 + max(int(each.max()) for each in numbers), 4, 3))
+        for body, each in zip(self.bodies, numbers, strict=True):
+            H[each] = body.frames
+        return H
 
     def _numbered(self) -> tuple[Nodes, Array]:
         """Numbers and initial frames of the nodes of its bodies alone."""

@@ -22,11 +22,16 @@ class Penalty:
         damping: c, force per speed; ``2 √(k m)`` is critical for a mass m.
         ramp: Overlap over which damping grows from nothing to c. Without it the force jumps where
             surfaces meet, which Newton's method does not survive where c is large.
+        friction: μ: the largest force across the normal over ``k`` times the overlap. Until that
+            is reached springs hold, which are carried from step to step. Not in conserving schemes.
+        holding: Their stiffness; default: k.
     """
 
     stiffness: float
     damping: float = 0.0
     ramp: float = 0.0
+    friction: float = 0.0
+    holding: float | None = None
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
@@ -35,6 +40,10 @@ class Penalty:
             raise ValueError(f"Penalty: damping must not be negative, got {self.damping}")
         if number(self.ramp, "Penalty: ramp") < 0.0:
             raise ValueError(f"Penalty: ramp must not be negative, got {self.ramp}")
+        if number(self.friction, "Penalty: friction") < 0.0:
+            raise ValueError(f"Penalty: friction must not be negative, got {self.friction}")
+        if self.holding is not None:
+            positive(self.holding, "Penalty: holding")
 
 
 @dataclass(frozen=True)

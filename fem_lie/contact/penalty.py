@@ -11,6 +11,7 @@ from fem_lie._jit import uncounted
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.over_steps import CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.penalty_tangents import Numbers, damping, speed_of, tangents
+from fem_lie.contact.rubbing import Friction
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides
@@ -70,19 +71,26 @@ class PenaltyForces(Term):
 
     label = "contacts by penalty"
 
-    def __init__(self, sides: Sides, law: Penalty, name: str = "a contact") -> None:
+    def __init__(
+        self, sides: Sides, law: Penalty, name: str = "a contact", friction: Friction | None = None
+    ) -> None:
         """Keep both sides.
 
         Args:
             sides: That touch.
             law: Stiffness and damping; of lines per length.
             name: For messages.
+            friction: Of the law; default: none.
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._law = Numbers(float(law.stiffness), float(law.damping), float(law.ramp))
         self.viscous = self.in_space = law.damping > 0.0
         self.on_ground = sides.on_ground
-        self.conserved = self.secant = not self.viscous
+        self._friction = friction
+        self.carries = self.rubs = friction is not None
+        if friction is not None:
+            self.label = "contacts by penalty with friction"
+        self.conserved = self.secant = not self.viscous and friction is None
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -121,17 +129,23 @@ class PenaltyForces(Term):
             _log.warning(
                 "%s: overlap is %.0f %% of a radius (stiffness %g): raise it", self._name, part, k
             )
-        return 0.5 * float(found[1] @ deep)
+        held = 0.0 if self._friction is None else self._friction.energy(H)
+        return 0.5 * float(found[1] @ deep) + held
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """See the base class."""
         at, found = self._measured(H, out, viscous=False)
         _add(H, at, found[1], False, out)
+        if self._friction is not None:
+            self._friction.add_forces(H, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         still = np.zeros((len(H), 6))
-        return self._tangents(H, still, viscous=False)[0]
+        blocks = self._tangents(H, still, viscous=False)[0]
+        if self._friction is not None:
+            self._friction.add_tangent(H, blocks)
+        return blocks
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""
@@ -150,6 +164,33 @@ class PenaltyForces(Term):
         by_twists = np.zeros((count if viscous else 0, 6, 6))
         tangents(H, v, at, self._law, viscous, _NONE, by_frames, by_twists)
         return by_frames, by_twists
+
+    # --- what friction carries ---
+
+    @property
+    def carried(self) -> Array:
+        """See the base class: anchors."""
+        assert self._friction is not None
+        return self._friction.carried
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        assert self._friction is not None
+        self._friction.restore(carried)
+
+    def accept(self, H: Array) -> None:
+        """See the base class."""
+        assert self._friction is not None
+        self._friction.accept(H)
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class; anchors wait for accepted frames."""
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class; likewise."""
+
+    def clear_stress(self) -> None:
+        """See the base class; likewise."""
 
     # --- over a step ---
 
@@ -185,6 +226,8 @@ class PenaltyForces(Term):
         """See the base class."""
         at, found = self._measured(H, v, viscous=self.viscous)
         _add(H, at, found[1] + found[2], True, out)
+        if self._friction is not None:
+            self._friction.add_forces(H, out, grounded=True)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
         """Which places touch, and how.

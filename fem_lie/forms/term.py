@@ -104,6 +104,7 @@ class Term(ABC):
         secant: Whether they have them by :meth:`add_over_step`.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
         on_ground: Whether ground is the other side of some of the forces.
+        rubs: Whether forces depend on how nodes have moved since the last accepted frames.
         amplitude: Factor of a load, which may be changed.
     """
 
@@ -112,7 +113,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = secant = on_ground = False
+    conserved = secant = on_ground = rubs = False
 
     # --- forces ---
 
@@ -220,6 +221,10 @@ class Term(ABC):
 
     def settle(self, H: Array) -> None:
         """Make what the forces need of the term's own unknowns that of frames ``H``."""
+        raise NotImplementedError
+
+    def accept(self, H: Array) -> None:
+        """Go on from frames ``H``; asked of terms that rub."""
         raise NotImplementedError
 
     def clear_stress(self) -> None:

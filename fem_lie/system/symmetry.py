@@ -14,11 +14,12 @@ _SYMMETRIC = 1e-9  # of the largest entry, far above round-off and far below an 
 
 
 def has_potential(system: System) -> bool:
-    """Whether all loads have one: no moment about a fixed axis, nothing that follows a node.
+    """Whether all loads have one: no moment about a fixed axis, nothing that follows or rubs.
 
     The parts of the system's matrix are overwritten.
     """
-    return not system.load_cases.turning and _conserve(system)
+    rubs = any(term.rubs for term in system.terms)
+    return not system.load_cases.turning and not rubs and _conserve(system)
 
 
 def symmetric(system: System, *, potential: bool) -> bool:

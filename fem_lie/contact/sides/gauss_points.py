@@ -174,3 +174,41 @@ def set_points(
                 out.weight[count] = 0.5 * (high - low) * _WEIGHT[p] * a.lengths[i]
                 count += 1
     return count
+
+
+@uncounted
+def set_stations(
+    H: Array,
+    a: Strands,
+    b: Strands,
+    planes: Side,
+    runs: Indices,
+    blocks: Indices,
+    out: Meeting,
+    keys: Indices,
+) -> int:
+    """Gauss points of whole elements and what is nearest; how many.
+
+    ``keys`` tell them apart: the number of the point on the line, and the first piece opposite.
+    """
+    count = 0
+    for run in range(runs.shape[0]):
+        i, first, last, e = runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3]
+        nowhere = (0.0, 0.0, 0.0)
+        for p in range(GAUSS):
+            s = 0.5 + 0.5 * _AT[p]
+            if out.flat:
+                out.pairs[count, 1], out.first[count] = first, blocks[e]
+            else:
+                other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])
+                square, j, σ = nearest(b, other, place_at(a.curves[i], s))
+                if square == np.inf:
+                    continue
+                _set_place(b, j, σ, out.b, count)
+                out.pairs[count, 1], out.first[count] = count, blocks[e + j - first]
+            _set_place(a, i, s, out.a, count)
+            out.pairs[count, 0] = count
+            out.weight[count] = 0.5 * _WEIGHT[p] * a.lengths[i]
+            keys[count, 0], keys[count, 1] = GAUSS * i + p, first
+            count += 1
+    return count

@@ -169,7 +169,7 @@ def _turns_of_normal(
 
 
 @inlined_uncounted
-def _add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
+def add_turning(f: Vector, w: float, c: Vector, block: Array) -> None:
     """How ``(w f, c × f)`` turns with the node, ``δf = f × η``."""
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
@@ -232,7 +232,7 @@ def bends(
                     G[s, t, k, q] = total
             if flat and s == MOST_NODES:
                 _add_sliding(H[node], load_row(b.normals, j), D[t, 0], G[s, t])
-        _add_turning(scaled(sign, local_components(H[node], n)), w, c, G[s, s])
+        add_turning(scaled(sign, local_components(H[node], n)), w, c, G[s, s])
 
 
 @inlined_uncounted

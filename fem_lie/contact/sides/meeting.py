@@ -21,6 +21,7 @@ from fem_lie.contact.sides.gauss_points import (
     middles_of,
     no_sliding,
     set_points,
+    set_stations,
     strands_of,
 )
 from fem_lie.contact.sides.pairs import NearPairs
@@ -57,6 +58,10 @@ class Sides(ABC):
     @abstractmethod
     def _meet(self, H: Array) -> Meeting:
         """Likewise at frames, by that list."""
+
+    @abstractmethod
+    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+        """Pairs of places where anchors of friction stand, and what tells them apart, (m, 2)."""
 
     @abstractmethod
     def settle(self) -> None:
@@ -102,6 +107,11 @@ class Balls(Sides):
             )
         return self._meeting
 
+    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+        """See the base class."""
+        at = self.meet(H)
+        return at, at.pairs
+
     def settle(self) -> None:
         """See the base class; there is nothing."""
 
@@ -119,6 +129,7 @@ class Lines(Sides):
         self.near = NearPairs(*middles, flat=self.flat, same=False)
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
+        self._chains = np.cumsum(np.append(0, ~self._b.goes_on[:-1])) if b else None
         self._version = -1
         self._settled = self._stretches
 
@@ -147,6 +158,26 @@ class Lines(Sides):
         room = self._room
         k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
         return room._replace(pairs=room.pairs[:k])
+
+    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+        """See the base class: Gauss points of whole elements, which stay where they are."""
+        self.meet(H)
+        most = GAUSS * len(self._runs)
+        room = Meeting(
+            empty_side(most),
+            self._planes if self.flat else empty_side(most),
+            self.flat,
+            np.zeros((most, 2), dtype=np.int64),
+            np.zeros(most),
+            np.zeros(most, dtype=np.int64),
+            no_sliding(most),
+        )
+        keys = np.zeros((most, 2), dtype=np.int64)
+        given = H, self._a, self._b, self._planes, self._runs, self.near.first
+        k = set_stations(*given, room, keys)
+        if self._chains is not None:
+            keys[:, 1] = self._chains[keys[:, 1]]
+        return room._replace(pairs=room.pairs[:k]), keys[:k]
 
     def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
         """See the base class; tangents have the lengths that were settled."""

@@ -88,6 +88,7 @@ def _refuse(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "damping": dampers or mass_damping or any(term.viscous for term in tables.terms),
         "strains that change in time": unknowns.strains_change,
+        "friction of penalties": any(term.rubs for term in tables.terms),
     }
     for what, given in reasons.items():
         if given:

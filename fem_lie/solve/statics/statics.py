@@ -87,7 +87,8 @@ def statics(
     asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
     slackens = any(body.slackens for body in scene.bodies)
-    if slackens or not options.carried_stress or rotation or not in_proportion(scene):
+    rubs = any(contact.rubs for contact in scene.contacts)
+    if slackens or rubs or not options.carried_stress or rotation or not in_proportion(scene):
         roads = [asked]
     elif load_steps is not None:
         roads = [asked, along]

@@ -108,6 +108,7 @@ def _refuse(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
+        "friction of penalties": any(term.rubs for term in equations.tables.terms),
         f"shells with six parameters ({drilling})": bool(drilling),
     }
     for what, given in reasons.items():

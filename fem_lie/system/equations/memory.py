@@ -35,12 +35,13 @@ class Memory:
             self._terms.carry(H, h)
 
     def accept(self, H: Array) -> None:
-        """Go on from here: joints count their turns.
+        """Go on from here: joints count their turns, and what rubs its slips.
 
         Raises:
             ValueError: Something slid off its beam.
         """
         self._connections.accept(H)
+        self._terms.accept(H)
 
     def turn_axes(
         self, H: Array, motion: Array | None = None, written: Written | None = None

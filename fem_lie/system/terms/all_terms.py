@@ -54,6 +54,7 @@ class Terms:
         self.viscous_labels = tuple(dict.fromkeys(t.label for t in viscous))
         self._energy = np.zeros(1)
         self._carrying = [t for t in self._terms if t.carries]
+        self._rubbing = [t for t in self._terms if t.rubs]
         self._settling = [t for t in self._terms if t.settles]
         self.all_in_tables = not self._by_themselves
         within = [term.within_joints or term.load for term in self._with_energy]
@@ -159,6 +160,11 @@ class Terms:
         """Carry all stresses on along the increment ``h`` (6 count,) made from frames ``H``."""
         for term in self._carrying:
             term.carry(H, h.reshape(-1, 6))
+
+    def accept(self, H: Array) -> None:
+        """Go on from frames ``H``."""
+        for term in self._rubbing:
+            term.accept(H)
 
     def carried(self) -> list[Array]:
         """Copies of what each carries from iterate to iterate."""

@@ -31,7 +31,7 @@ class Followed(Term):
         self.load, self.viscous, self.in_space = term.load, term.viscous, term.in_space
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
-        self.on_ground = term.on_ground
+        self.on_ground, self.rubs = term.on_ground, term.rubs
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
         # Ad(C⁻¹): twist of a node from that of its leader
         self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
@@ -168,6 +168,10 @@ class Followed(Term):
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""
         self.term.carry(self._frames(H), self._twists(h))
+
+    def accept(self, H: Array) -> None:
+        """See the base class."""
+        self.term.accept(self._frames(H))
 
     def restore(self, carried: Array) -> None:
         """See the base class."""

@@ -1,0 +1,299 @@
+"""Coulomb's friction of penalties, with springs that hold until it slips: compiled.
+
+When a step is accepted, each pair of places that are near gets an anchor on both sides, material
+points at the place of contact, of which the second is short of it by what the spring is stretched.
+With ``u = P − Q`` of the anchors at any frames after that, linear in the rows of their nodes, and
+``n`` and ``p`` the normal and the force along it there::
+
+    τ = k u_T,  u_T = u − n n·u          while |τ| ≤ μ p, else τ = μ p u_T/|u_T|
+
+So anchors turn with their nodes, and what rolls takes them along from step to step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, place
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED, Side
+from fem_lie.lie.motions import global_components, local_components
+from fem_lie.lie.tuples import (
+    Vector,
+    combined,
+    cross,
+    dot,
+    load_row,
+    minus,
+    plus,
+    scaled,
+    store_row,
+)
+
+
+class Rubbing(NamedTuple):
+    """Numbers of a law, for a weight of one.
+
+    Attributes:
+        k: Stiffness along the normal.
+        μ: Friction.
+        holds: Stiffness across it.
+    """
+
+    k: float
+    μ: float
+    holds: float
+
+
+class Anchors(NamedTuple):
+    """``u = Σ (w x + R c) + o`` of pairs of places.
+
+    Attributes:
+        keys: What tells one pair from others, shape (m, 2).
+        nodes: Of both sides, negative where there is none, shape (m, 8).
+        weights: ``w``, negative on the second side, shape (m, 8).
+        levers: ``c``, likewise, shape (m, 8, 3).
+        fixed: ``o``, of what is on ground, shape (m, 3).
+    """
+
+    keys: Indices
+    nodes: Indices
+    weights: Array
+    levers: Array
+    fixed: Array
+
+
+_COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3
+
+
+def empty_anchors(m: int) -> Anchors:
+    """Room for ``m`` pairs."""
+    return Anchors(
+        np.zeros((m, 2), dtype=np.int64),
+        np.full((m, SLOTS), UNUSED),
+        np.zeros((m, SLOTS)),
+        np.zeros((m, SLOTS, 3)),
+        np.zeros((m, 3)),
+    )
+
+
+def packed(anchors: Anchors) -> Array:
+    """Anchors as numbers, flat."""
+    m = len(anchors.keys)
+    return np.concatenate([part.reshape(m, -1) for part in anchors], axis=1).ravel()
+
+
+def unpacked(numbers: Array) -> Anchors:
+    """What was :func:`packed`."""
+    rows = numbers.reshape(-1, _COLUMNS)
+    ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS])
+    keys, nodes, weights, levers, fixed = np.split(rows, ends, axis=1)
+    return Anchors(
+        keys.astype(np.int64),
+        nodes.astype(np.int64),
+        weights.copy(),
+        levers.reshape(-1, SLOTS, 3).copy(),
+        fixed.copy(),
+    )
+
+
+def found(anchors: Anchors, keys: Indices) -> Indices:
+    """Which anchor pairs have, by their keys; −1: none."""
+    index = np.full(len(keys), -1, dtype=np.int64)
+    if not len(anchors.keys) or not len(keys):
+        return index
+    most = 1 + max(int(anchors.keys[:, 1].max()), int(keys[:, 1].max()))
+    known = anchors.keys[:, 0] * most + anchors.keys[:, 1]
+    wanted, order = keys[:, 0] * most + keys[:, 1], np.argsort(known, kind="stable")
+    at = np.minimum(np.searchsorted(known[order], wanted), len(known) - 1)
+    there = known[order][at] == wanted
+    index[there] = order[at][there]
+    return index
+
+
+@inlined_uncounted
+def _anchor(H: Array, side: Side, i: int, off: Vector, sign: float, out: Anchors, e: int) -> None:
+    """A place of a side, moved by ``off``, as a material point."""
+    first = 0 if sign > 0.0 else MOST_NODES
+    for k in range(MOST_NODES):
+        node = side.nodes[i, k]
+        if node == UNUSED:
+            break
+        w, c = side.weights[i, k], load_row(side.levers[i], k)
+        if node == GROUND:
+            moved = combined(sign, c, sign * w, off)
+            store_row(out.fixed, e, plus(load_row(out.fixed, e), moved))
+            continue
+        out.nodes[e, first + k], out.weights[e, first + k] = node, sign * w
+        moved = combined(sign, c, sign * w, local_components(H[node], off))
+        store_row(out.levers[e], first + k, moved)
+
+
+@compiled
+def set_anchors(H: Array, at: Meeting, springs: Array, out: Anchors) -> None:
+    """Anchors at frames ``H`` with springs stretched by ``springs`` (m, 3), into empty ones."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        off = scaled(-at.a.radii[i], n)
+        _anchor(H, at.a, i, off, 1.0, out, e)
+        short = minus(plus(P, off), load_row(springs, e))
+        _anchor(H, at.b, j, minus(short, place(H, at.b, j)), -1.0, out, e)
+
+
+@inlined_uncounted
+def _apart(H: Array, anchors: Anchors, q: int) -> Vector:
+    """``u`` of an anchor."""
+    u = load_row(anchors.fixed, q)
+    for s in range(SLOTS):
+        node = anchors.nodes[q, s]
+        if node >= 0:
+            u = plus(u, scaled(anchors.weights[q, s], load_row(H[node], 0)))
+            u = plus(u, global_components(H[node], load_row(anchors.levers[q], s)))
+    return u
+
+
+class _Traction(NamedTuple):
+    """Of one pair, for a weight of one.
+
+    Attributes:
+        τ: Traction.
+        along: Its direction, where it slips.
+        size: ``|u_T|``.
+        slips: Whether it does.
+    """
+
+    τ: Vector
+    along: Vector
+    size: float
+    slips: bool
+
+
+@inlined_uncounted
+def _traction(law: Rubbing, g: float, n: Vector, u: Vector) -> _Traction:
+    across = combined(1.0, u, -dot(n, u), n)
+    size, most = np.sqrt(dot(across, across)), -law.μ * law.k * g
+    if law.holds * size <= most or size == 0.0:
+        return _Traction(scaled(law.holds, across), (0.0, 0.0, 0.0), size, False)
+    along = scaled(1.0 / size, across)
+    return _Traction(scaled(most, along), along, size, True)
+
+
+@compiled
+def tractions(
+    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: Rubbing, out: Array
+) -> None:
+    """Tractions on the second side, of pairs without an anchor none: (m, 3)."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        store_row(out, e, (0.0, 0.0, 0.0))
+        g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
+        if g < 0.0 and which[e] >= 0:
+            store_row(out, e, _traction(law, g, n, _apart(H, anchors, which[e])).τ)
+
+
+@compiled
+def add_rubbing(
+    H: Array, at: Meeting, anchors: Anchors, which: Indices, τ: Array, grounded: bool, out: Array
+) -> None:
+    """Add tractions to forces, of all pairs or of those with ground alone."""
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        q, t = which[e], scaled(at.weight[e], load_row(τ, e))
+        apart = at.a.owners[i] != GROUND and at.b.owners[j] != GROUND
+        if q < 0 or dot(t, t) == 0.0 or (grounded and apart):
+            continue
+        for s in range(SLOTS):
+            node = anchors.nodes[q, s]
+            if node < 0:
+                continue
+            f = local_components(H[node], t)
+            moment = cross(load_row(anchors.levers[q], s), f)
+            for k in range(3):
+                out[node, k] += anchors.weights[q, s] * f[k]
+                out[node, 3 + k] += moment[k]
+
+
+@inlined_uncounted
+def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
+    """``[w R, −R ĉ]`` of an anchor, shape (3, 6)."""
+    for k in range(3):
+        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+        moved, turned = global_components(H, e), global_components(H, cross(e, c))
+        for r in range(3):
+            D[r, k], D[r, 3 + k] = w * moved[r], turned[r]
+
+
+@inlined_uncounted
+def _change(
+    law: Rubbing, t: _Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
+) -> Vector:
+    """How a traction changes."""
+    δacross = combined(1.0, δu, -dot(n, δu) - dot(δn, u), n)
+    δacross = combined(1.0, δacross, -dot(n, u), δn)
+    if not t.slips:
+        return scaled(law.holds, δacross)
+    turned = combined(1.0, δacross, -dot(t.along, δacross), t.along)
+    return combined(dot(t.τ, t.along) / t.size, turned, -law.μ * law.k * δg, t.along)
+
+
+@compiled
+def add_rubbing_tangents(
+    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: Rubbing, blocks: Array
+) -> None:
+    """Add derivatives of the forces in twists of frames, where anchors have the nodes of places."""
+    nodes, rows = np.empty(SLOTS, dtype=np.int64), np.zeros((SLOTS, 6))
+    D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
+    A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        q, weight = which[e], at.weight[e]
+        g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
+        if g >= 0.0 or q < 0:
+            continue
+        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
+        if _others(nodes, anchors.nodes[q]):
+            continue
+        u = _apart(H, anchors, q)
+        t = _traction(law, g, n, u)
+        for s in range(SLOTS):
+            if nodes[s] >= 0:
+                c = load_row(anchors.levers[q], s)
+                _motion(H[nodes[s]], anchors.weights[q, s], c, A[s])
+                for p in range(6):
+                    δu, δn = _column(A[s], p), _column(D[s, 1], p)
+                    δτ = _change(law, t, n, u, δu, δn, rows[s, p])
+                    T[s, 0, p], T[s, 1, p], T[s, 2, p] = δτ
+        block = at.first[e]
+        for s in range(SLOTS):
+            for o in range(SLOTS):
+                if nodes[s] < 0 or nodes[o] < 0:
+                    continue
+                for p in range(6):
+                    for r in range(6):
+                        total = dot(_column(A[s], p), _column(T[o], r))
+                        blocks[block, p, r] += weight * total
+                if s == o:
+                    f = local_components(H[nodes[s]], scaled(weight, t.τ))
+                    c = load_row(anchors.levers[q], s)
+                    add_turning(f, anchors.weights[q, s], c, blocks[block])
+                block += 1
+
+
+@inlined_uncounted
+def _column(D: Array, p: int) -> Vector:
+    return D[0, p], D[1, p], D[2, p]
+
+
+@inlined_uncounted
+def _others(nodes: Indices, own: Indices) -> bool:
+    """Whether nodes are others than those of an anchor, which slid on to other elements."""
+    for s in range(SLOTS):
+        if nodes[s] != own[s] and (nodes[s] >= 0 or own[s] >= 0):
+            return True
+    return False

@@ -1,0 +1,79 @@
+"""Friction of one contact by penalty: what is carried from step to step, and the forces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.friction import (
+    Rubbing,
+    add_rubbing,
+    add_rubbing_tangents,
+    empty_anchors,
+    found,
+    packed,
+    set_anchors,
+    tractions,
+    unpacked,
+)
+from fem_lie.contact.laws import Penalty
+from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.meeting import Sides
+
+
+class Friction:
+    """Springs across the normal that slip, between anchors on both sides."""
+
+    def __init__(self, sides: Sides, law: Penalty, H: Array) -> None:
+        """Anchor all that is near.
+
+        Args:
+            sides: That touch.
+            law: With friction; of lines per length.
+            H: Frames in the beginning.
+        """
+        holding = law.stiffness if law.holding is None else law.holding
+        self._sides = sides
+        self._law = Rubbing(float(law.stiffness), float(law.friction), float(holding))
+        self._anchors = empty_anchors(0)
+        self.accept(H)
+
+    def _rubs(self, H: Array) -> tuple[Meeting, Indices, Array]:
+        """Pairs, their anchors, and tractions (m, 3)."""
+        at, keys = self._sides.stations(H)
+        which, τ = found(self._anchors, keys), np.empty((len(at.pairs), 3))
+        tractions(H, at, self._anchors, which, self._law, τ)
+        return at, which, τ
+
+    def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
+        """Add all forces, or those of what touches ground, to ``out`` (≥ nodes, 6)."""
+        at, which, τ = self._rubs(H)
+        add_rubbing(H, at, self._anchors, which, τ, grounded, out)
+
+    def energy(self, H: Array) -> float:
+        """Of the springs."""
+        at, _, τ = self._rubs(H)
+        return 0.5 / self._law.holds * float((τ * τ).sum(axis=1) @ at.weight[: len(τ)])
+
+    def add_tangent(self, H: Array, blocks: Array) -> None:
+        """Add derivatives of the forces to blocks of the pairs that are near."""
+        at, keys = self._sides.stations(H)
+        which = found(self._anchors, keys)
+        add_rubbing_tangents(H, at, self._anchors, which, self._law, blocks)
+
+    def accept(self, H: Array) -> None:
+        """Anchor anew at frames ``H``, with springs as they are stretched there."""
+        at, _, τ = self._rubs(H)
+        anchors = empty_anchors(len(at.pairs))
+        set_anchors(H, at, np.asarray(τ / self._law.holds), anchors)
+        anchors.keys[:] = self._sides.stations(H)[1]
+        self._anchors = anchors
+
+    @property
+    def carried(self) -> Array:
+        """Anchors."""
+        return packed(self._anchors)
+
+    def restore(self, carried: Array) -> None:
+        """Have these anchors again."""
+        self._anchors = unpacked(carried)

@@ -1,0 +1,166 @@
+"""Friction of penalties: closed forms, derivatives, resumed runs, and what is refused."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.lie.motions import retract
+
+GRAVITY, SIZE = 9.81, 0.1
+FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+
+
+def on_slope(degrees: float, surface, law: fl.Penalty, start=0.0) -> tuple[fl.Scene, fl.Point]:
+    """A body of 1 kg whose centre is 0.1 m above a slope, in equilibrium across it."""
+    angle = np.radians(degrees)
+    body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - start))
+    scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
+    scene.add(body)
+    scene.add(fl.Contact(surface(body.centre), FLOOR, law))
+    return scene, body.centre
+
+
+def block(point: fl.Point) -> fl.Box:
+    return fl.Box(point, (4 * SIZE, 4 * SIZE, 2 * SIZE))
+
+
+def ball(point: fl.Point) -> fl.Sphere:
+    return fl.Sphere(point, SIZE)
+
+
+def run(scene: fl.Scene, duration: float, step: float, **options) -> fl.Result:
+    scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-9)
+    return scheme.run(scene, duration=duration, step=step, progress=False, **options)
+
+
+@pytest.mark.parametrize(("degrees", "sticks"), [(20, True), (26.5, True), (27, False)])
+def test_a_block_sticks_or_slides(degrees, sticks):
+    """By Coulomb's law, after springs have been stretched."""
+    k, μ, angle = 1e6, 0.5, np.radians(degrees)
+    law = fl.Penalty(k, damping=1e3, friction=μ)
+    scene, centre = on_slope(degrees, block, law, GRAVITY * np.cos(angle) / (4 * k))
+    x = run(scene, 0.3, 1e-3).position(centre)[:, 0]
+    if sticks:
+        assert np.ptp(x[-20:]) < 1e-9
+    else:
+        a = np.diff(x[-20:], 2) / 1e-6
+        np.testing.assert_allclose(a, GRAVITY * (np.sin(angle) - μ * np.cos(angle)), rtol=1e-3)
+
+
+def test_a_ball_rolls():
+    """Springs go along: 5/7 of what it has without friction."""
+    k, angle = 1e5, np.radians(20)
+    law = fl.Penalty(k, friction=0.5)
+    scene, centre = on_slope(20, ball, law, GRAVITY * np.cos(angle) / k)
+    result = run(scene, 0.5, 2e-3)
+    wanted = 5 / 14 * GRAVITY * np.sin(angle) * 0.5**2
+    assert result.position(centre)[-1, 0] == pytest.approx(wanted, rel=2e-3)
+
+
+def forces_of(term, H: np.ndarray) -> np.ndarray:
+    out = np.zeros((len(H), 6))
+    term.add_forces(H, out)
+    return out.ravel()
+
+
+def ball_on_ball() -> tuple[list[fl.Body], fl.Contact]:
+    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, -0.3))]
+    return pair, (fl.Sphere(pair[0].centre, 0.1), fl.Sphere(pair[1].centre, 0.3))
+
+
+def ball_on_plane() -> tuple[list[fl.Body], fl.Contact]:
+    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, 0))]
+    return pair, (fl.Sphere(pair[0].centre, 0.1), fl.Plane(pair[1].centre, (0, 0, 1)))
+
+
+def line_on_plane() -> tuple[list[fl.Body], fl.Contact]:
+    section = fl.Section.circle(0.1, fl.Material(1e9, 0.3, 1.0))
+    line = fl.Beam.straight((0, 0, 0.098), (1, 0, 0.098), section, cells=2)
+    return [line], (fl.Line(line, 0.1), FLOOR)
+
+
+@pytest.mark.parametrize("friction", [100.0, 0.1])
+@pytest.mark.parametrize("make", [ball_on_ball, ball_on_plane, line_on_plane])
+def test_derivatives(make, friction):
+    """By differences, sticking and slipping."""
+    bodies, surfaces = make()
+    law = fl.Penalty(50.0, friction=friction, holding=30.0)
+    first = np.cumsum([0, *(len(b.frames) for b in bodies)])
+    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
+    term = fl.Contact(*surfaces, law).term(numbers.__getitem__)
+    H = np.concatenate([b.frames for b in bodies])
+    retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
+    wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
+    for block, i, j in zip(term.tangent(H, term.room()), *term.pairs, strict=True):
+        found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
+    for q in range(6 * len(H)):
+        ends = []
+        for sign in (1, -1):
+            h, moved = np.zeros(6 * len(H)), H.copy()
+            h[q] = sign * 1e-7
+            retract(moved, h.reshape(-1, 6))
+            ends.append(forces_of(term, moved))
+        wanted[:, q] = (ends[0] - ends[1]) / 2e-7
+    assert np.abs(wanted).max() > 1.0
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("every", [37, 60])
+def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
+    """A ball slides, then rolls: in the middle of slip, and of stick."""
+
+    def thrown() -> fl.Scene:
+        body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - 1e-4))
+        body.move((0.3, 0.1, 0))
+        scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+        scene.add(body)
+        scene.add(fl.Contact(ball(body.centre), FLOOR, fl.Penalty(1e5, friction=0.3)))
+        return scene
+
+    scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-9)
+    options = {"duration": 0.1, "step": 1e-3, "progress": False, "checkpoint_every": every}
+    whole = scheme.run(thrown(), **options, file=tmp_path / "whole.h5")
+    scheme.run(thrown(), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(thrown(), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "balance"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+    # slips with μ g at first, and rolls with 5/7 of its speed in the end
+    speed = np.diff(whole.frames[:, 0, 0, 0]) / 1e-3
+    assert speed[-1] == pytest.approx(5 / 7 * 0.3, rel=5e-2)
+
+
+LAW = fl.Penalty(1e5, friction=0.3)
+
+REFUSED = {
+    "friction": (
+        lambda: fl.Penalty(1e3, friction=-0.1),
+        r"Penalty: friction must not be negative, got -0.1",
+    ),
+    "nan": (lambda: fl.Penalty(1e3, friction=float("nan")), "friction"),
+    "holding": (lambda: fl.Penalty(1e3, friction=0.1, holding=0.0), "Penalty: holding"),
+    "explicit": (
+        lambda: fl.Explicit().run(
+            on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
+        ),
+        "Explicit has no friction of penalties",
+    ),
+    "variational": (
+        lambda: fl.Variational().run(
+            on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
+        ),
+        "Variational has no friction of penalties",
+    ),
+    "conserving": (
+        lambda: fl.EnergyMomentum().run(
+            on_slope(20, ball, LAW)[0], duration=0.1, step=1e-2, progress=False
+        ),
+        "no contacts by penalty with friction: use GeneralisedAlpha",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused(name):
+    make, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        make()
