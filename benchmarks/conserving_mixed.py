@@ -105,9 +105,21 @@ def thin_shell_on_beam() -> fl.Scene:
     return scene
 
 
+def rod_and_cable() -> fl.Scene:
+    """A bent rod without shear that twists as it turns, and a cable on its end."""
+    scene = fl.Scene()
+    rod = scene.add(fl.Rod.curve(lambda s: (s, 0.3 * s * s, 0.1 * s**3), BAR, cells=5))
+    cable = scene.add(fl.Cable.straight((1, 0.3, 0.1), (1.5, 0.3, 0.1), ROPE, cells=3))
+    scene.add(fl.Spherical(rod.end, cable.start))
+    for body in (rod, cable):
+        body.turn((4.0, 2.0, 3.0), about=(0.5, 0.1, 0))
+    return scene
+
+
 SCENES: dict[str, Callable[[], fl.Scene]] = {
     "beam and cable": beam_and_cable,
     "crane": crane,
+    "rod with twist and cable": rod_and_cable,
     "solid hub, beams, cable, weight": solid_hub,
     "shell and thread": shell_and_thread,
     "wheel on a motor, cable, beam with damping": driven_body,

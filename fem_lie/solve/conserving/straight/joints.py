@@ -10,13 +10,16 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.table import PackedJoints, joint_table, views
-from fem_lie.joints.equations.terms import spring_energy, unwrap
+from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.solve.conserving.rows.halves import CellTable
 from fem_lie.solve.conserving.rows.measure import weigh_cells
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.straight.grips import GripSpan, give, set_grips, set_nodes
 from fem_lie.solve.conserving.straight.records import State, Step
 from fem_lie.system.equations import Equations
+
+_BACK = 1e-3
+"""Of what is seen of constraints, counted in each step."""
 
 
 class _Rows(NamedTuple):
@@ -74,6 +77,11 @@ def _unwrap(joints: PackedJoints, frames: Array) -> None:
 
 
 @compiled
+def _violations(joints: PackedJoints, frames: Array, out: Array) -> None:
+    violations(frames, joint_table(joints), out)
+
+
+@compiled
 def _spring_energy(joints: PackedJoints, frames: Array) -> float:
     table = joint_table(joints)
     return spring_energy(frames, table) if len(table.springs) > 0 else 0.0
@@ -85,6 +93,7 @@ class Joints:
     Attributes:
         any: Whether there are any.
         driven: Increments of the targets in the present step, (m,).
+        reached: Values of the constraints at the start, and of these increments, (m,).
         moved: Frames of prescribed motions at both ends of the step, (2, p, 4, 3).
     """
 
@@ -125,6 +134,9 @@ class Joints:
         rows = np.concatenate([frames[:n], located, fixed])
         on = np.zeros((n + grips.count, 6))
         self._rows = _Rows(rows, np.zeros_like(rows), on)
+        self.reached = np.zeros(equations.unknowns.m)
+        if self.any:
+            _violations(pairs.joints, rows, self.reached)
 
     def begin(self, H: Array) -> None:
         """A step from rows ``H``."""
@@ -142,10 +154,20 @@ class Joints:
         packed, rows = self._pairs.joints, self._rows
         _add_forces(self.kinds, packed, span, state, this, rows, self.driven, h)
 
-    def accept(self, H: Array) -> None:
-        """Count turns at rows ``H``."""
+    def accept(self, H: Array, gap: Array) -> None:
+        """Count turns at rows ``H``, and lead ``gap`` (m,) to what constraints miss there.
+
+        It is a sum of increments, whose round-off adds up where a grip's rotation has it each time.
+        What is seen at the rows has that of single states, so it counts a little each time.
+        """
+        if not self.any:
+            return
+        frames, found = self._all(H), np.empty_like(gap)
         if self._pairs.turns:
-            _unwrap(self._pairs.joints, self._all(H))
+            _unwrap(self._pairs.joints, frames)
+        _violations(self._pairs.joints, frames, found)
+        self.reached += self.driven
+        gap += _BACK * (found - self.reached - gap)
 
     def energy(self, H: Array) -> float:
         """Of springs at rows ``H``."""

@@ -137,7 +137,7 @@ class StraightRun(AnyState):
         self._rates[1], self._rates[0] = self._rates[0], 2.0 * s.trend
         self._sizes[1:], self._sizes[0] = self._sizes[:2].copy(), self.size
         self.equations.memory.accept(s.H)
-        self.joints.accept(s.H)
+        self.joints.accept(s.H, s.gap)
         self.equations.memory.turn_axes(s.H)
 
     def _set_step(self, start: float, end: float) -> None:
@@ -253,7 +253,7 @@ class StraightRun(AnyState):
         """All that the next steps depend on."""
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
         kept |= {"middle": self.this.middle, "rates": self._rates}
-        kept["turned"] = self.joints.turned.copy()
+        kept |= {"turned": self.joints.turned.copy(), "reached": self.joints.reached}
         counts = self._made, self._factorisations, self._iterations, self._divided
         kept |= {"counts": np.array(counts), "sizes": self._sizes}
         kept |= super().memory()
@@ -265,7 +265,7 @@ class StraightRun(AnyState):
         for name, array in self.s._asdict().items():
             array[:] = kept[f"s.{name}"]
         self.this.middle[:], self._rates[:] = kept["middle"], kept["rates"]
-        self.joints.turned[:] = kept["turned"]
+        self.joints.turned[:], self.joints.reached[:] = kept["turned"], kept["reached"]
         counts = (int(count) for count in kept["counts"])
         self._made, self._factorisations, self._iterations, self._divided = counts
         self._sizes[:], self.size = kept["sizes"], float(kept["sizes"][0])
