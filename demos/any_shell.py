@@ -8,15 +8,16 @@ import numpy as np
 
 import fem_lie as fl
 
-AnyShell = fl.Shell | fl.ThinShell
+AnyShell = fl.Shell | fl.ThinShell | fl.AncfShell
 FORMULATIONS: dict[str, fl.ShellFormulation] = {
     "HR": fl.HellingerReissner(),
     "HW": fl.HuWashizu(),
     "MITC4": fl.Displacement(),
     "HR+": fl.HellingerReissner(fl.MITC4_PLUS),
 }
-PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch}
-"""What thin shells, without shear, lie on: the surface itself, or a spline through its nodes."""
+PATCHES = {"thin": fl.smooth_patch, "spline": fl.spline_patch, "ancf": fl.smooth_patch}
+"""What thin shells, without shear, lie on: the surface itself, or a spline through its nodes; and
+plates of places and three slopes."""
 KNOWN = [*FORMULATIONS, *PATCHES]
 
 
@@ -33,9 +34,8 @@ def any_shell(
     """On a mesh, or a thin one on a patch; edges and corners have the same names."""
     if formulation in PATCHES:
         patch = PATCHES[formulation](place, cells)
-        if along is None:
-            return fl.ThinShell(patch, section, name=name)
-        return fl.ThinShell(patch, section, along=along, name=name)
+        make = fl.AncfShell if formulation == "ancf" else fl.ThinShell
+        return make(patch, section, along=along, name=name)
     return fl.Shell(
         fl.surface(place, cells),
         section,

@@ -14,7 +14,8 @@ fields against membrane locking. And Newton's method with stresses taken from th
 needs steps as small as the ratio of bending to membrane stiffness: here the stress is carried as an
 iterate in all of them. The load is applied by the load-capped arc length: one call, about a dozen
 linear solutions. Thin shells have bicubic patches without shear, and assumed strains, too:
-of the surface itself (thin) or of the smooth spline through its nodes (spline).
+of the surface itself (thin) or of the smooth spline through its nodes (spline). Plates of places
+and three slopes have shear, without rotations (ancf).
 
 ``--gmsh`` meshes meshes/hemisphere.geo instead of making the same mesh by hand.
 """
@@ -59,13 +60,14 @@ def quarter(
 def pinched(
     thickness: float,
     mesh: fl.SurfaceMesh | fl.SmoothPatch,
-    formulation: fl.ShellFormulation | None = None,
+    formulation: fl.ShellFormulation | fl.AncfPlate | None = None,
 ) -> fl.Scene:
     """A quarter with its supports and loads."""
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
-    shell: fl.Shell | fl.ThinShell
+    shell: fl.Shell | fl.ThinShell | fl.AncfShell
     if isinstance(mesh, fl.SmoothPatch):
-        shell = fl.ThinShell(mesh, section, name="hemisphere")
+        make = fl.AncfShell if isinstance(formulation, fl.AncfPlate) else fl.ThinShell
+        shell = make(mesh, section, name="hemisphere")
     else:
         shell = fl.Shell(
             mesh, section, director=lambda x: x / RADIUS, formulation=formulation, name="hemisphere"
@@ -92,7 +94,7 @@ def main(
     one_of("formulation", formulation, KNOWN)
     if gmsh and formulation in PATCHES:
         raise ValueError("thin shells lie on patches, which are no meshes: leave out gmsh")
-    element = FORMULATIONS.get(formulation)
+    element = fl.AncfPlate() if formulation == "ancf" else FORMULATIONS.get(formulation)
     fl.follow_loads(pinched(thickness, quarter(4, formulation=formulation), element))  # compiles
     result = fl.follow_loads(pinched(thickness, quarter(mesh, gmsh, formulation), element))
     a = float(result.position("hemisphere.00")[-1, 0] - RADIUS)

@@ -9,6 +9,7 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.orientation import Twisted
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
+from fem_lie.bodies.gradients.ancf_shell import AncfShell
 from fem_lie.bodies.points import ground
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
@@ -29,6 +30,7 @@ from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.elements.gradients.ancf import AncfElement
+from fem_lie.elements.gradients.plate import AncfPlate
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.elements.rods.discrete_rod import DiscreteRod
@@ -185,6 +187,8 @@ __all__ = [
     "AdaptiveStep",
     "AncfBeam",
     "AncfElement",
+    "AncfPlate",
+    "AncfShell",
     "ArcLength",
     "AreaLoad",
     "Asynchronous",

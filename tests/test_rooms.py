@@ -35,7 +35,7 @@ MAY_IMPORT = {
     "elements.shells": {"forms", "mesh"},
     "elements.rods": {"elements.beams"},
     "elements.solids": {"forms", "mesh"},
-    "elements.gradients": {"elements.rods"},
+    "elements.gradients": {"elements.thin_shells"},
     "elements.thin_shells": {"elements.rods"},
     "bodies": {"forms", "grips"},
     "bodies.beams": {"bodies", "elements.beams", "sections"},

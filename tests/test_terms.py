@@ -122,6 +122,12 @@ def held(scene: fl.Scene, **options) -> fl.Scene:
     return scene
 
 
+def plate() -> fl.Scene:
+    """Points of a place and three slopes."""
+    patch = fl.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
+    return scene_with(fl.AncfShell(patch, LAYER))
+
+
 def sewn() -> fl.Scene:
     """Two patches whose parametrisations do not agree."""
     patches = {
@@ -277,6 +283,8 @@ TERMS: dict[str, Case] = {
     ),
     "thin shell": Case(thin_shell, "elements"),
     "seam of thin shells": Case(sewn, "seams"),
+    "plate with shear": Case(plate, "elements"),
+    "pressure on a plate with shear": Case(lambda: pressed(plate()), "pressure on thin shells"),
     "beam of slopes": Case(ancf, "elements"),
     "restrained warping": Case(lambda: ancf(warping=0.7), "restrained warping"),
     "damping of mass of a beam of slopes": Case(lambda: ancf(damping=MASS), "damping of mass"),

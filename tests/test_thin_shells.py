@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.lie import kinds
 
@@ -18,6 +17,8 @@ ELEMENTS = {
     "default": fl.BicubicHermite(),
     "3×3 shear": fl.BicubicHermite(share=0.0, shear=3),
     "not assumed": fl.BicubicHermite(share=1.0),
+    "plate with shear": fl.AncfPlate(),
+    "plain plate with shear": fl.AncfPlate(bending_flexibility=False, share=1.0),
 }
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 
@@ -34,8 +35,9 @@ class Shell:
     """A thin shell by itself."""
 
     def __init__(self, function=wavy, cells=(2, 2), element=None, section=UNSYMMETRIC):
-        self.body = fl.ThinShell(fl.smooth_patch(function, cells), section, formulation=element)
-        self.term, self.kinds = ThinShellAssembly([self.body]), self.body.node_kinds
+        make = fl.AncfShell if isinstance(element, fl.AncfPlate) else fl.ThinShell
+        self.body = make(fl.smooth_patch(function, cells), section, formulation=element)
+        self.term, self.kinds = make.assemble([self.body]), self.body.node_kinds
         self.count = len(self.kinds)
         self.rng = np.random.default_rng(1)
 

@@ -12,7 +12,7 @@ from fem_lie._arrays import Array, direction, instance, number, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import History, Load, Sum
@@ -113,7 +113,7 @@ class SurfacePressure(Load):
         1
     """
 
-    shell: Shell | ThinShell
+    shell: Shell | SmoothSurface
     pressure: float | Callable[[Array], float]
     gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
     cells: str | None = None
@@ -138,8 +138,8 @@ class SurfacePressure(Load):
     def contribute(self, to: Sum) -> None:
         """Forces on the loaded cells."""
         shell, chosen = self.shell, self.shell.cells_of(self.cells)
-        if isinstance(shell, ThinShell):
-            cells, rule = shell.connectivity[chosen], shell.formulation.surface_rule()
+        if isinstance(shell, SmoothSurface):
+            cells, rule = shell.connectivity[chosen], shell.surface_rule()
             given = shell.sizes[chosen], self.on_cells(), rule
             to.add_term(ThinPushes(to.nodes(shell)[cells], *given))
         else:
@@ -155,7 +155,7 @@ class SurfacePressure(Load):
         shell, chosen = self.shell, self.shell.cells_of(self.cells)
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient
-        if isinstance(shell, ThinShell):
+        if isinstance(shell, SmoothSurface):
             corners, places = shell.faces, shell.frames[:, 0]
         else:
             corners, places = shell.mesh.corners, shell.mesh.points
@@ -163,6 +163,6 @@ class SurfacePressure(Load):
             centre = places[corners[cell]].mean(axis=0)
             given = self.pressure(centre) if callable(self.pressure) else self.pressure
             values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
-        if isinstance(shell, ThinShell):
+        if isinstance(shell, SmoothSurface):
             return values
         return sides_of(shell)[chosen, np.newaxis] * values

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, instance, vector
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Field, History, Load, NodalLoad, at_places
 
@@ -36,7 +36,7 @@ class EdgeLoad(NodalLoad):
         >>> load = fl.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
     """
 
-    shell: Shell | ThinShell
+    shell: Shell | SmoothSurface
     curve: str
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
@@ -52,7 +52,7 @@ class EdgeLoad(NodalLoad):
         """Raise ``ValueError`` if the load is not finite, or there is no such curve or outside."""
         vector(self.force, 3, f"edge force on {self.shell.label}")
         vector(self.moment, 3, f"edge moment on {self.shell.label}")
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             self.shell.on_edge(self.curve)
             if self.following or np.any(self.moment):
                 self.shell.require_frames("a moment, or a load that follows,")
@@ -71,7 +71,7 @@ class EdgeLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             return on_places(self._on_rows(self.shell))
         nodes, lengths = self.shell.edges(self.curve)
         density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
@@ -88,11 +88,11 @@ class EdgeLoad(NodalLoad):
 
     def on_directors(self) -> Array:
         """On slopes of a thin shell, shape (n, 3, 3)."""
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             return self._on_rows(self.shell)[:, 1:]
         return super().on_directors()
 
-    def _on_rows(self, shell: ThinShell) -> Array:
+    def _on_rows(self, shell: SmoothSurface) -> Array:
         at = shell.on_edge(self.curve)
         force = np.asarray(self.force, dtype=np.float64)
         return shell.consistent(at, np.broadcast_to(force, at.places.shape))
@@ -117,7 +117,7 @@ class SurfaceLoad(NodalLoad):
         history: Factor as a function of time.
     """
 
-    shell: Shell | ThinShell
+    shell: Shell | SmoothSurface
     force: Field
     cells: str | None = None
     history: History | None = None
@@ -141,7 +141,7 @@ class SurfaceLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces of the interpolation, shape (n, 6)."""
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             return on_places(self._on_rows(self.shell))
         values = np.zeros((len(self.shell.frames), 6))
         chosen = self.shell.cells_of(self.cells)
@@ -151,7 +151,7 @@ class SurfaceLoad(NodalLoad):
 
     def on_directors(self) -> Array:
         """On slopes of a thin shell, shape (n, 3, 3)."""
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             return self._on_rows(self.shell)[:, 1:]
         return super().on_directors()
 
@@ -159,7 +159,7 @@ class SurfaceLoad(NodalLoad):
         """What a unit of the load is on each cell of the shell per area, shape (m,)."""
         return np.ones(len(self.shell.cells_of()))
 
-    def _on_rows(self, shell: ThinShell) -> Array:
+    def _on_rows(self, shell: SmoothSurface) -> Array:
         """Forces on the rows of all nodes, shape (n, 4, 3)."""
         at = shell.on_cells(self.cells)
         factors = self._factors()[at.cells, np.newaxis, np.newaxis]
@@ -244,11 +244,11 @@ class MassLoad(SurfaceLoad):
 
     def _factors(self) -> Array:
         density = self.shell.density
-        return density if isinstance(self.shell, ThinShell) else density[:, 0, 0]
+        return density if isinstance(self.shell, SmoothSurface) else density[:, 0, 0]
 
     def on_directors(self) -> Array:
         """Force on d₃ of each node by the first moment of mass, shape (n, 3, 3)."""
-        if isinstance(self.shell, ThinShell):
+        if isinstance(self.shell, SmoothSurface):
             return super().on_directors()
         values = np.zeros((len(self.shell.frames), 3, 3))
         chosen = self.shell.cells_of(self.cells)
@@ -259,7 +259,12 @@ class MassLoad(SurfaceLoad):
 
 def require_shell(load: Load, shell: object) -> None:
     """Raise ``TypeError`` if what carries a load is no shell."""
-    instance(shell, Shell | ThinShell, f"{type(load).__name__}: shell", "a Shell or ThinShell")
+    instance(
+        shell,
+        Shell | SmoothSurface,
+        f"{type(load).__name__}: shell",
+        "a Shell, ThinShell or AncfShell",
+    )
 
 
 def on_places(rows: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -30,21 +31,25 @@ class Quadrature(NamedTuple):
     weights: Array
 
 
-def over_cells(cells: Indices, q: Array) -> Quadrature:
-    """Points on cells with vectors ``q`` (c, 16, 3)."""
+Table = Callable[[Array], Array]
+"""Values and derivatives along ξ and η at points (g, 2), shape (g, 3 or more, 16)."""
+
+
+def over_cells(cells: Indices, q: Array, shapes: Table) -> Quadrature:
+    """Points on cells with vectors ``q`` (c, 16, 3) of an interpolation."""
     x, w = hermite.gauss(_POINTS)
-    table = hermite.table(hermite.products(x, x))
+    table = shapes(hermite.products(x, x))
     r1, r2 = (np.einsum("ga,caj->cgj", table[:, k], q) for k in (hermite.ALONG, hermite.ACROSS))
     areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * np.outer(w, w).ravel()
     return _at(cells, np.tile(table[:, hermite.VALUE], (len(q), 1, 1)), q, areas)
 
 
-def along_edge(edge: Edge, q: Array) -> Quadrature:
-    """Points on an edge of cells with vectors ``q`` (c, 16, 3)."""
+def along_edge(edge: Edge, q: Array, shapes: Table) -> Quadrature:
+    """Points on an edge of cells with vectors ``q`` (c, 16, 3) of an interpolation."""
     x, w = hermite.gauss(_POINTS)
     points = np.full((_POINTS, 2), float(edge.side))
     points[:, 0 if edge.along == 0 else 1] = x
-    table = hermite.table(points)
+    table = shapes(points)
     slopes = np.einsum("ga,caj->cgj", table[:, hermite.ALONG + edge.along], q)
     lengths = np.linalg.norm(slopes, axis=-1) * w
     return _at(edge.cells, np.tile(table[:, hermite.VALUE], (len(q), 1, 1)), q, lengths)

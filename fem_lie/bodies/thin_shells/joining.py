@@ -118,11 +118,16 @@ def _same_slopes(a: Array, b: Array, size: float, label: str, *, refuse: bool) -
     return same
 
 
-def frames_of(rows: Array, area: float) -> Array:
-    """Rows of the nodes from places and derivatives (n, 4, 3), but for the axes, (2 n, 4, 3)."""
+def frames_of(rows: Array, fourth: Array) -> Array:
+    """Rows of the nodes, but for the axes, (2 n, 4, 3).
+
+    Args:
+        rows: Place and derivatives of each point, shape (n, 4, 3).
+        fourth: Its fourth vector, shape (n, 3).
+    """
     count = len(rows)
     frames = np.zeros((2 * count, 4, 3))
     frames[:count, :2] = rows[:, :2]
     frames[count:, 0], frames[count:, 2] = rows[:, 0], rows[:, 2]
-    frames[count:, 1] = area * rows[:, 3]
+    frames[count:, 1] = fourth
     return frames

@@ -6,6 +6,8 @@ along the axes of a point, which then stay as they are.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import numpy.typing as npt
 
@@ -31,9 +33,12 @@ class HeldSurface(Body):
 
     Attributes:
         points_count: Number of points; their second nodes follow the first ones.
+        fourth_is_director: Whether their fourth vector is across the thickness, as it is sheared,
+            and not the mixed derivative.
     """
 
     points_count: int
+    fourth_is_director: ClassVar[bool] = False
     _edges: dict[str, Edge]
 
     def edge(self, name: str) -> Edge:
@@ -76,7 +81,9 @@ class HeldSurface(Body):
             for k in (ALONG_A, ALONG_B, MIXED):
                 if k == ALONG_A + edge.along:
                     self._held(point, k)[:] = True
-                elif k != MIXED or edge.along >= 0:
+                elif k == MIXED and self.fourth_is_director:
+                    self._held(point, k)[np.arange(3) != axis] = True
+                elif not self.fourth_is_director and (k != MIXED or edge.along >= 0):
                     self._held(point, k)[axis] = True
         return self.points(name)
 
@@ -142,7 +149,7 @@ class HeldSurface(Body):
             self._held(point, PLACE)[axis] = True
             self._held(point, ALONG_A + edge.along)[axis] = True
             self._held(point, ALONG_B - edge.along)[others] = True
-            self._held(point, MIXED)[others] = True
+            self._held(point, MIXED)[~others if self.fourth_is_director else others] = True
         return self.points(name)
 
     def axes_are_held(self) -> Flags:

@@ -2,43 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Flags, Indices, direction, flag, instance, number, text
-from fem_lie.bodies.beams.assembly import Damping, mass_only
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point
-from fem_lie.bodies.nodes import Follower
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
-from fem_lie.bodies.thin_shells.axes import follow_surface
-from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
-from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
-from fem_lie.bodies.thin_shells.joining import frames_of
-from fem_lie.bodies.thin_shells.joining import joined as put_together
+from fem_lie.bodies.thin_shells.given_sections import ThinSections
+from fem_lie.bodies.thin_shells.joining import Joined
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.seams import Seam, seam_points
-from fem_lie.bodies.thin_shells.supports import HeldSurface
+from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
-from fem_lie.elements.thin_shells.rows import NODES, VECTORS, half_of, node_of, row_of
 from fem_lie.elements.thin_shells.seam import SeamPoints, SeamSprings
 from fem_lie.forms.body_term import BodyTerm
-from fem_lie.grips.grip import Grip
-from fem_lie.grips.surface import on_surface
-from fem_lie.lie.kinds import NodeKind
-
-_NODE = np.array([node_of(a) for a in range(VECTORS)])
-_ROW = np.array([row_of(a) for a in range(VECTORS)])
-_HALF = np.array([half_of(a) for a in range(VECTORS)])
-_AT_A_POINT = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1]]])
-"""Place, ∂u and ∂v of a point, in its rows."""
-Direction = Callable[[Array], npt.ArrayLike]
 
 
-class ThinShell(HeldSurface):
+class ThinShell(SmoothSurface):
     """A thin shell of any section on smooth patches; it is not sheared across its thickness.
 
     A point of it has a place and the derivatives ``∂u, ∂v, ∂u∂v`` in parameters that are lengths,
@@ -63,7 +48,7 @@ class ThinShell(HeldSurface):
         >>> plate = fl.ThinShell(flat, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
     """
 
-    compound = True
+    table = staticmethod(hermite.table)
 
     def __init__(
         self,
@@ -99,46 +84,17 @@ class ThinShell(HeldSurface):
                 damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
-        known = "a SmoothPatch, or a dict of them by names"
-        instance(patches, SmoothPatch | Mapping, "ThinShell: patches", known)
-        if joined is not None:
-            flag(joined, "ThinShell: joined")
         instance(formulation, BicubicHermite | None, "ThinShell: formulation", "an element or None")
-        text(name, "ThinShell: name")
-        given = {"": patches} if isinstance(patches, SmoothPatch) else dict(patches)
-        if not given:
-            raise ValueError("a ThinShell needs at least one patch, got none")
-        for key, patch in given.items():
-            text(key, "ThinShell: the name of a patch")
-            instance(patch, SmoothPatch, f"ThinShell: patch {key!r}", "a SmoothPatch")
-        one = len(given) > 1 if joined is None else joined
-        surface = put_together(given, one=one, label=name or "ThinShell", seams=seams)
         self.formulation = BicubicHermite() if formulation is None else formulation
-        self.damping = mass_only(damping, "ThinShell")
-        self._edges, self._groups = surface.edges, surface.groups
-        self._corners = surface.corners
-        self.points_count = count = len(surface.rows)
-        area = float(surface.sizes.prod(axis=1).mean())
-        self.connectivity = np.concatenate([self._corners, count + self._corners], axis=1)
-        products = surface.sizes.prod(axis=1, keepdims=True) / area
-        self.sizes = np.concatenate([surface.sizes, products], axis=1)
         super().__init__(
-            frames_of(surface.rows, area),
-            cells=np.empty((0, 2), dtype=np.int64),
-            outline=None,
-            size=float(np.linalg.norm(np.ptp(surface.rows[:, 0], axis=0))),
-            points=surface.named,
+            patches,
+            section,
+            along=along,
+            damping=damping,
+            joined=joined,
+            seams=seams,
             name=name,
         )
-        follow_surface(self.frames, np.ones(count, dtype=bool))
-        middles = self._middles()
-        sections = section_per_cell(section, middles, self.cells_of, self.label)
-        self.stiffness = np.array([s.stiffness for s in sections])
-        self.density = np.array([s.inertia[0, 0] for s in sections])
-        self.has_mass = bool((self.density > 0).all())
-        self.axes = self._axes_along(along, middles)
-        self.faces = self._corners[:, [0, 1, 3, 2]]
-        self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         cells = self.connectivity, self.sizes
         self.seams = [
             seam_points(seam, ends, self.vectors(), cells, self.stiffness)
@@ -146,56 +102,15 @@ class ThinShell(HeldSurface):
             for ends in [(self._edges[seam.first], self._edges[seam.second])]
         ]
 
-    @property
-    def node_kind(self) -> NodeKind:
-        """Of the nodes that have places."""
-        return NodeKind.SURFACE
+    def surface_rule(self) -> tuple[Array, Array, Array]:
+        """As the element says."""
+        return self.formulation.surface_rule()
 
-    @property
-    def node_kinds(self) -> Indices:
-        """See the base class."""
-        kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
-        return np.repeat(kinds, self.points_count).astype(np.int64)
-
-    def grip_of(self, node: int) -> Grip:
-        """The frame of the surface: along a, and the normal."""
-        if node >= self.points_count:
-            raise ValueError(
-                f"{self.label} has points 0 … {self.points_count - 1}, got {node}: the nodes after "
-                "these have no places"
-            )
-        return on_surface((node, node + self.points_count), _AT_A_POINT)
-
-    def within(self, cell: int, ξ: float, η: float) -> Point:
-        """A place within a cell, to which joints, springs and loads may be attached.
-
-        Args:
-            cell: Its number.
-            ξ: From 0 to 1 along a.
-            η: From 0 to 1 along b.
-
-        Raises:
-            ValueError: There is no such cell, or the place is not in it.
-        """
-        if not 0 <= cell < len(self.connectivity):
-            raise ValueError(f"{self.label} has cells 0 … {len(self.connectivity) - 1}, got {cell}")
-        if not (0.0 <= number(ξ, "within: ξ") <= 1.0 and 0.0 <= number(η, "within: η") <= 1.0):
-            raise ValueError(f"within: ξ and η must lie between 0 and 1, got {ξ!r} and {η!r}")
-        table = hermite.table(np.array([[ξ, η]]))[0, : hermite.ACROSS + 1]
-        shares = np.zeros((NODES, 2, 3))
-        shares[_NODE, _HALF] = (table * self.scales()[cell]).T
-        nodes = self.connectivity[cell]
-        place = f"({ξ:g}, {η:g}) in cell {cell}"
-        return Point(self, int(nodes[0]), place, on_surface(nodes, shares))
-
-    def follower(self) -> Follower:
-        """Axes follow the surface, but where components along them are held."""
-        moves: Flags = ~self.axes_are_held()
-
-        def follow(rows: Array) -> None:
-            follow_surface(rows, moves)
-
-        return follow
+    def fourth(self, surface: Joined) -> tuple[Array, Array]:
+        """The mixed derivative, times the mean area of a cell."""
+        areas = surface.sizes.prod(axis=1)
+        mean = float(areas.mean())
+        return mean * surface.rows[:, 3], areas / mean
 
     @property
     def kind(self) -> Hashable:
@@ -216,85 +131,6 @@ class ThinShell(HeldSurface):
             assembly.beside.append(SeamSprings(SeamPoints.joined(found), assembly.count))
         return assembly
 
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Cells of a named patch (default: all).
-
-        Raises:
-            ValueError: There is no such patch; the message lists those that exist.
-        """
-        if group is None:
-            return np.arange(len(self.connectivity))
-        text(group, f"the name of a patch of {self.label}")
-        if group not in self._groups:
-            known = ", ".join(self._groups) or "none"
-            raise ValueError(f"{self.label} has no patch {group!r}; it has: {known}")
-        return self._groups[group]
-
-    def vectors(self, frames: Array | None = None) -> Array:
-        """Vectors of the interpolation of each cell, shape (m, 16, 3).
-
-        Args:
-            frames: Rows of the nodes, shape (n, 4, 3); default: as it lies.
-        """
-        rows = (self.frames if frames is None else frames)[self.connectivity]
-        return rows[:, _NODE, _ROW] * self.scales()[:, :, np.newaxis]
-
-    def scales(self) -> Array:
-        """What rows of nodes are multiplied by to be these, shape (m, 16)."""
-        return np.tile(np.concatenate([np.ones((len(self.sizes), 1)), self.sizes], axis=1), 4)
-
-    def on_rows(self, cells: Indices, values: Array) -> Array:
-        """Sums of what acts on the vectors of cells (c, 16, 3), on the rows of nodes (n, 4, 3)."""
-        found = np.zeros((len(self.frames), 4, 3))
-        nodes, scales = self.connectivity[cells][:, _NODE], self.scales()[cells]
-        np.add.at(found, (nodes, _ROW), scales[:, :, np.newaxis] * values)
-        return found
-
-    def on_cells(self, group: str | None = None) -> Quadrature:
-        """Points of integration on a patch (default: all)."""
-        cells = self.cells_of(group)
-        return over_cells(cells, self.vectors()[cells])
-
-    def on_edge(self, name: str) -> Quadrature:
-        """Points of integration on an edge.
-
-        Raises:
-            ValueError: There is no such edge.
-        """
-        edge = self.edge(name)
-        if edge.along < 0:
-            raise ValueError(f"{name!r} of {self.label} is a corner, wanted an edge")
-        return along_edge(edge, self.vectors()[edge.cells])
-
-    def consistent(self, at: Quadrature, density: Array) -> Array:
-        """Forces on the rows of all nodes, shape (n, 4, 3), of densities (c, g, 3) at points."""
-        on_vectors = np.einsum("cg,cga,cgj->caj", at.weights, at.values, density)
-        return self.on_rows(at.cells, on_vectors)
-
     def element_inertia(self) -> Array:
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
-        M, scales = mass_matrices(self.formulation, self.vectors(), self.density), self.scales()
-        found = np.zeros((len(M), NODES, 4, NODES, 4))
-        i, a = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
-        shares = M * scales[:, :, np.newaxis] * scales[:, np.newaxis]
-        found[:, _NODE[i], _ROW[i], _NODE[a], _ROW[a]] = shares
-        return found
-
-    def _middles(self) -> Array:
-        """Middle of each cell, shape (m, 3)."""
-        return np.asarray(self.frames[self._corners, 0].mean(axis=1))
-
-    def _axes_along(self, along: npt.ArrayLike | Direction | None, middles: Array) -> Array:
-        corners = self.frames[self._corners]
-        if along is None:
-            return np.asarray(corners[:, :, 1].mean(axis=1))
-        given = [along(x) for x in middles] if callable(along) else [along] * len(middles)
-        axes = np.array([direction(value, "ThinShell: along") for value in given])
-        sine = np.linalg.norm(np.cross(corners[:, :, 3], axes[:, np.newaxis]), axis=-1).min(axis=1)
-        if sine.min() < 1e-6:
-            cell = int(sine.argmin())
-            raise ValueError(
-                f"along must not be normal to the surface; in the cell at {middles[cell]} it is "
-                f"{axes[cell]}"
-            )
-        return axes
+        return self.on_nodes(mass_matrices(self.formulation, self.vectors(), self.density))

@@ -1,0 +1,90 @@
+"""Shells of places and all three slopes, which may be sheared across their thickness."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.beams.assembly import Damping
+from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie.bodies.gradients.plate_assembly import PlateAssembly
+from fem_lie.bodies.thin_shells.given_sections import ThinSections
+from fem_lie.bodies.thin_shells.joining import Joined
+from fem_lie.bodies.thin_shells.patch import SmoothPatch
+from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface
+from fem_lie.elements.gradients import coons
+from fem_lie.elements.gradients.plate import AncfPlate
+from fem_lie.forms.body_term import BodyTerm
+
+
+class AncfShell(SmoothSurface):
+    """A shell on smooth patches without rotations: fully parametrised plates, sheared and thick.
+
+    A point of it has a place, the derivatives ``∂u, ∂v`` in parameters that are lengths, and the
+    slope ``d`` across the thickness, unloaded the unit normal. It is two nodes: row 0 and 1 of
+    ``frames[i]`` are place and ∂u, rows 1 and 2 of ``frames[points + i]`` ``d`` and ∂v. It is made,
+    held and loaded as a :class:`~fem_lie.ThinShell`; its sections are sheared, too.
+
+    Attributes:
+        formulation: The element.
+        gram: Inertia of (r, d) per area of each cell, shape (m, 2, 2).
+
+    Example:
+        >>> flat = fl.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> plate = fl.AncfShell(flat, fl.ShellSection.layer(0.1, fl.Material(2e11, 0.3, 7e3)))
+        >>> plate.frames.shape
+        (18, 4, 3)
+    """
+
+    table = staticmethod(coons.table)
+    fourth_is_director = True
+
+    def __init__(
+        self,
+        patches: SmoothPatch | Mapping[str, SmoothPatch],
+        section: ThinSections,
+        *,
+        along: npt.ArrayLike | Direction | None = None,
+        formulation: AncfPlate | None = None,
+        damping: Damping | None = None,
+        joined: bool | None = None,
+        name: str = "",
+    ) -> None:
+        """Place the nodes; arguments as of :class:`~fem_lie.ThinShell`.
+
+        Raises:
+            ValueError: As of a thin shell.
+            TypeError: An argument is of another kind than wanted.
+        """
+        instance(formulation, AncfPlate | None, "AncfShell: formulation", "an AncfPlate or None")
+        self.formulation = AncfPlate() if formulation is None else formulation
+        super().__init__(patches, section, along=along, damping=damping, joined=joined, name=name)
+        self.gram = np.array([section.inertia for section in self.sections])
+
+    def surface_rule(self) -> tuple[Array, Array, Array]:
+        """As the element says."""
+        return self.formulation.surface_rule()
+
+    def fourth(self, surface: Joined) -> tuple[Array, Array]:
+        """Unit normals."""
+        n = np.cross(surface.rows[:, 1], surface.rows[:, 2])
+        sizes = np.linalg.norm(n, axis=1, keepdims=True)
+        return np.asarray(n / sizes), np.asarray(np.ones(len(surface.sizes)))
+
+    @property
+    def kind(self) -> Hashable:
+        """Those of one element go together."""
+        return type(self), self.formulation
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+        """All of one :attr:`kind` together."""
+        return PlateAssembly(bodies)
+
+    def element_inertia(self) -> Array:
+        """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
+        return self.on_nodes(self.formulation.inertia(self.vectors(), self.gram))
