@@ -17,7 +17,7 @@ set-up:
 	@tools/setup
 
 demo: set-up
-	tools/run python3 demos/double_pendulum.py $(ARGS)
+	tools/run python3 demos/double_pendulum.py --case 1 $(ARGS)
 
 test: set-up
 	tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)

@@ -52,7 +52,7 @@ def run(
     if show and MPI.COMM_WORLD.rank == 0:
         print(table(record))
         for picture in _written_since(start):
-            print(f"picture: {picture}")
+            print(f"{'page' if picture.endswith('.html') else 'picture'}: {picture}")
     if file is not None:
         Path(file).write_text(json.dumps(record, indent=1) + "\n")
 

@@ -2,13 +2,10 @@
 
 import fem_lie as fl
 
-steel = fl.Material(E=5e8, nu=0.3, density=7800.0)
-bar = fl.Section.rectangle(0.02, 0.02, steel)
-upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
-lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4)
+bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
 scene = fl.Scene(gravity=(0, 0, -9.81))
-for body in (upper, lower):
-    scene.add(body)
+upper = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4))
+lower = scene.add(fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4))
 scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
 scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
 result = fl.GeneralisedAlpha().run(scene, duration=1.5, step=2e-3, save_every=10)
