@@ -65,7 +65,8 @@ CYLINDER = Case(
 
 
 def main(tolerance: float = 0.01, pictures: bool = True) -> dict[str, Any]:
-    return study("pinched_cylinder", CYLINDER, tolerance, pictures)
+    picture = "adaptive_cylinder.png" if pictures else ""
+    return study("pinched_cylinder", CYLINDER, tolerance, picture)
 
 
 if __name__ == "__main__":

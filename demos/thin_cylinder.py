@@ -66,7 +66,7 @@ def buckles(ratio: float, mesh: int, pictures: bool) -> dict[str, Any]:
     path = fl.follow_path(scene, fl.PathEnds(1.1, critical_points=1))
     linear, point = float(modes.factors[0]), path.critical[0]
     for mode in (1, 2) if pictures else ():
-        file = in_results(f"compressed_cylinder_{ratio:g}_mode{mode}.png")
+        file = in_results(f"thin_cylinder_{ratio:g}_mode{mode}.png")
         modes.picture(file, mode, amplitude=2 / ratio, units=Units(length="R"))
     effort = of_path(path)
     del effort["rejected_steps"]

@@ -27,12 +27,28 @@ print(np.arctan2(turned[1, 0], turned[0, 0]), 1.5)
 assert abs(np.arctan2(turned[1, 0], turned[0, 0]) - 1.5) < 1e-6
 
 # %% [markdown]
-# **Exercise.** What energy has the wheel at the end?
+# **Exercise 1.** What energy has the wheel at the end?
+#
+# **Exercise 2.** A rigid bar falls from the horizontal about one end. Which force does its joint
+# bear when it passes the lowest place?
 
 # %% [markdown]
-# ## Solution
+# ## Solutions
 
 # %%
 energy = result.total_energy[-1]
 print(energy, 0.5 * INERTIA * 3.0**2)
 assert abs(energy / (0.5 * INERTIA * 3.0**2) - 1) < 1e-3
+
+# %%
+mass, length, g = 2.0, 1.0, 9.81
+J = mass * length**2 / 12
+bar = fl.RigidBody(mass, (1e-6, J, J), position=(length / 2, 0, 0), name="bar")
+scene = fl.Scene(gravity=(0, 0, -g))
+scene.add(bar)
+hinge = scene.add(fl.Revolute(fl.ground(), bar.centre, at=(0, 0, 0), axis=(0, 1, 0), name="hinge"))
+fall = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.8, step=1e-3)
+lowest = int(fall.position("bar.centre")[:, 2].argmin())
+force = np.linalg.norm(fall.joint_force(hinge)[lowest, :3])
+print(force, 2.5 * mass * g)  # the weight, and m ω² l/2 with ω² = 3 g/l
+assert abs(force / (2.5 * mass * g) - 1) < 1e-3
