@@ -54,13 +54,23 @@ def tumbling() -> tuple[fl.Scene, Threads, float]:
     return scene, cable, 1e-3
 
 
-def rod(held: bool, formulation: fl.Formulation) -> tuple[fl.Scene, fl.Rod, float]:
-    """With EI = GJ = 1: dropped from the horizontal, a little bent, or free, bent and turning."""
+def rod(held: bool, formulation: fl.Formulation | None) -> tuple[fl.Scene, fl.Rod, float]:
+    """With EI = GJ = 1: dropped from the horizontal, a little bent, or free, bent and turning.
+
+    Without a formulation it is laid along a spline, whose parameter is not arc length.
+    """
     own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-3)
     bow = (1e-2, 0.0) if held else (0.5, 0.2)
-    body = fl.Rod.curve(
-        lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation
-    )
+    if formulation is None:
+        u = np.linspace(0, 1, 21)
+        s, rate = 0.6 * u + 0.4 * u * u, 0.6 + 0.8 * u
+        places = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
+        slopes = np.stack([rate, 3 * bow[1] * s * s * rate, 2 * bow[0] * s * rate], axis=1)
+        body = fl.Rod(fl.Spline.checked(u, places, slopes).mesh(), own)
+    else:
+        body = fl.Rod.curve(
+            lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation
+        )
     if held:
         scene = falling(body)
         scene.add(fl.Revolute(fl.ground(), body.start, axis=(0, 1, 0)))
@@ -99,6 +109,8 @@ SCENES: dict[str, Callable[[], tuple[fl.Scene, Threads, float]]] = {
     "tumbling": tumbling,
     "rod, swinging": lambda: rod(True, fl.Kirchhoff()),
     "rod, tumbling": lambda: rod(False, fl.Kirchhoff()),
+    "spline rod, swinging": lambda: rod(True, None),
+    "spline rod, tumbling": lambda: rod(False, None),
     "edges, swinging": lambda: rod(True, fl.DiscreteRod()),
     "edges, tumbling": lambda: rod(False, fl.DiscreteRod()),
     "net, thrown": lambda: net(False),
@@ -116,17 +128,30 @@ def run(name: str, axes: str, steps: int) -> fl.Result:
     return scheme.run(scene, duration=steps * step, step=step)
 
 
+def conserved(steps: int) -> None:
+    """The rod along a spline that tumbles, by energy-momentum."""
+    scene, _, step = rod(False, None)
+    result = fl.EnergyMomentum().run(scene, duration=steps * step, step=step)
+    kept = result.total_energy, result.angular_momentum
+    errors = [np.abs(values - values[0]).max() / np.abs(values[0]).max() for values in kept]
+    print("energy, angular momentum: {:.1e} {:.1e}".format(*errors), end=", ")
+    print(f"{result.k_updates} matrices, {int(result.iterations[-1]) / steps:.1f} iterations")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=10_000)
     parser.add_argument("--scene", choices=[*SCENES, "all"], default="all")
+    parser.add_argument("--conserving", type=int, default=0)
     options = parser.parse_args()
+    if options.conserving:
+        return conserved(options.conserving)
     names = list(SCENES) if options.scene == "all" else [options.scene]
     print("scene                axes       matrices  iterations per step  distance", flush=True)
     for name in names:
         first = None
         for axes in ("fixed", "own", "following"):
-            if axes == "following" and name.startswith(("rod", "edges")):
+            if axes == "following" and name.startswith(("rod", "spline rod", "edges")):
                 continue
             try:
                 result = run(name, axes, options.steps)
