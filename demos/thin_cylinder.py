@@ -14,6 +14,7 @@ import numpy as np
 from command_line import in_results, run
 from records import of_path
 from reference.compressed_cylinder import KOITER, MATERIAL, half_wave
+from rigid import box_inertia
 
 import fem_lie as fl
 from fem_lie.pictures.units import Units
@@ -50,7 +51,8 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     wall.symmetry("a=1", (-np.sin(width), np.cos(width), 0))
     scene = fl.Scene()
     scene.add(wall)
-    press = scene.add(fl.RigidBody(1.0, 3 * [length**2], place(0.5, 1), name="press"))
+    bar = box_inertia(1.0, np.array([0.05 * length, width, 0.05 * length]))  # for the picture only
+    press = scene.add(fl.RigidBody(1.0, bar, place(0.5, 1), name="press"))
     scene.add(fl.Prismatic(fl.ground(), press.centre, axis=(0, 0, 1)))
     for point in top:
         scene.add(fl.InPlane(press.centre, point, at=point.position, axis=(0, 0, 1)))

@@ -33,9 +33,8 @@ def draw(record: dict[str, dict[str, Any]]) -> None:
     """Error over elements of each formulation."""
     counts = np.array(COUNTS)
     with diagram("elements_on_a_bend.png") as axes:
-        for (name, found), colour, mark in zip(
-            record.items(), COLOURS * 2, "os^vD<>", strict=False
-        ):
+        for k, (name, found) in enumerate(record.items()):
+            colour, mark = COLOURS[k % len(COLOURS)], "os^vD<>ph*"[k]
             errors = [found[f"error_{count}"] for count in COUNTS]
             axes.loglog(counts, errors, f"{mark}-", color=colour, label=name)
         for name, order, style in (("plain", 2, "k:"), ("director2", 4, "k--")):
@@ -44,6 +43,7 @@ def draw(record: dict[str, dict[str, Any]]) -> None:
         axes.set(xlabel="elements", ylabel="error of the tip, relative", title="45° bend")
         axes.set_xticks(counts, [str(n) for n in counts])
         axes.minorticks_off()
+        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 if __name__ == "__main__":

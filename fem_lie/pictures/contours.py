@@ -81,7 +81,8 @@ def draw_values(
                 "height": 0.6,
                 "width": 0.05,
                 "color": INK,
-                "title_font_size": size[0] // 60,
+                # what is beside the bar on its right is all the room that half a title has
+                "title_font_size": size[0] // max(60, round(3.4 * len(label))),
                 "label_font_size": size[0] // 70,
                 "fmt": "%.3g",
             },
