@@ -170,8 +170,7 @@ class PenaltyForces(Term):
     @property
     def carried(self) -> Array:
         """See the base class: anchors."""
-        assert self._friction is not None
-        return self._friction.carried
+        return np.empty(0) if self._friction is None else self._friction.carried
 
     def restore(self, carried: Array) -> None:
         """See the base class."""
