@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.page import page as page_module
+from fem_lie.pictures.page.content import _thinned
 from fem_lie.pictures.page.corners import Corners
 from fem_lie.pictures.shapes import scene_size, shapes
 
@@ -300,3 +302,24 @@ def browse(file):
     found = re.search(r'<pre id="report">(.*?)</pre>', done.stdout, re.S)
     assert found, done.stderr
     return json.loads(found.group(1).replace("&lt;", "<").replace("&gt;", ">"))
+
+
+def test_traces_have_no_points_that_nobody_sees():
+    """Of ten thousand points those are drawn that are two thousandths of the scene apart."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 10001)
+    circle = 0.5 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
+    kept = _thinned(circle)
+    np.testing.assert_array_equal(kept[[0, -1]], circle[[0, -1]])
+    steps = np.linalg.norm(np.diff(kept, axis=0), axis=1)
+    assert len(kept) < 1700 and steps.max() < 3e-3
+    few = circle[::500]
+    np.testing.assert_array_equal(_thinned(few), few)
+
+
+@pytest.mark.parametrize(("radius", "corners"), [(0.005, 16), (0.05, 32)])
+def test_thin_tubes_have_fewer_corners(radius, corners):
+    """Where a quarter of a pixel would not show them."""
+    section = fl.Section.circle(radius, fl.Material(2e11, 0.3, 7800.0))
+    bar = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, name="bar")
+    (shape,) = shapes(SceneInfo.of([bar]), bar.frames[np.newaxis])
+    assert len(shape.offset) == 2 * corners

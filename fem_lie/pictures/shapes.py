@@ -17,6 +17,7 @@ _SAME_POINT = 1e-7  # part of the body
 _EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
 _STEP_ANGLE = np.radians(4.0)
 _MOST_STEPS = 16
+_SEEN = 3e-4  # part of the scene, about a quarter of a pixel: what a section's corners may miss
 _CIRCLE = np.column_stack([f(2.0 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
 _CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
 _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -162,6 +163,7 @@ def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
 def _outlines(body: BodyInfo, thinnest: float) -> Array:
     """Outline of each cell, shape (m, k, 2); a circle where there is none."""
     given = np.full((1, 2), np.nan) if body.outline is None else body.outline
+    given = _coarse(given, _SEEN / _THINNEST * thinnest)
     none = np.asarray(np.isnan(given).any(axis=(-2, -1)))
     corners = max(given.shape[-2], len(_CIRCLE) if none.any() else 0)
     outlines = np.empty((len(body.cells), corners, 2))
@@ -169,6 +171,17 @@ def _outlines(body: BodyInfo, thinnest: float) -> Array:
     outlines[:] = np.where(none[..., np.newaxis, np.newaxis], circle, _padded(given, corners))
     radius = np.linalg.norm(outlines, axis=-1).max(axis=1)
     return outlines * np.maximum(1.0, thinnest / radius)[:, np.newaxis, np.newaxis]
+
+
+def _coarse(outlines: Array, seen: float) -> Array:
+    """Every other corner of round outlines, (..., k, 2), where nobody sees those left out."""
+    corners = outlines.shape[-2]
+    if corners < 2 * len(_CIRCLE) or corners % 2:
+        return outlines
+    kept, left_out = outlines[..., ::2, :], outlines[..., 1::2, :]
+    middle = 0.5 * (kept + np.roll(kept, -1, axis=-2))
+    missed = np.linalg.norm(left_out - middle, axis=-1)
+    return kept if np.nanmax(missed, initial=0.0) < seen else outlines
 
 
 def _padded(outline: Array, corners: int) -> Array:

@@ -18,6 +18,7 @@ from fem_lie.pictures.stage import round_box
 from fem_lie.pictures.units import Units
 
 Content = dict[str, object]
+_TRACE_STEP = 2e-3  # between points of a trace, part of the scene: two pixels or less
 
 
 def drawn(
@@ -68,7 +69,7 @@ def drawn(
         }
         if balls.size
         else None,
-        "traces": [packed((line - middle) / size, "f4") for line in paths],
+        "traces": [packed(_thinned((line - middle) / size), "f4") for line in paths],
         "axes": list(_axes(frames, paths, middle, size, units)),
         "colours": None if scale is None else _legend(scale),
     }
@@ -88,6 +89,15 @@ def _surface(shape: Shape, rings: Array, unloaded: Array, size: float) -> Conten
         "offset": packed(longest * offset[:, used] / size, "f4"),
         "directors": whole_places(directors, np.zeros(3), longest / LARGEST),
     }
+
+
+def _thinned(line: Array) -> Array:
+    """Points of a line, (t, 3), some pixels apart along it, and its ends."""
+    step = np.linalg.norm(np.diff(line, axis=0, prepend=line[:1]), axis=1)
+    piece = np.floor(np.cumsum(step) / _TRACE_STEP)
+    kept = np.append(True, np.diff(piece) > 0.0)
+    kept[-1] = True
+    return line[kept]
 
 
 def _checked(colours: NodalColours, info: SceneInfo, states: int) -> Array:

@@ -86,7 +86,7 @@ function painter(body, ring, scale, geometry, material) {
 function balls(joints, page) {
   const series = decode(joints.places);
   const places = new Float32Array(3 * joints.count);
-  const ball = new SphereGeometry(joints.radius, 16, 10);
+  const ball = new SphereGeometry(joints.radius, 12, 8);
   const object = new InstancedMesh(ball, new MeshLambertMaterial({ color: INK }), joints.count);
   object.frustumCulled = false;
   const at = new Matrix4();

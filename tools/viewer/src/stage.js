@@ -17,10 +17,12 @@ import { CSS2DObject, CSS2DRenderer } from "three/examples/jsm/renderers/CSS2DRe
 
 const GRID = "#cccccc";
 const MARGIN = 1.22; // of what is seen, for the numbers at the axes
+const REST = 200; // ms without a new picture, after which what stands is drawn finely
 
 /** A stage in an element of the page, for a box of ticks along x, y and z. */
 export function stage(element, axes) {
-  const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+  const slow = byProcessor();
+  const renderer = new WebGLRenderer({ antialias: !slow, preserveDrawingBuffer: true });
   renderer.setPixelRatio(window.devicePixelRatio);
   renderer.setClearColor("white");
   const labels = new CSS2DRenderer();
@@ -44,7 +46,8 @@ export function stage(element, axes) {
   const controls = new OrbitControls(camera, renderer.domElement);
   controls.target.copy(middle);
 
-  const draw = () => renderer.render(scene, camera);
+  const render = () => renderer.render(scene, camera);
+  const draw = slow ? coarseThenFine(renderer, render) : render;
   function turned() {
     draw();
     labels.render(scene, camera);
@@ -68,6 +71,29 @@ export function stage(element, axes) {
   new ResizeObserver(fit).observe(element);
   fit();
   return { scene, draw };
+}
+
+/** Whether there is no graphics card: smooth edges would cost as much as all else. */
+function byProcessor() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const told = gl?.getExtension("WEBGL_debug_renderer_info");
+  return /swiftshader|llvmpipe|software/i.test(told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "");
+}
+
+/** Pictures that move have the pixels of the screen, one that stands twice as many each way. */
+function coarseThenFine(renderer, render) {
+  let waiting = 0;
+  let fine = false;
+  const drawn = (times) => {
+    if (fine !== times > 1) renderer.setPixelRatio(times * window.devicePixelRatio);
+    fine = times > 1;
+    render();
+  };
+  return () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => drawn(2), REST);
+    drawn(1);
+  };
 }
 
 /** How far a box reaches to the side and up, from the middle of what the camera sees. */
