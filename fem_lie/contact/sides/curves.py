@@ -33,6 +33,7 @@ class Strands(NamedTuple):
         radii: Shape (m,).
         goes_on: Whether a piece goes on in the next one, shape (m,).
         curves: At present: both ends and the tangents there, shape (m, 4, 3).
+        bulges: How far they are from their chords at most, shape (m,).
     """
 
     nodes: Indices
@@ -44,6 +45,7 @@ class Strands(NamedTuple):
     radii: Array
     goes_on: Flags
     curves: Array
+    bulges: Array
 
 
 class Opposite(NamedTuple):
@@ -94,6 +96,14 @@ def set_curves(H: Array, strands: Strands, stretched: bool) -> None:
             strands.stretches[i] = stretch
         for k in range(2):
             store_row(C, 2 + k, scaled(strands.stretches[i], load_row(C, 2 + k)))
+        strands.bulges[i] = _bulge(chord, load_row(C, 2), load_row(C, 3))
+
+
+@inlined_uncounted
+def _bulge(chord: Vector, t0: Vector, t1: Vector) -> float:
+    """How far a curve is from its chord at most: tangents make a weight of 1/4 at most."""
+    a, b = minus(t0, chord), minus(t1, chord)
+    return 0.25 * np.sqrt(max(dot(a, a), dot(b, b)))
 
 
 @inlined_uncounted

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.sides.apart import are_apart
 from fem_lie.contact.sides.curves import (
     Opposite,
     Strands,
@@ -92,6 +93,7 @@ def strands_of(pieces: Sequence[Piece], nodes: Nodes) -> Strands:
         np.array([piece.radius for piece in pieces]),
         goes_on,
         np.zeros((len(pieces), 4, 3)),
+        np.zeros(len(pieces)),
     )
 
 
@@ -154,6 +156,8 @@ def set_points(
         else:
             nowhere = (0.0, 0.0, 0.0)
             other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])
+        if are_apart(a, i, a if out.flat else b, other):
+            continue
         C = a.curves[i]
         from_, to, later, end = overlaps(C, a if out.flat else b, other)
         for part in range(2):

@@ -1,0 +1,83 @@
+"""Who is near whom: the same pairs in any order, and nothing left out that meets."""
+
+import numpy as np
+import pytest
+
+from fem_lie.contact.sides.apart import are_apart
+from fem_lie.contact.sides.curves import Opposite, Strands, at, overlaps, set_curves
+from fem_lie.contact.sides.detection import near
+from fem_lie.contact.sides.table import GROUND
+
+RADIUS = 0.1
+
+
+def test_pairs_are_the_same_in_any_order_and_as_all_against_all():
+    rng = np.random.default_rng(0)
+    places, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
+    gaps = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    wanted = np.argwhere(np.triu(gaps < reach[:, np.newaxis] + reach, 1))
+    np.testing.assert_array_equal(near(places, reach), wanted)
+    order = rng.permutation(400)
+    again = np.sort(order[near(places[order], reach[order])], axis=1)
+    np.testing.assert_array_equal(again[np.lexsort(again.T[::-1])], wanted)
+
+
+def curved(count: int, bend: float, seed: int) -> Strands:
+    """Pieces fixed to ground, about one long, in a cube of a side of two."""
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(0, 2, size=(count, 3))
+    along = rng.normal(size=(count, 3))
+    along /= np.linalg.norm(along, axis=1)[:, np.newaxis]
+    strands = Strands(
+        np.full((count, 2), GROUND),
+        np.stack([start, start + along], axis=1),
+        along[:, np.newaxis] + bend * rng.normal(size=(count, 2, 3)),
+        np.ones(count),
+        np.ones(count),
+        np.ones(count),
+        np.full(count, RADIUS),
+        np.zeros(count, dtype=np.bool_),
+        np.zeros((count, 4, 3)),
+        np.zeros(count),
+    )
+    set_curves(np.zeros((1, 4, 3)), strands, False)
+    return strands
+
+
+@pytest.mark.parametrize(("bend", "part"), [(0.0, 1.0), (1e-3, 0.99), (0.3, 0.6), (1.5, 0.1)])
+def test_what_overlaps_is_not_apart(bend, part):
+    """And of what does not the more is seen to be, the straighter lines are."""
+    a, b = curved(60, bend, 1), curved(60, bend, 2)
+    nowhere, found, seen = (0.0, 0.0, 0.0), 0, 0
+    for i in range(60):
+        for j in range(60):
+            other = Opposite(j, j, nowhere, nowhere, 2 * RADIUS)
+            low, high, later, end = overlaps(a.curves[i], b, other)
+            meets = high > low or end > later
+            apart = are_apart(a, i, b, other)
+            assert not (meets and apart)
+            found, seen = found + meets, seen + apart
+    assert found > 100
+    assert seen >= part * (3600 - found)
+
+
+def test_curves_are_within_their_bulges():
+    strands = curved(50, 0.7, 3)
+    for C, bulge in zip(strands.curves, strands.bulges, strict=True):
+        off = [np.array(at(C, s)) - (1 - s) * C[0] - s * C[1] for s in np.linspace(0, 1, 21)]
+        assert np.linalg.norm(off, axis=1).max() <= bulge * (1 + 1e-12)
+
+
+def test_parallel_chords_that_touch_are_not_apart():
+    """Along a line, beside each other and of no length."""
+    strands = curved(3, 0.0, 4)
+    for shift in ((0.0, 0.2, 0.0), (1.2, 0.0, 0.0), (0.5, 0.2 / np.sqrt(2), 0.2 / np.sqrt(2))):
+        strands.curves[:] = 0.0
+        strands.curves[0, 1:, 0] = 1.0
+        strands.curves[1] = strands.curves[0]
+        strands.curves[1, :2] += shift
+        strands.curves[2, :2] = shift
+        for j in (1, 2):
+            for part, wanted in ((1.0 - 1e-9, True), (1.0 + 1e-9, False)):
+                other = Opposite(j, j, shift, shift, part * 0.2)
+                assert are_apart(strands, 0, strands, other) == wanted
