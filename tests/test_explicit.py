@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.system.equations import Instant
 from tests.test_composed import flying, resumed_as_whole
-from tests.test_energy_momentum import bars, plate
+from tests.test_energy_momentum import plate
 from tests.test_solids import brick
 from tests.test_variational import spinning
 
@@ -162,11 +162,6 @@ def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
 
 
 # --- bad input ---
-
-
-def test_joints():
-    with pytest.raises(ValueError, match=r"Explicit has no joints: hold places by pin and clamp"):
-        SCHEME.stable_step(bars()[0])
 
 
 def test_damping():

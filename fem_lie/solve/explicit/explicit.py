@@ -11,8 +11,10 @@ Acta Numerica 10 (2001) 357): symmetric, symplectic, of second order; momentum a
 are exact, energy goes up and down and does not drift.
 
 Steps are stable up to ``2/ω`` of the largest frequency, of which cells give an upper bound at the
-start (:mod:`.stable`); larger ones are refused. Forces, and all else in a step, are one compiled
-loop; only loads that change in time, pressure and contact come back to Python.
+start (:mod:`.stable`); larger ones are refused. Joints are kept closed by multipliers on the
+block-diagonal inertia (:mod:`.joints`); they make no frequency larger. Without them forces, and all
+else in a step, are one compiled loop; only loads that change in time, pressure and contact come
+back to Python.
 """
 
 from __future__ import annotations
@@ -36,8 +38,9 @@ class Explicit(Integrator):
     """Explicit steps; :meth:`run` makes constant ones, :meth:`stable_step` tells how large.
 
     For nets, impacts and waves: where steps have to be as small as the time in which a wave passes
-    an element anyway. Of frames, places and slopes, without joints and damping; what holds nodes,
-    springs, loads and contact by penalty are allowed.
+    an element anyway. Of frames, places and slopes, without damping; what holds nodes, joints,
+    springs, loads and contact by penalty are allowed. Joints take small equations of their own in
+    each step (:mod:`.joints`), and steps are made from Python then.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -83,7 +86,9 @@ def _refuse(equations: Equations) -> None:
     dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
     mass_damping = len(tables.damping.indptr) > 0
     reasons = {
-        "joints: hold places by pin and clamp, or tie nodes by springs": unknowns.m > 0,
+        "constraints of velocities (KnifeEdge, RollingDisc)": unknowns.of_velocities > 0,
+        "drives": unknowns.driven,
+        "redundant constraints": unknowns.may_be_redundant,
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,
         "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
         "damping": dampers or mass_damping or any(term.viscous for term in tables.terms),

@@ -11,7 +11,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results import Result
 from fem_lie.solve.explicit import loop, nodes
+from fem_lie.solve.explicit.joints import Joints
 from fem_lie.solve.explicit.stable import StableStep, stable_step
+from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Never
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -53,13 +55,15 @@ class ExplicitRun(Integration[Recorder]):
         self.masses, self.limit, self._n = masses, limit, n
         self._changing = unknowns.time_dependent
         self.H, self.p, self.v = equations.start.frames.copy(), np.zeros((n, 6)), np.zeros((n, 6))
-        self._rest, self._none = np.zeros((n, 6)), np.zeros(0)
-        self.r, self.reaction = np.zeros(6 * n), np.zeros(6)
+        m = unknowns.m
+        self._rest, self._none, self._one = np.zeros((n, 6)), np.zeros(m), np.ones(m)
+        self._joints = Joints(equations, masses) if m else None
+        self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
         self.books = equations.books()
-        self._forces = equations.residual(self._instant, self._none, self.r)
+        self._forces = equations.residual(self._instant, self._one, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
         books, table = self.books, self._forces.table
-        self._summed = known.in_one_sum and table is not None
+        self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()
@@ -133,6 +137,8 @@ class ExplicitRun(Integration[Recorder]):
 
     def start(self) -> None:
         """See the base class."""
+        if self._joints is not None:
+            check_velocities(self.equations, self.h)
         nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
         nodes.twists((*self.masses,), self.H, self.p, self.v)
         self.books.open(0.0, *self._moving)
@@ -142,11 +148,13 @@ class ExplicitRun(Integration[Recorder]):
         if self._how[1]:
             loop.weigh(self._packed.table, self._booked)
         else:
-            self.equations.residual(self._instant, self._none, self.r, self._forces)
+            self.equations.residual(self._instant, self._one, self.r, self._forces)
 
     @property
     def _moving(self) -> Instant:
-        return Instant(self.H, self.v, self._rest, self._none)
+        if self._joints is None:
+            return Instant(self.H, self.v, self._rest, self._none)
+        return Instant(self.H, self.v, *self._joints.forces(self.H, self.v))
 
     # --- steps ---
 
@@ -155,17 +163,36 @@ class ExplicitRun(Integration[Recorder]):
         last = min(history.next_stop(index), index + self._most)
         if self._changing:
             self.equations.prescribed((index + 1) * self.h).act()
+        if self._joints is not None:
+            return self._joined(self._joints)
         how = self._how
         while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
-            self.equations.residual(self._instant, self._none, self.r, self._forces)
+            self.equations.residual(self._instant, self._one, self.r, self._forces)
         if not np.isfinite(self.p).all():
             return False
+        self._look()
+        return True
+
+    def _look(self) -> None:
         if self._looks:
             nodes.twists((*self.masses,), self.H, self.p, self.v)
             self.books.add(self.h, self.index * self.h, *self._moving)
+
+    def _joined(self, joints: Joints) -> bool:
+        """The next step, with joints; whether it is made."""
+        self.counters[loop.STEP] += 1
+        if not joints.step(self.h, self.H, self.p, self.r):
+            return False
+        self.equations.memory.accept(self.H)
+        self._look()
         return True
 
     def _failure(self, steps: int) -> str:
+        if self._joints is not None and np.isfinite(self.p).all():
+            return (
+                f"step {self.index} of {steps} (h = {self.h:g}) failed: joints were left open by "
+                f"{self._joints.left:.2g} of the model; try a smaller step"
+            )
         return (
             f"step {self.index} of {steps} (h = {self.h:g}) failed: numbers are not finite. At the "
             f"start steps up to {self.limit.step:.4g} were stable; a scene that becomes stiffer "
@@ -193,12 +220,17 @@ class ExplicitRun(Integration[Recorder]):
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""
         kept = {name: getattr(self, name).copy() for name in self._STATE}
+        if self._joints is not None:
+            kept["impulses"] = self._joints.impulses.copy()
         return kept | self.equations.memory.saved() | self.books.memory()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         for name in self._STATE:
             getattr(self, name)[:] = kept[name]
+        if self._joints is not None:
+            self._joints.impulses[:] = kept["impulses"]
+            self._joints.restart()
         self.equations.memory.restore(kept)
         self.books.restore(kept)
 

@@ -127,7 +127,7 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
         np.add.at(K, rows[own], _cell_size(term) * blocks[own])
     K[:] = 0.5 * (K + K.swapaxes(1, 2))
     K[held], K.swapaxes(1, 2)[held] = 0.0, 0.0
-    M = _in_axes(masses)
+    M = in_axes(masses)
     M[held], M.swapaxes(1, 2)[held] = 0.0, 0.0
     M[:, np.arange(6), np.arange(6)] += held
     values = np.linalg.eigvals(np.linalg.solve(M, K)).real.max(axis=1)
@@ -137,7 +137,7 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
     return StableStep(float(step), int(equations.unknowns.leaders[node]))
 
 
-def _in_axes(masses: Masses) -> Array:
+def in_axes(masses: Masses) -> Array:
     """Mass matrices on twists in the axes of the nodes, shape (n, 6, 6)."""
     straight = masses.ways == STRAIGHT
     M = np.zeros((len(masses.kinds), 6, 6))
