@@ -6,7 +6,7 @@ from scipy.integrate import quad, solve_ivp
 
 import fem_lie as fl
 from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.sweeps import dense_of
+from fem_lie.contact.impact.sweeps import dense_of, past_of
 
 GRAVITY, RADIUS = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -252,8 +252,7 @@ def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> cones.Cone
         z((k, 3)),
         z((1, 6)),
         dense_of(k),
-        z((k, 3)),
-        z((1, 6)),
+        past_of(k, 1),
     )
 
 

@@ -3,9 +3,11 @@
 That is De Saxcé's form of the exact law: what slides does not lift. Sweeps over the contacts take
 the exact solution of each, the others as they are (Jean & Moreau 1992); between them Newton's
 method on the function of Alart & Curnier, CMAME 92 (1991) 353, for few contacts. Many contacts,
-of which each need not be solved exactly, are swept by projections; between sweeps impulses go on as
-Nesterov's method does, until sweeps turn back (O'Donoghue & Candès, Found. Comput. Math. 15 (2015)
-715). Components are along the normal, then along two tangents.
+of which each need not be solved exactly, are swept by projections; every fifth time impulses go on
+to where the last ten sweeps tell by least squares that the next would do least (Anderson's mixing,
+in turns as by Pratapa, Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). Where that does not
+end, they go on as in Nesterov's method, until sweeps turn back (O'Donoghue & Candès, Found. Comput.
+Math. 15 (2015) 715). Components are along the normal, then along two tangents.
 
 Velocities of bodies change by ``W = M⁻¹ B̄ᵀ r``; nothing but that is summed up, so that a sweep
 costs the same per contact however many there are.
@@ -17,9 +19,10 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.newton import newton
+from fem_lie.contact.impact.newton import eliminate, newton
 from fem_lie.contact.impact.sweeps import (
     MOST_NEWTON,
+    PAST,
     Cones,
     along,
     begin,
@@ -35,9 +38,13 @@ _FIRST, _LATER, _ROUNDS = 3, 10, 4
 _MANY = 1e-6
 """Residual with which more contacts than those are content."""
 
-_LONGEST, _LOOK, _JUDGE, _LESS = 10_000, 10, 100, 0.9
-"""Sweeps of these at most; after how many of them the residual is looked at; after how many it is
-to have halved, and by which part they go on at most from then on where it has not."""
+_LONGEST, _TURN, _LOOK, _EVERY, _WORSE = 10_000, 200, 5, 5, 4.0
+"""Sweeps of these, about, at most; in the first turn; after how many of them the residual is looked
+at, and impulses go on; by how much more than at best a sweep may do, squared, until what is known
+of sweeps is dropped."""
+
+_RIDGE = 1e-12
+"""Added to the diagonal of the least squares, over its largest."""
 
 _GROWTH = 1e2
 """Newton's forces over those of the sweeps: wedged bodies have internal forces of any size."""
@@ -57,16 +64,6 @@ def _with_newton(problem: Cones, k: int, tolerance: float, reached: float) -> tu
         change(problem, k)
         found = reached
     return iterations, found
-
-
-@inlined_uncounted
-def _go_on(x: Array, before: Array, part: float) -> None:
-    """``x ← x + part (x − before)``, shapes (k, ·); keeps ``x`` as what is before the next."""
-    for i in range(before.shape[0]):
-        for j in range(before.shape[1]):
-            here = x[i, j]
-            x[i, j] += part * (here - before[i, j])
-            before[i, j] = here
 
 
 @inlined_uncounted
@@ -91,14 +88,112 @@ def _improve(problem: Cones, c: int) -> tuple[float, float, float]:
     return d0, d1, d2
 
 
+@inlined_uncounted
+def _note(problem: Cones, k: int, at: int, known: int) -> None:
+    """Keep by what the last sweep differs from that before, at one place of those there are."""
+    past, r = problem.past, problem.r
+    for c in range(k):
+        for j in range(3):
+            past.steps[at, c, j] = r[c, j] - past.end[c, j]
+            past.changes[at, c, j] = r[c, j] - past.start[c, j] - past.did[c, j]
+    for i in range(known):
+        total = 0.0
+        for c in range(k):
+            for j in range(3):
+                total += past.changes[at, c, j] * past.changes[i, c, j]
+        past.products[at, i] = past.products[i, at] = total
+    for body in range(past.turned.shape[0]):
+        for j in range(6):
+            past.turns[at, body, j] = problem.W[body, j] - past.turned[body, j]
+
+
+@inlined_uncounted
+def _go_on(problem: Cones, k: int, known: int) -> None:
+    """Impulses from where the last sweep ended to where the next is to do least."""
+    past, most = problem.past, 0.0
+    for i in range(known):
+        total = 0.0
+        for c in range(k):
+            for j in range(3):
+                total += past.changes[i, c, j] * past.did[c, j]
+        past.parts[i] = total
+        most = max(most, past.products[i, i])
+        for j in range(known):
+            past.room[i, j] = past.products[i, j]
+    for i in range(known):
+        past.room[i, i] += _RIDGE * most
+    eliminate(past.room, past.parts, known)
+    for i in range(known):
+        part = past.parts[i]
+        for c in range(k):
+            for j in range(3):
+                problem.r[c, j] -= part * past.steps[i, c, j]
+        for body in range(past.turned.shape[0]):
+            for j in range(6):
+                problem.W[body, j] -= part * past.turns[i, body, j]
+
+
+@inlined_uncounted
+def _keep(problem: Cones, k: int) -> None:
+    """What the last sweep did, and where it ended."""
+    past = problem.past
+    for c in range(k):
+        for j in range(3):
+            past.did[c, j] = problem.r[c, j] - past.start[c, j]
+            past.end[c, j] = problem.r[c, j]
+    for body in range(past.turned.shape[0]):
+        for j in range(6):
+            past.turned[body, j] = problem.W[body, j]
+
+
 @uncounted
-def _accelerated(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
+def _mixed(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
+    """Sweeps between which impulses go on by least squares; how many, and the residual."""
+    r, start = problem.r, problem.past.start
+    reached, best, known, at = np.inf, np.inf, 0, 0
+    for sweeps in range(1, most + 1):
+        square = 0.0
+        for c in range(k):
+            d = _improve(problem, c)
+            for j in range(3):
+                start[c, j] = r[c, j]
+                r[c, j] += d[j]
+                square += d[j] * d[j]
+        if sweeps % _LOOK == 0:
+            reached = residual(problem, k)
+            if reached <= tolerance:
+                return sweeps, reached
+        if square > _WORSE * best:
+            known, at, best = 0, 0, square
+        elif sweeps > 1:
+            known = min(known + 1, PAST)
+            _note(problem, k, at, known)
+            at = (at + 1) % PAST
+        best = min(best, square)
+        _keep(problem, k)
+        if known > 0 and sweeps % _EVERY == 0 and sweeps < most:
+            _go_on(problem, k, known)
+    return most, reached
+
+
+@inlined_uncounted
+def _swing(x: Array, before: Array, part: float) -> None:
+    """``x ← x + part (x − before)``, shapes (k, ·); keeps ``x`` as what is before the next."""
+    for i in range(before.shape[0]):
+        for j in range(before.shape[1]):
+            here = x[i, j]
+            x[i, j] += part * (here - before[i, j])
+            before[i, j] = here
+
+
+@uncounted
+def _swung(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
     """Sweeps that go on by a part of what the last one did; how many, and the residual."""
-    r, before, turned = problem.r, problem.before[:k], problem.turned
-    _go_on(r, before, 0.0)
-    _go_on(problem.W, turned, 0.0)
-    reached, weight, most, mark = np.inf, 1.0, 1.0, np.inf
-    for sweeps in range(1, _LONGEST + 1):
+    r, before, turned = problem.r, problem.past.end[:k], problem.past.turned
+    _swing(r, before, 0.0)
+    _swing(problem.W, turned, 0.0)
+    reached, weight = np.inf, 1.0
+    for sweeps in range(1, most + 1):
         forward = 0.0
         for c in range(k):
             d = _improve(problem, c)
@@ -109,16 +204,29 @@ def _accelerated(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
             reached = residual(problem, k)
             if reached <= tolerance:
                 return sweeps, reached
-        if sweeps % _JUDGE == 0:  # friction has no potential: going on may turn in a circle
-            if reached > 0.5 * mark:
-                most, weight = _LESS, 1.0
-            mark = reached
         weight = 1.0 if forward < 0.0 else weight
         later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
-        part, weight = min(most, (weight - 1.0) / later), later
-        _go_on(r, before, part)
-        _go_on(problem.W, turned, part)
-    return _LONGEST, reached
+        part, weight = (weight - 1.0) / later, later
+        if sweeps < most:
+            _swing(r, before, part)
+            _swing(problem.W, turned, part)
+    return most, reached
+
+
+@uncounted
+def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
+    """Both: friction has no potential, and each turns in circles in some problems."""
+    sweeps, most, reached = 0, _TURN, np.inf
+    while sweeps < _LONGEST:
+        more, reached = _mixed(problem, k, tolerance, most)
+        sweeps += more
+        if reached <= tolerance:
+            break
+        more, reached = _swung(problem, k, tolerance, 2 * most)
+        sweeps, most = sweeps + more, 2 * most
+        if reached <= tolerance:
+            break
+    return sweeps, reached
 
 
 @uncounted
@@ -135,7 +243,7 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """
     begin(problem, k)
     if k > MOST_NEWTON:
-        sweeps, reached = _accelerated(problem, k, max(tolerance, _MANY))
+        sweeps, reached = _in_turns(problem, k, max(tolerance, _MANY))
         return sweeps, 0, reached
     sweeps, iterations, reached, limit = 0, 0, np.inf, _FIRST
     for rounds in range(_ROUNDS + 1):

@@ -92,7 +92,7 @@ def _set_derivative(problem: Cones, k: int, r: Array) -> None:
 
 
 @uncounted
-def _eliminate(J: Array, d: Array, n: int) -> None:
+def eliminate(J: Array, d: Array, n: int) -> None:
     """``d ← J⁻¹ d``, with rows exchanged."""
     for k in range(n):
         best = k
@@ -134,7 +134,7 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         _set_derivative(problem, k, r)
         for i in range(n):
             d[i] = F[i]
-        _eliminate(room.J, d, n)
+        eliminate(room.J, d, n)
         size, best, least = 1.0, 1.0, np.inf
         for _ in range(_HALVES):
             for i in range(n):

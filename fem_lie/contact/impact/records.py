@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.sweeps import Cones, dense_of
+from fem_lie.contact.impact.sweeps import Cones, dense_of, past_of
 from fem_lie.contact.sides.table import Side
 
 CLOSED = 1e-9
@@ -77,6 +77,9 @@ class Work(NamedTuple):
         impulses: In the last step, shape (m, 3).
         rows: Normal rows, shape (m, 2, 1, 6).
         pushes: What they do, likewise.
+        own: Their products at one contact, shape (m,).
+        last: ``nu`` after the last sweep, in the order of ``near``, shape (m,).
+        turned: ``moved`` then, shape (n, 6).
         moved: Of bodies, shape (n, 6).
         H: Frames without contacts, and those of the last pass, shape (2, n, 4, 3).
         v: Velocities without contacts, shape (n, 6).
@@ -103,6 +106,9 @@ class Work(NamedTuple):
     impulses: Array
     rows: Array
     pushes: Array
+    own: Array
+    last: Array
+    turned: Array
     moved: Array
     H: Array
     v: Array
@@ -127,8 +133,7 @@ def work_of(m: int, n: int) -> Work:
         z((m, 3)),
         z((n, 6)),
         dense_of(m),
-        z((m, 3)),
-        z((n, 6)),
+        past_of(m, n),
     )
     whole = np.zeros(m, dtype=np.int64)
     return Work(
@@ -147,6 +152,9 @@ def work_of(m: int, n: int) -> Work:
         impulses=z((m, 3)),
         rows=z((m, 2, 1, 6)),
         pushes=z((m, 2, 1, 6)),
+        own=z(m),
+        last=z(m),
+        turned=z((n, 6)),
         moved=z((n, 6)),
         H=z((2, n, 4, 3)),
         v=z((n, 6)),

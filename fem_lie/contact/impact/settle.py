@@ -33,15 +33,16 @@ from fem_lie.contact.impact.records import (
     Touch,
     Work,
 )
-from fem_lie.contact.impact.sweeps import along
+from fem_lie.contact.impact.sweeps import MOST_NEWTON, along
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 from fem_lie.contact.sides.kinematics import gap
 
 _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
 """Passes; most of them; in how many contacts may join; reductions of restitution."""
 
-_ROUGH = 1e-4
-"""Residual of the cones in the first pass, which is there for its rows; places are rough, too."""
+_ROUGH, _ROUGHER = 1e-4, 1e-3
+"""Residual of the cones in the first pass, which is there for its rows, and of many contacts in all
+passes until none joins; places are rough, too."""
 
 _PLACES, _SWEEPS = 20, 200
 """Iterations of places, and sweeps in one, at most."""
@@ -171,10 +172,15 @@ def _guarded(
     """Passes, with as much of the restitution as does not add to the energy ``before``."""
     factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
     passes, tries, last = 0, 0, False
+    many = w.many[0] > MOST_NEWTON
+    few = 30 if many else 3
     for attempt in range(_MOST):
         grows = attempt < _GROWING
-        limits = (_PLACES, _SWEEPS, grows) if attempt > 0 else (1, 3, grows)
-        wanted = tolerance if attempt > 0 else _ROUGH
+        rough = passes == 0 if many else attempt == 0  # a pile grows in one pass after the other
+        limits = (1, few, grows) if rough else (_PLACES, _SWEEPS, grows)
+        wanted = tolerance
+        if rough:
+            wanted = _ROUGHER if many else _ROUGH
         grew = _pass(h, touch, masses, H, v, w, factor, wanted, told, limits)
         _copy_frames(H, w.H[1])
         if grew:

@@ -44,6 +44,55 @@ def dense_of(m: int) -> Dense:
     return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(6)))
 
 
+PAST = 10
+"""Sweeps that are known of many contacts."""
+
+
+class Past(NamedTuple):
+    """What sweeps of more contacts than those did, M of them, or room for none.
+
+    Attributes:
+        start: Impulses before the last one, shape (M, 3).
+        end: And after it, likewise.
+        did: What it did, likewise.
+        turned: Changes of velocities after it, shape (n, 6).
+        steps: By what the ends of sweeps differ, shape (:data:`PAST`, M, 3).
+        changes: By what differs what they did, likewise.
+        turns: By what velocities differ, shape (:data:`PAST`, n, 6).
+        products: Of ``changes``, shape (:data:`PAST`, :data:`PAST`).
+        room: Likewise.
+        parts: Shape (:data:`PAST`,).
+    """
+
+    start: Array
+    end: Array
+    did: Array
+    turned: Array
+    steps: Array
+    changes: Array
+    turns: Array
+    products: Array
+    room: Array
+    parts: Array
+
+
+def past_of(m: int, n: int) -> Past:
+    """For at most ``m`` contacts of ``n`` bodies."""
+    M, z = m if m > MOST_NEWTON else 0, np.zeros
+    return Past(
+        start=z((M, 3)),
+        end=z((M, 3)),
+        did=z((M, 3)),
+        turned=z((n, 6)),
+        steps=z((PAST, M, 3)),
+        changes=z((PAST, M, 3)),
+        turns=z((PAST, n, 6)),
+        products=z((PAST, PAST)),
+        room=z((PAST, PAST)),
+        parts=z(PAST),
+    )
+
+
 class Cones(NamedTuple):
     """The first k of these are a problem.
 
@@ -57,8 +106,7 @@ class Cones(NamedTuple):
         r: Impulses; start and solution, shape (·, 3).
         W: Change of the bodies' velocities, shape (n, 6).
         dense: Room.
-        before: Impulses after the last sweep, shape (·, 3).
-        turned: Velocities then, shape (n, 6).
+        past: Room of many.
     """
 
     bodies: Indices
@@ -70,8 +118,7 @@ class Cones(NamedTuple):
     r: Array
     W: Array
     dense: Dense
-    before: Array
-    turned: Array
+    past: Past
 
 
 @inlined_uncounted

@@ -10,6 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws import Impact
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.table import Nodes, Side
@@ -20,8 +21,10 @@ def _joined(sides: Sequence[Side]) -> Side:
 
 
 def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
-    """All of them, of records in it, too."""
+    """All of them, of records in it, too, but for rooms of methods."""
     for each in record:
+        if isinstance(each, Dense | Past):
+            continue
         if isinstance(each, tuple):
             yield from _arrays(each)
         elif isinstance(each, np.ndarray):

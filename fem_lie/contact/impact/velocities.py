@@ -8,7 +8,7 @@ from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_pushes, set_rows
-from fem_lie.contact.impact.sweeps import along
+from fem_lie.contact.impact.sweeps import MOST_NEWTON, along
 from fem_lie.lie.tuples import dot, load
 
 _REACH = 4.0
@@ -54,8 +54,12 @@ def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work
 
 @uncounted
 def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
-    """Let contacts take part that have overlapped, or were closed and do not open."""
+    """Let contacts take part that have overlapped, or were closed and do not open.
+
+    Of many those that were closed and pushed, too: in a pile they would join one after the other.
+    """
     H, v = start
+    many = w.many[0] > MOST_NEWTON
     for at in range(w.many[0]):
         c = w.close[at]
         closed = w.gaps[c] <= touch.closed[c]
@@ -63,7 +67,8 @@ def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
             w.axis[c] = axis_of(H, touch, c)
             set_rows(H, touch, c, w.axis[c], w.bodies[at], w.before[c])
             w.speed[c] = along(w.before[c], w.bodies[at], v, 0)
-            w.joined[c] = w.joined[c] or w.speed[c] <= touch.closed[c] / h
+            lasts = many and closed and w.impulses[c, 0] > 0.0
+            w.joined[c] = w.joined[c] or lasts or w.speed[c] <= touch.closed[c] / h
 
 
 @inlined_uncounted
