@@ -28,9 +28,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fem_lie as fl
+from demos.soft_bars import SOFT, soft_pendulum
 from fem_lie.solve import stopwatch
 from fem_lie.solve.motion.integrator import Integrator
-from studies.order_four import SOFT, soft_pendulum
 
 DOCS = Path(__file__).parents[1] / "docs"
 REFERENCES = Path(__file__).parents[1] / "demos" / "reference" / "work_precision.csv"
@@ -92,7 +92,7 @@ def _turned(t: float) -> float:
 
 
 PROBLEMS = {
-    "soft double pendulum": Problem(lambda: soft_pendulum()[0], 0.4, 1.0),
+    "soft double pendulum": Problem(soft_pendulum, 0.4, 1.0),
     "soft four-bar": Problem(four_bar, 0.2, 0.4),
 }
 _SECOND = tuple(100 * 2**k for k in range(8))

@@ -30,6 +30,7 @@ HELPERS = (
     "newton_on_frames",
     "records",
     "rigid",
+    "soft_bars",
     "truss_scene",
 )
 SHORT = {
