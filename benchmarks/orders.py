@@ -4,6 +4,10 @@ Two scenes: two rigid bodies on revolute joints under gravity, and a soft beam t
 bends. Each is run with steps of three sizes; the order is the binary logarithm of the ratio of the
 last two changes, of all nodes and components. Momentum and angular momentum are those of the beam.
 
+Asynchronous steps are those of the net with two short edges of asynchronous.py: once all equal, and
+once each cell with its own, in parts of 0.4 … 0.025 of the largest; of these the order is the slope
+of a line through the errors against explicit steps of an eighth, for the changes are not smooth.
+
     python -m benchmarks.orders
 """
 
@@ -16,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
+from benchmarks.asynchronous import net
 from fem_lie.solve.motion.integrator import Integrator
 
 SOFT = fl.Section.rectangle(0.02, 0.02, fl.Material(E=2e7, nu=0.3, density=1200.0))
@@ -44,6 +49,7 @@ PLANS = {
     "`Composed`, `Variational`, triple jump": Plan(
         fl.Composed(fl.Variational(), fl.TripleJump()), 4, (64, 128, 256), (128, 256, 512)
     ),
+    "`Explicit`": Plan(fl.Explicit(), 2, (128, 256, 512), (256, 512, 1024)),
 }
 
 
@@ -83,6 +89,32 @@ def orders(
     return found, ends[-1]
 
 
+def equal_steps() -> tuple[list[float], fl.Result]:
+    """Of asynchronous ones that are all alike: orders, and the run with the smallest."""
+    duration = 32 * fl.Explicit().stable_step(_net())
+    return orders(fl.Asynchronous(), _net, duration, (64, 128, 256))
+
+
+def own_steps(duration: float = 0.02) -> list[float]:
+    """Of cells with steps of their own: slopes."""
+    parts = 0.4 * 0.5 ** np.arange(5)
+    runs = [
+        fl.Asynchronous(part).run(_net(), duration=duration, step=duration / 2, save_every=2)
+        for part in parts
+    ]
+    fine = duration / np.ceil(8 * duration / fl.Explicit().stable_step(_net()))
+    exact = fl.Explicit().run(_net(), duration=duration, step=fine, save_every=10**6)
+    found = []
+    for name in TOLD[:2]:
+        errors = [np.abs(getattr(run, name)[-1] - getattr(exact, name)[-1]).max() for run in runs]
+        found.append(float(np.polyfit(np.log(parts), np.log(errors), 1)[0]))
+    return found
+
+
+def _net() -> fl.Scene:
+    return net(4, 2)
+
+
 def main() -> None:
     """A table."""
     print("| scheme | wanted | pendulum: frames, velocities, joint forces | beam: frames, ", end="")
@@ -93,6 +125,11 @@ def main() -> None:
         told = (", ".join(f"{order:.2f}" for order in found) for found in (held, free))
         exact = f"{end.momentum_error:.1e}, {end.angular_momentum_error:.1e}"
         print(f"| {name} | {plan.wanted} | " + " | ".join(told) + f" | {exact} |", flush=True)
+    alike, end = equal_steps()
+    exact = f"{end.momentum_error:.1e}, {end.angular_momentum_error:.1e}"
+    print(f"| `Asynchronous`, equal steps, net | 2 | | {alike[0]:.2f}, {alike[1]:.2f} | {exact} |")
+    apart = own_steps()
+    print(f"| `Asynchronous`, own steps, net | ≥ 1 | | {apart[0]:.2f}, {apart[1]:.2f} | |")
 
 
 if __name__ == "__main__":
