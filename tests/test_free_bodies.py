@@ -407,3 +407,12 @@ def test_matrix_is_the_derivative_of_the_residual(group):
     size = 1e-5
     columns = [(residual(x) - residual(-x)) / (2 * size) for x in size * np.eye(6)]
     np.testing.assert_allclose(matrix, np.array(columns).T, rtol=0, atol=1e-6 * p.mass)
+
+
+def test_axes_that_are_held_do_not_move():
+    body = fl.RigidBody(1.0, np.ones(3), (0, 0, 0))
+    body.held[0, 2] = True
+    scene = fl.Scene(gravity=(1, 0, -9.81))
+    scene.add(body)
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.1, step=1e-2, progress=False)
+    np.testing.assert_allclose(result.position(body.centre)[-1], [5e-3, 0, 0], atol=1e-12)

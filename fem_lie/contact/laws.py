@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 
 from fem_lie._arrays import number, positive
 
@@ -25,6 +25,7 @@ class Penalty:
         friction: μ: the largest force across the normal over ``k`` times the overlap. Until that
             is reached springs hold, which are carried from step to step. Not in conserving schemes.
         holding: Their stiffness; default: k.
+        restitution: None: a penalty has damping.
     """
 
     stiffness: float
@@ -32,9 +33,15 @@ class Penalty:
     ramp: float = 0.0
     friction: float = 0.0
     holding: float | None = None
+    restitution: InitVar[None] = None
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, restitution: None) -> None:
         """Raise ``TypeError`` or ``ValueError`` for numbers that are none, or out of range."""
+        if restitution is not None:
+            raise ValueError(
+                "Penalty: restitution: a penalty has damping, not restitution; give damping, or "
+                "Impact(restitution=...)"
+            )
         positive(self.stiffness, "Penalty: stiffness")
         if number(self.damping, "Penalty: damping") < 0.0:
             raise ValueError(f"Penalty: damping must not be negative, got {self.damping}")

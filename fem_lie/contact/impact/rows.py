@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.sides.kinematics import gap
+from fem_lie.contact.sides.kinematics import gap, place
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,
@@ -16,6 +16,7 @@ from fem_lie.lie.tuples import (
     load_row,
     minus,
     negative,
+    plus,
     scaled,
 )
 
@@ -26,6 +27,28 @@ def set_gaps(touch: Touch, H: Array, out: Array) -> None:
     for c in range(touch.pairs.shape[0]):
         i, j = touch.pairs[c]
         out[c], _, _ = gap(H, touch.a, touch.b, i, j, touch.flat[c])
+
+
+@uncounted
+def find_crossed(touch: Touch, before: Array, H: Array) -> int:
+    """A pair of balls one of which has gone through the other between frames, or −1.
+
+    They face the other way then, and on a straight way would have overlapped.
+    """
+    for c in range(touch.pairs.shape[0]):
+        i, j = touch.pairs[c]
+        if touch.flat[c] or touch.b.radii[j] < 0.0:
+            continue
+        reach = touch.a.radii[i] + touch.b.radii[j]
+        D = minus(place(before, touch.a, i), place(before, touch.b, j))
+        E = minus(place(H, touch.a, i), place(H, touch.b, j))
+        way = minus(E, D)
+        if dot(D, E) < 0.0 and dot(way, way) > reach * reach:
+            part = -dot(D, way) / dot(way, way)
+            least = plus(D, scaled(part, way))
+            if dot(least, least) < reach * reach:
+                return c
+    return -1
 
 
 @inlined_uncounted

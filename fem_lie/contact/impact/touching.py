@@ -62,9 +62,10 @@ class Touching:
         self._count = len(sizes)
         self.update(H)
 
-    def update(self, H: Array) -> None:
-        """Look again who is near whom, at frames ``H`` at the start of a step."""
+    def update(self, H: Array, far: float = 0.0) -> None:
+        """Look again who is near whom, at frames ``H`` before steps that move places so ``far``."""
         for each in self._near:
+            each.widen(4.0 * far)
             each.update(H)
         versions = tuple(each.version for each in self._near)
         if versions == self._versions:
@@ -108,11 +109,13 @@ class Touching:
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""
         seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
+        seen["skins"] = np.array([each.skin for each in self._near])
         return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Be as when :meth:`memory` was called."""
         for k, each in enumerate(self._near):
+            each.widen(float(kept["skins"][k]))
             each.see_again(kept[f"near.{k}"])
         self._versions = tuple(each.version for each in self._near)
         self._set()
@@ -124,6 +127,15 @@ class Touching:
         """The largest distance of a place from the centre of its body."""
         levers = [side.levers[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
         return float(np.linalg.norm(np.concatenate(levers), axis=1).max(initial=0.0))
+
+    @property
+    def thin(self) -> float:
+        """The least sum of radii of balls that touch balls: who moves less jumps over nothing."""
+        sums, ends = [], [self._first[:-1], self._first[1:]]
+        for (i, j), (after_i, after_j), flat in zip(*ends, self._flat, strict=True):
+            if not flat:
+                sums.append(self._a.radii[i:after_i].min() + self._b.radii[j:after_j].min())
+        return float(min((each for each in sums if each > 0.0), default=np.inf))
 
     @property
     def patience(self) -> float:

@@ -68,6 +68,17 @@ class NearPairs:
             self._moved(start)
             self.see_again(self._at)
 
+    @property
+    def skin(self) -> float:
+        """What is added to radii in the list."""
+        return self._skin
+
+    def widen(self, skin: float) -> None:
+        """Look further from the next list on, which is made next time; never less far."""
+        if not self.fixed and skin > self._skin:
+            self._widen(skin)
+            self._before[:] = np.inf
+
     def _widen(self, skin: float) -> None:
         self._reach += skin - self._skin
         self._skin, self.patience = skin, 0.5 * skin

@@ -23,6 +23,7 @@ from fem_lie.contact.impact.records import (
     Masses,
 )
 from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.contact.laws import Impact
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
@@ -32,7 +33,7 @@ from fem_lie.scene.load import amplitudes
 from fem_lie.solve.alpha import free_bodies
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step.free_records import Kept, Plan
-from fem_lie.solve.alpha.step.impact_steps import STALE, UNSETTLED, Contacts, advance
+from fem_lie.solve.alpha.step.impact_steps import CROSSED, MADE, STALE, UNSETTLED, Contacts, advance
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.fingerprint import Fingerprint
@@ -88,12 +89,14 @@ class Run(free_bodies.Run):
             _TOLERANCE,
             self._touching.patience,
             self._touching.arm,
+            self._touching.thin,
+            np.full(1, -1),
             np.zeros(1),
             np.zeros((0, TOLD)),
             np.zeros(7),
             np.zeros((0, 7)),
         )
-        self._unsettled = 0
+        self._why = MADE
 
     def integrate(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
@@ -125,6 +128,7 @@ class Run(free_bodies.Run):
         """See the base class."""
         super().restore(kept)
         self._touching.restore(kept)
+        self._contacts = self._contacts._replace(patience=self._touching.patience)
         for name in ("sum", "booked", "told"):
             getattr(self._contacts, name)[...] = kept[f"contacts.{name}"]
 
@@ -136,10 +140,12 @@ class Run(free_bodies.Run):
             left = range(first, wanted.stop)
             last, made, more, why = self._go(history, left, failed, made)
             factorisations += more
-            self._unsettled = self._touching.work.cones.r.shape[0] if why == UNSETTLED else 0
+            self._why = why
             if why != STALE:
                 return last, made, factorisations
-            self._touching.update(self.s.H)
+            far = self.p.h * largest_speed(self.s.v, self._contacts.arm)
+            self._touching.update(self.s.H, far)
+            self._contacts = self._contacts._replace(patience=self._touching.patience)
             self._contacts.sum[0], first = 0.0, last + 1
 
     def _go(
@@ -175,11 +181,28 @@ class Run(free_bodies.Run):
         return last, int(count[made - 1]) if made else before, factorisations, why
 
     def _failure(self, index: int, steps: int, failed: np.ndarray) -> str:
-        if not self._unsettled:
+        if self._why == CROSSED:
+            one, other = self._names(self._touching.touch.pairs[self._contacts.crossed[0]])
+            moved = self.p.h * largest_speed(self.s.v, self._contacts.arm)
+            return (
+                f"step {index} of {steps}: {one} crossed {other} (places moved by up to "
+                f"{moved:.2g}, both are {self._touching.thin:.2g} thick): smaller steps, please"
+            )
+        if self._why != UNSETTLED:
             return super()._failure(index, steps, failed)
         reached = float(self._contacts.told[index - 1, RESIDUAL])
         count = int(self._contacts.told[index - 1, CONTACTS])
+        work = self._touching.work
+        worst = int(np.argmax(np.abs(work.cones.r[:count]).max(axis=1)))
+        one, other = self._names(self._touching.touch.pairs[work.chosen[worst]])
         return (
             f"step {index} of {steps}: {count} contacts did not settle (residual {reached:.0e}); "
-            "are bodies wedged? Try smaller steps, or Penalty"
+            f"are bodies wedged, such as {one} and {other}? Try smaller steps, or Penalty"
         )
+
+    def _names(self, pair: Indices) -> list[str]:
+        """Of the bodies of a pair of places."""
+        touch, bodies = self._touching.touch, self.equations.unknowns.bodies
+        labels = {int(nodes[0]): body.label for body, nodes in bodies.items()}
+        nodes = touch.a.nodes[pair[0], 0], touch.b.nodes[pair[1], 0]
+        return [labels.get(int(node), "ground") for node in nodes]

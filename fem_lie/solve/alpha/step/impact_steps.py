@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie.contact.impact import records
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Touch, Work
+from fem_lie.contact.impact.rows import find_crossed
 from fem_lie.contact.impact.settle import settle
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
@@ -32,9 +33,9 @@ from fem_lie.solve.alpha.step.free_records import (
 from fem_lie.solve.alpha.step.free_steps import act, book, load_of
 from fem_lie.solve.alpha.step.node import Scheme
 
-MADE, STALE, FAILED, UNSETTLED = range(4)
+MADE, STALE, FAILED, UNSETTLED, CROSSED = range(5)
 """Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
-failed; contacts have not settled."""
+failed; contacts have not settled; a ball has gone through another."""
 
 LARGEST = 1e-3
 """Residual of the cones with which a step has failed."""
@@ -47,6 +48,8 @@ class Contacts(NamedTuple):
         tolerance: Of the residual of the cones.
         patience: How far places may move until it has to be looked again.
         arm: The largest distance of a place from its body's centre.
+        thin: How far places move at least that go through others.
+        crossed: The pair that did, shape (1,).
         sum: How far they may have moved, shape (1,).
         told: Of all steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (S, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
@@ -56,6 +59,8 @@ class Contacts(NamedTuple):
     tolerance: float
     patience: float
     arm: float
+    thin: float
+    crossed: Indices
     sum: Array
     told: Array
     booked: Array
@@ -117,7 +122,8 @@ def advance(
     )
     H0, v0, factorisations, row = np.empty_like(state.H), np.empty_like(state.v), 0, plan.row
     for index in range(plan.first, plan.last + 1):
-        if contacts.sum[0] > contacts.patience:
+        speed = largest_speed(state.v, contacts.arm)
+        if contacts.sum[0] + p.h * speed > contacts.patience:
             return index - 1, factorisations, STALE
         at = index - plan.first
         H0[:], v0[:] = state.H, state.v
@@ -157,8 +163,12 @@ def advance(
             contacts.booked[0] -= told[IMPACT] + told[FRICTION]
             for k in range(6):
                 contacts.booked[1 + k] += told[GROUND + k]
-        speed = max(largest_speed(v0, contacts.arm), largest_speed(state.v, contacts.arm))
+        speed = max(speed, largest_speed(state.v, contacts.arm))
         contacts.sum[0] += p.h * speed
+        if p.h * speed > 0.5 * contacts.thin:
+            contacts.crossed[0] = find_crossed(touch, H0, state.H)
+            if contacts.crossed[0] >= 0:
+                return index - 1, factorisations, CROSSED
         kept = index % plan.every == 0 or index == plan.total
         for i in range(n):
             to_local(group[i], state.H[i], state.v[i], state.vdot[i], twist, rate)

@@ -1,0 +1,167 @@
+"""What contacts refuse, each with its message: surfaces, laws, schemes, and steps that fail."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
+from fem_lie.solve.alpha.impacts import Run
+from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
+
+RADIUS = 0.1
+FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
+MATERIAL = fl.Material(1e9, 0.3, 1000.0)
+
+
+def ball(place, name: str = "", speed: float = 0.0) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name=name)
+    body.move((speed, 0, 0))
+    return body
+
+
+def sphere(body: fl.RigidBody) -> fl.Sphere:
+    return fl.Sphere(body.centre, RADIUS)
+
+
+def falling(law, bodies: list[fl.RigidBody], *others) -> fl.Scene:
+    """Balls on a floor, or against each other, and what else is in the scene."""
+    scene = fl.Scene()
+    for each in (*bodies, *others):
+        scene.add(each)
+    surfaces = fl.Vertices([body.centre for body in bodies], RADIUS)
+    scene.add(fl.Contact(surfaces, surfaces if len(bodies) > 1 else FLOOR, law))
+    return scene
+
+
+def run(scene: fl.Scene, scheme=None, step=1e-2) -> None:
+    scheme = fl.GeneralisedAlpha(radius=0.8) if scheme is None else scheme
+    scheme.run(scene, duration=0.5, step=step, progress=False)
+
+
+def checked(a: fl.Surface, b: fl.Surface, law=None) -> None:
+    fl.Contact(a, b, fl.Penalty(1e3) if law is None else law, name="two").check()
+
+
+def beam_line(radius: float, bent: float = 0.0) -> fl.Line:
+    section = fl.Section.circle(RADIUS, MATERIAL)
+    beam = fl.Beam.straight((-1, 0, 0), (1, 0, 0), section, cells=4)
+    c, s = np.cos(bent), np.sin(bent)
+    beam.frames[0, 1:] = [[c, s, 0], [-s, c, 0], [0, 0, 1]]
+    return fl.Line(beam, radius)
+
+
+def unsettled() -> None:
+    """The message of a step that has failed, of two balls that were made to be wedged."""
+    scene = falling(fl.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
+    one = Run(fl.GeneralisedAlpha(radius=0.8), scene, 1e-2)
+    one._why, told = UNSETTLED, np.zeros_like(one._contacts.told, shape=(1, 13))
+    told[0, CONTACTS], told[0, RESIDUAL] = 1, 4e-3
+    one._contacts = one._contacts._replace(told=told)
+    raise fl.ConvergenceError(one._failure(1, 1, np.zeros(3)))
+
+
+def held(law) -> fl.Scene:
+    body = ball((0, 0, 1))
+    body.held[0, 0] = True
+    return falling(law, [body])
+
+
+ONE = [ball((0, 0, 1))]
+VALUES = {
+    "negative friction": (lambda: fl.Impact(-0.1), r"friction must not be negative, got -0\.1"),
+    "friction of a penalty": (
+        lambda: fl.Penalty(1e3, friction=-1.0),
+        "friction must not be negative, got -1",
+    ),
+    "too much restitution": (
+        lambda: fl.Impact(restitution=1.5),
+        r"restitution must be in \[0, 1\], got 1\.5",
+    ),
+    "negative restitution": (lambda: fl.Impact(restitution=-0.5), r"must be in \[0, 1\], got -0"),
+    "restitution of a penalty": (
+        lambda: fl.Penalty(1e3, restitution=0.5),
+        "a penalty has damping, not restitution",
+    ),
+    "no stiffness": (lambda: fl.Penalty(0.0), "Penalty: stiffness must be a positive"),
+    "infinite stiffness": (lambda: fl.Penalty(np.inf), "stiffness must be a finite"),
+    "no radius": (lambda: fl.Sphere(fl.ground(), -0.1), "Sphere: radius must be a positive"),
+    "radius that is none": (lambda: fl.Sphere(fl.ground(), np.nan), "Sphere: radius must be a fin"),
+    "bar without radius": (
+        lambda: fl.Cylinder(fl.ground(), (0, 0, 1), 0.0),
+        "Cylinder: radius must be a positive",
+    ),
+}
+SURFACES = {
+    "overlap": (
+        lambda: checked(sphere(ball((0, 0, 0.05))), FLOOR),
+        r"two: they overlap by 0\.05 at \(0, 0, -0\.05\); start apart",
+    ),
+    "the same body": (
+        lambda: checked(fl.Sphere(ONE[0].at((0, 0, 2)), 0.1), fl.Plane(ONE[0].centre, (0, 0, 1))),
+        "two: they never move against each other",
+    ),
+    "kinks": (lambda: checked(beam_line(0.1, 0.3), FLOOR), "of node 0 is more than 10° off"),
+    "impacts of lines": (
+        lambda: checked(beam_line(0.1), FLOOR, fl.Impact()),
+        "two: lines touch by Penalty, not by Impact",
+    ),
+}
+SCHEMES = {
+    "conserving": (
+        lambda: run(falling(fl.Impact(), ONE), fl.EnergyMomentum()),
+        "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
+    ),
+    "decaying": (
+        lambda: run(falling(fl.Impact(), ONE), fl.EnergyDecaying()),
+        "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
+    ),
+    "statics": (lambda: fl.statics(falling(fl.Impact(), ONE)), "give Penalty elsewhere"),
+    "steps that change": (
+        lambda: run(falling(fl.Impact(), ONE), step=fl.AdaptiveStep(1e-4)),
+        "GeneralisedAlpha with constant steps",
+    ),
+    "what is held": (lambda: run(held(fl.Impact())), "support or motion holds"),
+    "damping in conserving steps": (
+        lambda: run(falling(fl.Penalty(1e3, damping=1.0), ONE), fl.EnergyMomentum()),
+        "no contacts by penalty with damping: use GeneralisedAlpha",
+    ),
+}
+REFUSED = VALUES | SURFACES | SCHEMES
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused(name):
+    make, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_contacts_that_did_not_settle_are_named():
+    with pytest.raises(
+        fl.ConvergenceError,
+        match=r"1 contacts did not settle \(residual 4e-03\).* such as left and right\?",
+    ):
+        unsettled()
+
+
+@pytest.mark.parametrize(("speed", "through"), [(100.0, True), (15.0, False)])
+def test_what_goes_through_another_is_told_of(speed, through):
+    """Ten radii in a step; with less than that the impact is seen, wherever steps begin."""
+    bodies = [ball((0, 0, 0), "ball", speed), ball((1.53, 0, 0), "other")]
+    scene = falling(fl.Impact(restitution=1.0), bodies)
+    if through:
+        with pytest.raises(
+            fl.ConvergenceError, match=r"step 2 .*: ball crossed other .* smaller st"
+        ):
+            run(scene)
+        return
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.5, step=1e-2, progress=False)
+    assert result.velocity(bodies[1].centre)[-1, 0] == pytest.approx(speed, rel=1e-12)
+
+
+def test_nothing_is_said_of_what_flies_past():
+    bodies = [ball((0, 0, 0), "ball", 100.0), ball((1.53, 0.25, 0), "other")]
+    result = fl.GeneralisedAlpha(radius=0.8).run(
+        falling(fl.Impact(), bodies), duration=0.1, step=1e-2, progress=False
+    )
+    assert result.velocity(bodies[0].centre)[-1, 0] == 100.0
