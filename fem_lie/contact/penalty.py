@@ -10,13 +10,13 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.over_steps import CHANGE, END, SLOPE, add_secants, mixed
-from fem_lie.contact.penalty_tangents import Numbers, damping, speed_of, tangents
+from fem_lie.contact.penalty_tangents import Numbers, damping, normal_rows, speed_of, tangents
 from fem_lie.contact.rubbing import Friction
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides
 from fem_lie.contact.sides.table import GROUND
-from fem_lie.forms.term import Done, Ends, Pairs, Term
+from fem_lie.forms.term import Done, Ends, Pairs, StiffRows, Term
 from fem_lie.lie.tuples import minus, scaled, store_row
 
 _log = logging.getLogger(__name__)
@@ -91,6 +91,7 @@ class PenaltyForces(Term):
         if friction is not None:
             self.label = "contacts by penalty with friction"
         self.conserved = self.secant = not self.viscous and friction is None
+        self.apart = self.conserved
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -146,6 +147,15 @@ class PenaltyForces(Term):
         if self._friction is not None:
             self._friction.add_tangent(H, blocks)
         return blocks
+
+    def stiff_rows(self, H: Array) -> StiffRows:
+        """See the base class: without how normals and forces turn."""
+        at = self._sides.meet(H)
+        most = len(at.pairs)
+        nodes = np.empty((most, SLOTS), dtype=np.int64)
+        rows, stiffness = np.zeros((most, SLOTS, 6)), np.empty(most)
+        m = normal_rows(H, at, self._law.k, nodes, rows, stiffness)
+        return StiffRows(nodes[:m], rows[:m], stiffness[:m])
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """See the base class."""

@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.over_steps import BY_GAP, SLOPE
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus
+from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled
 
 
 class Numbers(NamedTuple):
@@ -108,6 +108,30 @@ def tangents(
                         if viscous:
                             by_twists[block, p, q] += weight * by_speed * rows[s, p] * rows[t, q]
                 block += 1
+
+
+@uncounted
+def normal_rows(
+    H: Array, at: Meeting, k: float, nodes: Indices, rows: Array, stiffness: Array
+) -> int:
+    """Rows of the pairs that overlap, and their number; see :class:`~.term.StiffRows`."""
+    found = 0
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        if g >= 0.0:
+            continue
+        for s in range(SLOTS):
+            node, sign, w, c = slot(H, at.a, at.b, i, j, at.flat, P, s)
+            nodes[found, s] = max(node, -1)
+            if node >= 0:
+                f = local_components(H[node], scaled(sign, n))
+                moment = cross(c, f)
+                for p in range(3):
+                    rows[found, s, p], rows[found, s, 3 + p] = w * f[p], moment[p]
+        stiffness[found] = k * at.weight[e]
+        found += 1
+    return found
 
 
 @inlined_uncounted

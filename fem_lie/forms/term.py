@@ -60,6 +60,20 @@ class Done(NamedTuple):
     lost: float
 
 
+class StiffRows(NamedTuple):
+    """Part ``Σ k b bᵀ`` of a tangent.
+
+    Attributes:
+        nodes: Of each ``b``, −1 where there is none, shape (m, s).
+        rows: ``b`` in the twists of these, shape (m, s, 6).
+        stiffness: ``k``, shape (m,).
+    """
+
+    nodes: Indices
+    rows: Array
+    stiffness: Array
+
+
 class FollowingTable(NamedTuple):
     """Forces as a sum over cells, on nodes that follow those of the equations.
 
@@ -104,6 +118,8 @@ class Term(ABC):
         secant: Whether they have them by :meth:`add_over_step`.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
         on_ground: Whether ground is the other side of some of the forces.
+        apart: Whether a matrix that is kept may do without the tangent, beside which
+            :meth:`stiff_rows` are taken in.
         rubs: Whether forces depend on how nodes have moved since the last accepted frames.
         amplitude: Factor of a load, which may be changed.
     """
@@ -113,7 +129,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = secant = on_ground = rubs = False
+    conserved = secant = on_ground = rubs = apart = False
 
     # --- forces ---
 
@@ -146,6 +162,10 @@ class Term(ABC):
             H: Frames.
             kept: What :meth:`add_forces` kept at these frames.
         """
+
+    def stiff_rows(self, H: Array) -> StiffRows:
+        """What counts of the tangent, by few rows; asked of terms that are apart."""
+        raise NotImplementedError
 
     def near(self, nodes: Flags) -> NearCells | None:
         """The same forces on some nodes alone, if that is less work.

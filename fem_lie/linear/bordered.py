@@ -24,6 +24,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie.linear.low_rank import Beside
 
 SOFTNESS = 1e-9
 """By how much redundant constraints yield in one iteration, over what they would without others.
@@ -89,7 +90,10 @@ class KKT:
         unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
         measure: What counts of each multiplier is its value times this, shape (m,).
         redundant: Whether constraints may follow from others.
+        beside: What solutions take in besides, ``None`` when the values have just been filled.
     """
+
+    beside: Beside | None = None
 
     def __init__(
         self,
@@ -150,6 +154,11 @@ class KKT:
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
         """The matrix as it is now: values, columns, row pointers; views."""
         return self._data, self._columns, self._row_pointers
+
+    def times(self, x: Array) -> Array:
+        """The matrix as it is now, with what is beside it, times ``x``."""
+        product: Array = sp.csr_matrix(self.csr) @ x
+        return product if self.beside is None else product + self.beside.times(x)
 
     def _border(self, count: int, m: int) -> None:
         """Which constraints touch which nodes, and the scalar pattern."""
@@ -213,6 +222,7 @@ class KKT:
         incident = self._incident_ptr, self._incident
         pattern = self.indptr, self.indices, *incident, self.legs.ptr
         _fill(pattern, blocks, self._held, columns, rows, scale, softness, self._data)
+        self.beside = None
         self.matrix.stateIncrease()
         self.matrix.assemble()
 

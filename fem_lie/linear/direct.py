@@ -12,6 +12,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arrays import Array
 from fem_lie.linear.equilibrated import (
     ACCURATE,
     Equilibrated,
@@ -19,6 +20,7 @@ from fem_lie.linear.equilibrated import (
     SingularMatrixError,
 )
 from fem_lie.linear.factors import Solution, addresses
+from fem_lie.linear.low_rank import Columns
 from fem_lie.ranks.shared_factors import SharedMatrix, shared
 
 if TYPE_CHECKING:
@@ -105,6 +107,7 @@ class DirectSolver:
     Attributes:
         factorisations: How many there were, but for ``refreshes`` for a new border alone.
         right_hand_side: Where :meth:`solve` finds it, and ``solution``: where it leaves that.
+        columns: For what is beside the matrix.
     """
 
     def __init__(self, kkt: KKT, prefix: str, methods: Sequence[Method] = CHAINS) -> None:
@@ -126,6 +129,7 @@ class DirectSolver:
         self._ksp = self._solver(self._methods[0])
         self.factorisations = self.refreshes = 0
         self._idle: IdleMultipliers | None = None
+        self.columns = Columns()
         self._checked, self._refines = False, False
         self._by_call: Solution | None = None
         size = len(kkt.units)
@@ -165,6 +169,7 @@ class DirectSolver:
     def _set_up(self) -> None:
         """Factorise by the first method that can."""
         self._checked, self._refines, self._by_call = False, False, None
+        self.columns.forget()
         for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
@@ -220,12 +225,18 @@ class DirectSolver:
         return np.asarray(product.array / self._own.left, dtype=np.float64)
 
     def solve(self) -> None:
-        """Solve with the last factorisation.
+        """Solve with the last factorisation, and with what is beside the matrix.
 
         Raises:
             InaccurateSolutionError: No method can, to :data:`~.equilibrated.ACCURATE`.
         """
-        np.multiply(self.right_hand_side, self._own.left, self._scaled)
+        self._solve_for(self.right_hand_side, self.solution)
+        if self._kkt.beside is not None:
+            self.columns.correct(self._kkt.beside, self._solve_for, self.solution)
+
+    def _solve_for(self, b: Array, x: Array) -> None:
+        """With the last factorisation, into ``x``."""
+        np.multiply(b, self._own.left, self._scaled)
         self._solve_scaled(self._b, self._x)
         if self._refines:
             self._refine()
@@ -234,7 +245,7 @@ class DirectSolver:
         if self._idle is not None:
             multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
             multipliers[:] = self._idle.remove(multipliers)
-        np.multiply(self._found, self._own.right, self.solution)
+        np.multiply(self._found, self._own.right, x)
 
     def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """With the last factors, both of the equilibrated equations."""
@@ -249,6 +260,8 @@ class DirectSolver:
 
         It is none before the first solution, which is checked, and where something is done to them.
         """
+        if self._kkt.beside is not None:
+            return Solution.none()
         if self._by_call is None:
             kept = self._checked and self._idle is None and self._shared is None
             if self._refines or not kept:

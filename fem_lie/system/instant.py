@@ -55,6 +55,9 @@ class Plan(NamedTuple):
             ``M + h² K/4``, at rest with the true stress, with a scale that suits it. Nothing else
             of this plan counts then.
         ends: Of a step, of all nodes, for terms whose forces are those over a step; default: none.
+        apart: Whether terms that may be apart are left out.
+        beside: Whether nothing is filled but what is then beside the matrix for them; the scale
+            must be given.
         spread: Overwritten where a scale is found: by how much constraints that are one vector
             change each with forces of the size of their scales, shape of ``vectors`` of the
             unknowns; default: not asked for.
@@ -74,6 +77,8 @@ class Plan(NamedTuple):
     steady: bool = False
     at_rest: float | None = None
     ends: Ends | None = None
+    apart: bool = False
+    beside: bool = False
     spread: Array | None = None
 
 

@@ -31,7 +31,7 @@ from fem_lie.system.nodes.loads import Loads
 from fem_lie.system.nodes.masses import inertia_of, lumped, weight_of
 from fem_lie.system.nodes.shared_setup import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
-from fem_lie.system.tangent import Tangent
+from fem_lie.system.tangent import Tangent, every, whole
 from fem_lie.system.terms.of_scene import terms_of
 
 _log = logging.getLogger(__name__)
@@ -282,7 +282,7 @@ class System:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()
         tangent.add_inertia(state, self.kinds, loads, factors)
-        tangent.add_terms(H, forces.own, ends=plan.ends)
+        tangent.add_terms(H, forces.own, whole if plan.apart else every, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
         if plan.choices.geometric:

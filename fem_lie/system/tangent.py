@@ -14,6 +14,7 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
+from fem_lie.linear.low_rank import Beside
 from fem_lie.system.constraints import Connections
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.lagging import let_lag
@@ -26,8 +27,14 @@ Wanted: TypeAlias = Callable[[Term], bool]
 """Whether a term is taken in."""
 
 
-def _all(_: Term) -> bool:
+def every(_: Term) -> bool:
+    """All terms."""
     return True
+
+
+def whole(term: Term) -> bool:
+    """Those that may not be apart."""
+    return not term.apart
 
 
 class Tangent:
@@ -169,7 +176,7 @@ class Tangent:
         inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, (1.0, 0.0), parts)
 
     def add_terms(
-        self, H: Array, kept: Sequence[Array], wanted: Wanted = _all, ends: Ends | None = None
+        self, H: Array, kept: Sequence[Array], wanted: Wanted = every, ends: Ends | None = None
     ) -> None:
         """Terms, with the stress that they carry, to ``K``.
 
@@ -184,6 +191,29 @@ class Tangent:
                 add_blocks(self.K, place, term.tangent_over_step(ends, H))
             elif wanted(term):
                 add_blocks(self.K, place, term.tangent(H, forces))
+
+    def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
+        """Put stiff rows of terms that may be apart beside the KKT, in increments ``d``.
+
+        Without axes of supports.
+        """
+        found = [term.stiff_rows(H) for term, _ in self._parts if term.apart]
+        moves = [(f.nodes >= 0) & (f.nodes < self._count) for f in found]
+        some = [which.any(axis=1) for which in moves]
+        nodes = np.concatenate([f.nodes[which] for f, which in zip(found, moves, strict=True)])
+        if not len(nodes):
+            self.kkt.beside = None
+            return
+        left = np.concatenate([f.rows[which] for f, which in zip(found, moves, strict=True)])
+        legs = np.concatenate([m[s].sum(axis=1) for m, s in zip(moves, some, strict=True)])
+        k = np.concatenate([f.stiffness[s] for f, s in zip(found, some, strict=True)])
+        right = left.copy()
+        combine_rows(right, kinds, d, nodes)
+        for rows in (left, right):
+            rows[self._held[nodes]] = 0.0
+        unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
+        first = 6 * np.append(0, np.cumsum(legs))
+        self.kkt.beside = Beside(first, unknowns, left.ravel(), right.ravel(), k)
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
         """The matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
@@ -207,7 +237,7 @@ class Tangent:
             if blocks is not None:
                 add_blocks(self.K, place, blocks)
 
-    def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = _all) -> None:
+    def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = every) -> None:
         """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
 
         Args:

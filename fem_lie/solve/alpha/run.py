@@ -237,6 +237,8 @@ class Run(Newton):
         # the predicted end of the step may be far off: its stress is no start
         self.equations.memory.carry(self.s.H)
         count = self._iterate(EveryIteration().begin(bound=False), carried=True)
+        # its matrices had all in them
+        self._outgrown = self._may_be_apart
         return count + in_vain if count else 0
 
     def _close(self, end: float) -> None:

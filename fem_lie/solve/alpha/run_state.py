@@ -11,6 +11,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.lie.kinds import follow_all, turn_all, turn_all_back
 from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import Components, Index, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
@@ -43,6 +44,9 @@ class RunState(Integration[Recorder]):
 
     _refreshes: ClassVar[bool] = True
     """Whether the border of the kept matrix may be made anew by itself."""
+
+    _sets_apart: ClassVar[bool] = True
+    """Whether stiffness that comes and goes may be beside the kept matrix."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Allocate everything; nothing is computed yet.
@@ -80,6 +84,10 @@ class RunState(Integration[Recorder]):
         self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
         self.numbers[RATIO] = 1.0
         self._born, self._end = 0, 0.0
+        whole = self._projects or self._turned or self._guided or self.decisions.rule is None
+        # matrices of rigid bodies cost less than what turns of normals, left out, do
+        self._may_be_apart = unknowns.apart and self._sets_apart and not (whole or unknowns.rigid)
+        self._apart, self._outgrown = self._may_be_apart, False
         self.books = equations.books()
 
     # --- start ---
@@ -157,6 +165,19 @@ class RunState(Integration[Recorder]):
         """The residual; rows of constraints of velocities are like those of positions."""
         given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
         self.equations.residual(state, *given, carried=carried, per_increment=factor)
+        if self._apart:
+            self._put_beside()
+
+    def _put_beside(self) -> None:
+        """What is beside the kept matrix, at the end of the step as it is."""
+        plan = Plan(self.s.d, self.scale, beside=True)
+        self.equations.fill(self._end_instant, self.forces, plan)
+        self._outgrown = self._rows_beside > MOST
+
+    @property
+    def _rows_beside(self) -> int:
+        beside = self.equations.matrix.beside
+        return 0 if beside is None else len(beside.stiffness)
 
     def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
         """Whether what is left of the constraints' violation is not the iteration's."""
@@ -190,15 +211,19 @@ class RunState(Integration[Recorder]):
 
     @property
     def _missing(self) -> bool:
-        """Whether there is no matrix yet."""
-        return self.solver.factorisations == 0
+        """Whether there is no matrix yet, or none that will do."""
+        return self.solver.factorisations == 0 or self._outgrown
 
     def _renew(self, update: Update, stressed: Array | None) -> None:
         """Make anew what is wanted; without a matrix that is all."""
         if update == Update.CONSTRAINTS and not self._missing:
             self._refresh()
         else:
+            self._apart = self._may_be_apart and stressed is not None and not self._outgrown
             self._factorise(stressed)
+            self._outgrown = False
+        if self._apart:
+            self._put_beside()
 
     def _factorise(self, stressed: Array | None) -> None:
         """New matrix; ``stressed``: frames whose stress it has, ``None`` for the carried one."""
@@ -226,6 +251,7 @@ class RunState(Integration[Recorder]):
         found = self.spread if scale is None else None
         plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames, spread=found)
         plan = plan._replace(inertial=turned, stressed=stressed, choices=self.choices)
+        plan = plan._replace(apart=self._apart)
         made = self.equations.fill(self._end_instant, self.forces, plan)
         if found is not None:
             found *= self.measure[:, np.newaxis]
@@ -261,6 +287,9 @@ class RunState(Integration[Recorder]):
             "counters": self.counters,
         }
         kept["counts"] = np.array(counts)
+        kept["beside"] = np.array([self._apart, self._outgrown])
+        if self._may_be_apart:
+            kept |= self.solver.columns.arrays()
         return super().memory() | self.books.memory() | kept
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -275,5 +304,8 @@ class RunState(Integration[Recorder]):
             equations.prescribed(self.index * self.h).act()
         super().restore(kept)
         self.solver.factorise()
+        self._apart, self._outgrown = (bool(x) for x in kept["beside"])
+        if self._may_be_apart:
+            self.solver.columns.restore(kept)
         counts = (int(x) for x in kept["counts"])
         self.solver.factorisations, self.solver.refreshes, self._born = counts

@@ -9,7 +9,6 @@ multipliers, so that constraints have no part in it, and what is not linear in `
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.lie.kinds import all_from_group
@@ -63,9 +62,8 @@ def staleness(
         return r
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)
-    values, columns, pointers = equations.matrix.csr
     equations.supports.turn(state.H1, x[:nodes].reshape(-1, 6))
-    solver.right_hand_side[:] = sp.csr_matrix((values, columns, pointers)) @ x - change
+    solver.right_hand_side[:] = equations.matrix.times(x) - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()
     return _size(equations, solver.solution, spread) / max(size, TINY)

@@ -84,7 +84,7 @@ class AlphaSteps(Run):
     """State of one integration with steps that change; see :class:`~.variable_steps.Stepper`."""
 
     # factors are kept whole
-    _refreshes = False
+    _refreshes = _sets_apart = False
 
     def __init__(self, options: Options, equations: Equations, control: Control) -> None:
         """Nothing is computed yet; ``control`` says on which level steps are."""

@@ -162,6 +162,10 @@ class Equations:
             assert plan.scale is not None
             fill_steady(system, state.H, state.v, state.weights, plan.scale)
             return plan.scale
+        if plan.beside:
+            assert plan.scale is not None
+            system.tangent.put_beside(state.H, system.kinds, plan.d)
+            return plan.scale
         if plan.border_only:
             return system.tangent.refill_border(state.H, system.kinds, plan)
         if not plan.choices.geometric:

@@ -50,6 +50,7 @@ class Unknowns(NamedTuple):
         drilling: Shells whose nodes turn about their third directors.
         has_potential: Whether all loads have one.
         symmetric: Whether the static equations have a symmetric matrix in every state.
+        apart: Whether some of the matrix may be beside it.
         told: What there is, in one line for the log.
     """
 
@@ -79,6 +80,7 @@ class Unknowns(NamedTuple):
     drilling: Sequence[str]
     has_potential: bool
     symmetric: bool
+    apart: bool
     told: str
 
     @classmethod
@@ -114,6 +116,7 @@ class Unknowns(NamedTuple):
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
             has_potential=potential,
             symmetric=symmetry.symmetric(system, potential=potential),
+            apart=any(term.apart for term in system.terms),
             told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 

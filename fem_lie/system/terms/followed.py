@@ -7,7 +7,15 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
-from fem_lie.forms.term import Done, Ends, FollowingTable, Pairs, PushedPieces, Term
+from fem_lie.forms.term import (
+    Done,
+    Ends,
+    FollowingTable,
+    Pairs,
+    PushedPieces,
+    StiffRows,
+    Term,
+)
 from fem_lie.system.nodes.attachment import Attachment, collect, expand, expand_twists
 from fem_lie.system.terms.near import FollowingCells
 
@@ -31,7 +39,7 @@ class Followed(Term):
         self.load, self.viscous, self.in_space = term.load, term.viscous, term.in_space
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
-        self.on_ground, self.rubs = term.on_ground, term.rubs
+        self.on_ground, self.rubs, self.apart = term.on_ground, term.rubs, term.apart
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
         # Ad(C⁻¹): twist of a node from that of its leader
         self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
@@ -114,6 +122,16 @@ class Followed(Term):
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         return self._moved(self.term.tangent(self._frames(H), kept))
+
+    def stiff_rows(self, H: Array) -> StiffRows:
+        """See the base class."""
+        found = self.term.stiff_rows(self._frames(H))
+        if self._direct:
+            nodes = np.where(found.nodes >= 0, found.nodes + self._where.start, -1)
+            return found._replace(nodes=nodes)
+        turned = np.einsum("msk,mskl->msl", found.rows, self._turn[found.nodes])
+        nodes = np.where(found.nodes >= 0, self._leader[found.nodes], -1)
+        return StiffRows(nodes, turned, found.stiffness)
 
     def geometric(self, H: Array) -> Array | None:
         """See the base class."""
