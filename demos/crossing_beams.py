@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from command_line import run
+from command_line import in_results, run
 
 import fem_lie as fl
 
@@ -36,7 +36,9 @@ def led(beam: fl.Beam, node: int) -> fl.PrescribedMotion:
     return fl.PrescribedMotion(fl.Point(beam, node), frame)
 
 
-def main(mesh: int = 1, stiffness: float = 1e6, step: float = 1e-2) -> dict[str, Any]:
+def main(
+    mesh: int = 1, stiffness: float = 1e6, step: float = 1e-2, pictures: bool = True
+) -> dict[str, Any]:
     """How often each of the 19 elements is cut, penalty per length, and time step."""
     area, bending = np.pi * RADIUS**2, np.pi * RADIUS**4 / 4
     section = fl.Section.from_stiffness(
@@ -63,6 +65,9 @@ def main(mesh: int = 1, stiffness: float = 1e6, step: float = 1e-2) -> dict[str,
     moved = at[-1] - at[0]
     forces = fl.contact_forces(result, contact)
     touching = np.flatnonzero(np.linalg.norm(forces.total, axis=1) > 0)
+    if pictures:
+        file, last = in_results("crossing_beams.png"), (0.0, 1.0)
+        result.picture(file, last, arrows=forces.arrows(), title="Crossing beams, and forces")
     record = {
         "moved": moved.tolist(),
         "away": float(np.linalg.norm(moved - REFERENCE) / np.linalg.norm(REFERENCE)),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import fem_lie as fl
 from fem_lie.contact.sides.detection import near
@@ -302,3 +303,27 @@ def test_is_no_such_thing(name):
     make, message = WRONG[name]
     with pytest.raises(TypeError, match=message):
         make()
+
+
+def test_pictures_show_forces_as_arrows(tmp_path):
+    """Orange ones, at places and along forces of a state; where nothing touches there are none."""
+    scene, body, contact = dropped(fl.Penalty(1e3))
+    scheme = fl.GeneralisedAlpha(radius=1.0)
+    result = scheme.run(scene, duration=0.5, step=1e-2, progress=False)
+    found = fl.contact_forces(result, contact)
+    last = int(found.states[-1])
+    arrows = found.arrows(last)
+    np.testing.assert_array_equal(arrows.at, found.positions[found.states == last])
+    np.testing.assert_array_equal(arrows.along.sum(axis=0), found.total[last])
+    assert not len(found.arrows(0).at)
+    with pytest.raises(ValueError, match="got step 99"):
+        found.arrows(99)
+
+    def orange(name: str, forces) -> int:
+        file = tmp_path / name
+        result.picture(file, [result.times[last]], trace=[body.centre], arrows=forces)
+        red, _, blue = np.moveaxis(np.array(Image.open(file).convert("RGB"), dtype=int), -1, 0)
+        return int((red - blue > 60).sum())
+
+    nothing = orange("none.png", found.arrows(0))
+    assert orange("arrows.png", arrows) > nothing + 200

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,23 @@ _BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the la
 _TRIAD = 0.04  # length of a drawn director, part of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 
+_LONGEST = 0.15
+"""Length of the longest arrow of a force, part of the scene."""
+_FORCE_COLOUR = "#CC7700"
+
+
+class Arrows(NamedTuple):
+    """Forces to draw, the largest a fixed part of the scene long.
+
+    Attributes:
+        at: Where they act, global components, shape (k, 3).
+        along: They, likewise.
+    """
+
+    at: Array
+    along: Array
+
+
 PLAYED = Canvas(size=(800, 600))
 """Of pictures that move."""
 
@@ -34,6 +51,7 @@ def draw(
     *,
     paths: Sequence[Array] = (),
     triads: bool = False,
+    arrows: Arrows | None = None,
     canvas: Canvas = PLAIN,
 ) -> None:
     """Draw the bodies in several configurations, the last in full colour, earlier ones paler.
@@ -46,6 +64,7 @@ def draw(
         path: Name of the ``.png`` file.
         paths: Lines to draw with them, each of shape (T, 3).
         triads: Draw the nodal frames of the last configuration, and the bodies see-through.
+        arrows: Forces in the last configuration; bodies are drawn see-through, too.
         canvas: What it is drawn on.
 
     Raises:
@@ -58,13 +77,15 @@ def draw(
         bodies = shapes(info, steps)
         # backwards: a single configuration is the last one
         strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
-        opacities = np.full(len(steps), _THROUGH if triads else 1.0)
+        opacities = np.full(len(steps), _THROUGH if triads or arrows is not None else 1.0)
         if any(len(body.faces) for body in info.bodies):
             opacities[:-1] = _BEFORE
         for strength, opacity, step in zip(strengths, opacities, steps, strict=True):
             _add(plotter, info, bodies, np.asarray(step), float(strength), float(opacity))
         if triads:
             _add_triads(plotter, steps[-1])
+        if arrows is not None:
+            _add_arrows(plotter, arrows, scene_size(steps[-1]))
         add_frame(plotter, steps, paths, canvas)
         plotter.screenshot(target)
 
@@ -155,6 +176,25 @@ def _add_triads(plotter: Any, frames: Array) -> None:
         )
         plotter.add_mesh(arrows, color=colour, ambient=_AMBIENT, reset_camera=False)
     plotter.add_legend(list(map(list, _TRIAD_COLOURS.items())), size=(0.08, 0.1), face="-")
+
+
+def _add_arrows(plotter: Any, arrows: Arrows, size: float) -> None:
+    """Forces as arrows whose heads are where they point to."""
+    import pyvista
+
+    lengths = np.linalg.norm(arrows.along, axis=1)
+    if not len(lengths) or not lengths.max() > 0.0:
+        return
+    points = pyvista.PolyData(arrows.at)
+    points.point_data["along"] = arrows.along
+    points.point_data["length"] = lengths
+    drawn = points.glyph(
+        geom=pyvista.Arrow(tip_length=0.25, tip_radius=0.08, shaft_radius=0.03),
+        orient="along",
+        scale="length",
+        factor=_LONGEST * size / lengths.max(),
+    )
+    plotter.add_mesh(drawn, color=_FORCE_COLOUR, ambient=_AMBIENT, reset_camera=False)
 
 
 def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:

@@ -13,6 +13,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.curves import Diagram, along_a_load
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
@@ -93,6 +94,7 @@ class StaticResult(StateSeries, Displaced):
         *,
         trace: Sequence[Point | str | int] = (),
         frames: bool = False,
+        arrows: Arrows | None = None,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -104,6 +106,7 @@ class StaticResult(StateSeries, Displaced):
                 is taken; default: all if they are seven at most, or so many of them, evenly.
             trace: Points whose paths through all states are drawn, too.
             frames: Draw the nodal frames of the last state.
+            arrows: Forces at the last state, such as :meth:`~fem_lie.ContactForces.arrows` has.
             title: Above the picture.
             units: For the axes.
 
@@ -113,7 +116,10 @@ class StaticResult(StateSeries, Displaced):
         rows = self._instants(_DRAWN) if at is None else [self._row(state) for state in at]
         drawn = np.concatenate([self.initial[np.newaxis], self.frames[rows]])
         paths = self._traces(trace)
-        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, canvas=Canvas(title, units))
+        canvas = Canvas(title, units)
+        bodies.draw(
+            self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
+        )
 
     def _row(self, state: int | float) -> int:
         """Number of a state that is asked for by its index or by a load factor."""

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.curves import Diagram, energies
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
@@ -240,6 +241,7 @@ class Result(Balanced, StateSeries):
         *,
         trace: Sequence[Point | str | int] = (),
         frames: bool = False,
+        arrows: Arrows | None = None,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -250,12 +252,16 @@ class Result(Balanced, StateSeries):
             times: Default: six from the first to the last.
             trace: Points whose paths are drawn, too.
             frames: Draw the nodal frames at the last of the times.
+            arrows: Forces then, such as :meth:`~fem_lie.ContactForces.arrows` has.
             title: Above the picture.
             units: For the axes.
         """
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
         drawn, paths = self.frames[rows], self._traces(trace)
-        bodies.draw(self.info, drawn, path, paths=paths, triads=frames, canvas=Canvas(title, units))
+        canvas = Canvas(title, units)
+        bodies.draw(
+            self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
+        )
 
     def _along(self, units: Units) -> tuple[Array, str, str]:
         """Times."""

@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.penalty import PenaltyForces
+from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in, require_states, state_number
@@ -54,6 +55,18 @@ class ContactForces:
         found = np.zeros(self.count)
         np.maximum.at(found, self.states, -self.gaps)
         return found
+
+    def arrows(self, state: int = -1) -> Arrows:
+        """Forces in a state, for pictures: ``result.picture(name, arrows=found.arrows())``.
+
+        Args:
+            state: Number of the state among the T; default: the last one.
+
+        Raises:
+            ValueError: There is no such state.
+        """
+        here = self.states == state_number(state, self.count)
+        return Arrows(self.positions[here], self.forces[here])
 
 
 def contact_forces(
