@@ -40,6 +40,9 @@ PLANS = {
     "`Variational`": Plan(fl.Variational(), 2, (64, 128, 256), (64, 128, 256)),
     "`EnergyMomentum`": Plan(fl.EnergyMomentum(), 2, (64, 128, 256), (64, 128, 256)),
     "`Composed`, five stages": Plan(fl.Composed(), 4, (32, 64, 128), (16, 32, 64)),
+    "`Composed`, nine stages": Plan(
+        fl.Composed(composition=fl.NineStages()), 4, (16, 32, 64), (8, 16, 32)
+    ),
     "`Composed`, triple jump": Plan(
         fl.Composed(composition=fl.TripleJump()), 4, (64, 128, 256), (32, 64, 128)
     ),

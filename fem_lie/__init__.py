@@ -138,7 +138,7 @@ from fem_lie.sections.warping import Warping
 from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
 from fem_lie.solve.alpha.options import Components, Index
 from fem_lie.solve.composed.composed import Composed
-from fem_lie.solve.composed.compositions import Composition, FiveStages, TripleJump
+from fem_lie.solve.composed.compositions import Composition, FiveStages, NineStages, TripleJump
 from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
 from fem_lie.solve.explicit.asynchronous import Asynchronous
 from fem_lie.solve.explicit.explicit import Explicit
@@ -276,6 +276,7 @@ __all__ = [
     "Net",
     "Never",
     "Newton",
+    "NineStages",
     "NodalColours",
     "NodalFrames",
     "Orthotropic",

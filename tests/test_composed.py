@@ -10,7 +10,7 @@ import fem_lie as fl
 from fem_lie.solve.recording.recorder import History
 from tests.test_energy_momentum import ARRAYS, SQUARE, bars, plate, same
 
-COMPOSITIONS = {"five": fl.FiveStages(), "triple": fl.TripleJump()}
+COMPOSITIONS = {"five": fl.FiveStages(), "nine": fl.NineStages(), "triple": fl.TripleJump()}
 SCHEMES = {name: fl.Composed(composition=how) for name, how in COMPOSITIONS.items()}
 
 
@@ -43,7 +43,9 @@ def flying() -> fl.Scene:
     return scene
 
 
-@pytest.mark.parametrize(("scheme", "steps"), [("five", (8, 16, 32)), ("triple", (32, 64, 128))])
+@pytest.mark.parametrize(
+    ("scheme", "steps"), [("five", (8, 16, 32)), ("nine", (8, 16, 32)), ("triple", (32, 64, 128))]
+)
 def test_fourth_order_of_a_flying_beam(scheme, steps):
     found = orders(SCHEMES[scheme], flying, 0.01, steps, ("frames", "velocities"))
     np.testing.assert_allclose(found, 4.0, atol=0.15)

@@ -52,7 +52,8 @@ class Composed(Integrator):
     Attributes:
         scheme: Of which steps are made; it must be symmetric, as ``EnergyMomentum()`` and
             ``Variational()`` are. Its policy decides for each size of parts.
-        composition: Of which parts, :class:`~fem_lie.FiveStages` or :class:`~fem_lie.TripleJump`.
+        composition: Of which parts: :class:`~fem_lie.FiveStages`, :class:`~fem_lie.NineStages` or
+            :class:`~fem_lie.TripleJump`.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
