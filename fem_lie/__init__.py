@@ -103,6 +103,11 @@ from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.page import Page
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
+from fem_lie.reduce.axes import MeanAxes, NodeAxes
+from fem_lie.reduce.basis import Basis, Reduced, load_basis
+from fem_lie.reduce.craig_bampton import craig_bampton
+from fem_lie.reduce.frequencies import reduced_frequencies
+from fem_lie.reduce.pod import pod
 from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.mode_shapes import BucklingModes
@@ -193,6 +198,7 @@ __all__ = [
     "AreaLoad",
     "Asynchronous",
     "Automatic",
+    "Basis",
     "Beam",
     "BicubicHermite",
     "Body",
@@ -268,6 +274,7 @@ __all__ = [
     "LocalFrameForms",
     "MassLoad",
     "Material",
+    "MeanAxes",
     "MeanDilatation",
     "ModeImperfection",
     "Modes",
@@ -279,6 +286,7 @@ __all__ = [
     "NineStages",
     "NodalColours",
     "NodalFrames",
+    "NodeAxes",
     "Orthotropic",
     "Page",
     "Parameters",
@@ -301,6 +309,7 @@ __all__ = [
     "Prismatic",
     "RandomImperfection",
     "Record",
+    "Reduced",
     "Redundant",
     "Result",
     "Resultants",
@@ -363,6 +372,7 @@ __all__ = [
     "bspline_patch",
     "buckling",
     "contact_forces",
+    "craig_bampton",
     "curve",
     "director_strains",
     "follow_loads",
@@ -372,12 +382,15 @@ __all__ = [
     "gram_from_rigid",
     "ground",
     "imperfect",
+    "load_basis",
     "local_frame_forms",
+    "pod",
     "polyline",
     "read_curve",
     "read_gmsh",
     "read_gmsh_surface",
     "read_gmsh_volume",
+    "reduced_frequencies",
     "refine",
     "resultant_colours",
     "resultant_series",

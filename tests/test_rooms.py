@@ -77,6 +77,7 @@ MAY_IMPORT = {
     "solve.stability": {"solve.statics"},
     "solve.recording": {"solve"},
     "adapt": {"solve.statics"},
+    "reduce": {"solve.statics"},
     "solve.motion": {"solve.recording"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},
     "solve.alpha": {"solve.alpha.step"},

@@ -21,6 +21,7 @@ CHAPTERS = {
     "Equilibrium and stability": ("solve.statics", "solve.stability", "linear"),
     "Integrators": ("solve",),
     "Error in space and refinement": ("adapt",),
+    "Reduction": ("reduce",),
     "Results": ("results", "pictures", "system"),
 }
 """Chapters, and rooms whose names stand there; a name goes to the longest room that fits."""

@@ -1,0 +1,79 @@
+"""The frame of a body that deforms: which rigid motion is taken out of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, whole
+from fem_lie.bodies.body import Body
+
+
+class Axes(Protocol):
+    """Which frame moves with a body."""
+
+    def motion(self, body: Body, frames: Array) -> Array:
+        """The rigid motion ``G`` of the body away from its initial frames, shape (k, 4, 3).
+
+        Args:
+            body: Whose nodes they are.
+            frames: Of its nodes in k states, shape (k, n, 4, 3).
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class MeanAxes:
+    """Mean axes: of all rigid motions the one that is nearest to places and directors.
+
+    ``Σ |xᵢ − G Xᵢ|² + ℓ² |dᵢ − G Dᵢ|²`` is least, with the body's radius of gyration ``ℓ``: all
+    nodes count alike, and a straight line has a rotation about itself, too.
+    """
+
+    def motion(self, body: Body, frames: Array) -> Array:
+        """See the protocol."""
+        initial = body.frames
+        start, now = initial[:, 0].mean(axis=0), frames[:, :, 0].mean(axis=1)
+        arms = initial[:, 0] - start
+        weight = float(np.einsum("ni,ni->n", arms, arms).mean())
+        known = directors(body)
+        pairs = np.einsum("kni,nj->kij", frames[:, :, 0] - now[:, np.newaxis], arms)
+        pairs += weight * np.einsum("kndi,ndj->kij", frames[:, :, known], initial[:, known])
+        left, _, right = np.linalg.svd(pairs)
+        turned = np.tile(np.eye(3), (len(frames), 1, 1))
+        turned[:, 2, 2] = np.sign(np.linalg.det(left @ right))
+        R = left @ turned @ right
+        return np.asarray(lie.frame(now - R @ start, R))
+
+
+@dataclass(frozen=True)
+class NodeAxes:
+    """The frame of one node, such as that of a joint, moves with the body.
+
+    Attributes:
+        node: Its number in the body.
+    """
+
+    node: int = 0
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if it is no number of a node."""
+        whole(self.node, "NodeAxes: node", 0)
+
+    def motion(self, body: Body, frames: Array) -> Array:
+        """See the protocol; ``ValueError`` if the body has no such node."""
+        if body.uncoupled:
+            raise ValueError(
+                f"nodes of {body.label} need not turn about their third directors, and have no "
+                "axes for the whole body: take MeanAxes()"
+            )
+        start = body.node(self.node).frame
+        return np.asarray(lie.se3_compose(frames[:, self.node], lie.se3_inverse(start)))
+
+
+def directors(body: Body) -> list[int]:
+    """Rows of frames that follow the body's rigid motion: of shells the third director alone."""
+    return [3] if body.uncoupled else [1, 2, 3]

@@ -1,0 +1,145 @@
+"""Shapes of a body in its nodes' frames, states projected on them, and what that leaves out."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array, instance
+from fem_lie.bodies.body import Body
+from fem_lie.reduce.axes import Axes, MeanAxes
+from fem_lie.reduce.local_motions import LocalMotion, expanded, frames_of, local_motion
+from fem_lie.results.states import StateSeries
+
+_FORMAT, _VERSION = "fem_lie basis", 1
+_SAME = 1e-9  # of the body's size
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """States of a body in few numbers: ``Hᵢ = G Hᵢ⁰ exp(Φᵢ η)``.
+
+    Attributes:
+        basis: The shapes ``Φ``.
+        rigid: Rigid motion ``G`` of the body's axes, shape (k, 4, 3).
+        coordinates: ``η``, shape (k, m).
+        errors: Largest distance of a node from its place in the full state, shape (k,).
+    """
+
+    basis: Basis
+    rigid: Array
+    coordinates: Array
+    errors: Array
+
+    def expand(self) -> Array:
+        """Frames of all nodes of the body, shape (k, n, 4, 3)."""
+        increments = np.einsum("km,mni->kni", self.coordinates, self.basis.shapes)
+        return expanded(self.basis.body, LocalMotion(self.rigid, increments))
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Shapes of small motion of a body, as local increments of its nodes.
+
+    They are seen in the nodes' own frames and know no place in space: a basis made in one posture
+    is that of all postures.
+
+    Example:
+        >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
+        >>> scene, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
+        >>> beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=8))
+        >>> clamp = scene.add(fl.Clamp(beam.start))
+        >>> basis = fl.craig_bampton(scene, interfaces=[], modes=4)
+        >>> load = scene.add(fl.PointLoad(beam.end, force=(0, 0, 100)))
+        >>> reduced = basis.project(fl.statics(scene), axes=fl.NodeAxes(beam.start.node))
+        >>> reduced.expand().shape, bool(reduced.errors[0] < 1e-4)
+        ((1, 9, 4, 3), True)
+
+    Attributes:
+        body: Whose they are.
+        shapes: Translation, rotation of each node in its initial frame, shape (m, n, 6).
+    """
+
+    body: Body
+    shapes: Array
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` or ``TypeError`` if the shapes are not those of the body."""
+        instance(self.body, Body, "Basis: body", "a body")
+        wanted = (len(self.body.frames), 6)
+        if self.shapes.ndim != 3 or self.shapes.shape[1:] != wanted or not len(self.shapes):
+            raise ValueError(
+                f"Basis: shapes of {self.body.label} have shape (m, {wanted[0]}, 6), got "
+                f"{self.shapes.shape}"
+            )
+        if not np.isfinite(self.shapes).all():
+            raise ValueError("Basis: shapes must be finite numbers")
+
+    def __len__(self) -> int:
+        """Number of shapes."""
+        return len(self.shapes)
+
+    def project(self, result: StateSeries, *, axes: Axes | None = None) -> Reduced:
+        """The nearest states that have these shapes, with what they miss.
+
+        Args:
+            result: States of a scene with this body.
+            axes: Which rigid motion is taken out; default: :class:`MeanAxes`. Shapes that leave a
+                node where it is want the :class:`NodeAxes` of that one.
+
+        Raises:
+            ValueError: The result has no such body, or one with another mesh.
+        """
+        frames = frames_of(result, self.body)
+        motion = local_motion(self.body, frames, MeanAxes() if axes is None else axes)
+        scale = np.repeat([1.0, self.body.size], 3)  # turns count as displacements that far away
+        flat = (self.shapes * scale).reshape(len(self), -1)
+        wanted = (motion.increments * scale).reshape(len(frames), -1)
+        coordinates = np.linalg.lstsq(flat.T, wanted.T, rcond=None)[0].T
+        shown = Reduced(self, motion.rigid, coordinates, np.zeros(len(frames)))
+        away = np.linalg.norm(shown.expand()[:, :, 0] - frames[:, :, 0], axis=2)
+        return Reduced(self, motion.rigid, coordinates, away.max(axis=1))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write an HDF5 file with the shapes and the mesh that they belong to.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": _FORMAT, "version": _VERSION})
+            file["shapes"], file["frames"] = self.shapes, self.body.frames
+            file["cells"] = self.body.cells
+
+
+def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
+    """Shapes from a file of :meth:`Basis.save`, for a body with the same mesh at the same place.
+
+    Raises:
+        ValueError: The file has no basis, one of another version, or of another mesh.
+        OSError: It cannot be read.
+    """
+    import h5py
+
+    instance(body, Body, "body", "a body")
+    with h5py.File(path, "r") as file:
+        if file.attrs.get("format") != _FORMAT:
+            raise ValueError(f"{os.fspath(path)} has no basis")
+        if file.attrs["version"] != _VERSION:
+            raise ValueError(
+                f"{os.fspath(path)} has version {file.attrs['version']} of the format, wanted "
+                f"{_VERSION}: make it anew"
+            )
+        shapes, frames, cells = (file[name][()] for name in ("shapes", "frames", "cells"))
+    if frames.shape != body.frames.shape or not np.array_equal(cells, body.cells):
+        raise ValueError(
+            f"{os.fspath(path)} is of another mesh: {len(frames)} nodes and {len(cells)} cells, "
+            f"and {body.label} has {len(body.frames)} and {len(body.cells)}"
+        )
+    if np.abs(frames - body.frames).max() > _SAME * max(1.0, body.size):
+        raise ValueError(f"{os.fspath(path)} is of another mesh: its nodes are elsewhere")
+    return Basis(body, shapes)

@@ -1,0 +1,77 @@
+"""Matrices of a single body beside a state, and shapes as vectors of its free unknowns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, instance
+from fem_lie.bodies.body import Body
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.linear.spectrum import Pencil
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene import Scene
+from fem_lie.scene.rotation import Rotation
+from fem_lie.system.equations import Equations
+
+
+class BesideRest:
+    """A scene of one body, linearised beside rest, an equilibrium or a steady rotation.
+
+    Attributes:
+        body: The body.
+        free: Which unknowns of its nodes are free, (n, 6).
+        weight: Units of these: lengths of the model and angles, (n, 6).
+        pencil: Matrices of the free unknowns.
+    """
+
+    def __init__(self, scene: Scene, at: StaticResult | None) -> None:
+        """Linearise.
+
+        Raises:
+            ValueError: There are several bodies, joints, nodes that are no frames or follow others,
+                supports in turned axes, or the state is no equilibrium.
+        """
+        instance(scene, Scene, "scene", "a Scene")
+        instance(at, StaticResult | None, "at", "a result of fl.statics or None")
+        if len(scene.bodies) != 1:
+            raise ValueError(f"a basis is that of one body, the scene has {len(scene.bodies)}")
+        self.body: Body = scene.bodies[0]
+        if self.body.node_kind != NodeKind.FRAME:
+            raise ValueError(
+                f"shapes are those of nodal frames, and nodes of {self.body.label} are none"
+            )
+        equations = Equations(scene, dynamics=True)
+        unknowns = equations.unknowns
+        if unknowns.m:
+            raise ValueError("a basis is that of a body without joints: put them into its scene")
+        if unknowns.total != unknowns.moving or equations.supports:
+            raise ValueError(
+                f"nodes of {self.body.label} follow others, or are held along turned axes: clamp "
+                "it, or leave it free"
+            )
+        still = Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        state = equations.small_motions(still if at is None else at.steady_rotation)
+        if at is not None:
+            state.move(at.frames)
+        elif not state.balanced():
+            raise ValueError("the scene is not at rest as it is: give at=fl.statics(scene)")
+        self.free: Flags = ~unknowns.held
+        self.weight: Array = state.weight.reshape(-1, 6)
+        self.pencil: Pencil = state.pencil()
+
+    def shapes(self, vectors: Array) -> Array:
+        """Shapes (m, n, 6) of vectors (m, f) of the free unknowns."""
+        found = np.zeros((len(vectors), *self.free.shape))
+        found[:, self.free] = vectors
+        return np.asarray(found * self.weight)
+
+    def vectors(self, shapes: Array) -> Array:
+        """Vectors (m, f) of shapes (m, n, 6).
+
+        Raises:
+            ValueError: They move what is held.
+        """
+        scaled = shapes / self.weight
+        if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max():
+            raise ValueError(f"shapes move nodes of {self.body.label} that are held")
+        return np.asarray(scaled[:, self.free])

@@ -1,0 +1,98 @@
+"""Interface modes and normal modes with fixed interfaces.
+
+R. R. Craig & M. C. C. Bampton, AIAA J. 6 (1968) 1313. The matrices are those of nodal increments
+in local frames, so that shapes turn with the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+from fem_lie._arrays import Flags, instance, whole
+from fem_lie.bodies.body import Body, Point
+from fem_lie.reduce.basis import Basis
+from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene import Scene
+
+_LOST = 1e-13  # of the largest pivot
+
+
+def craig_bampton(
+    scene: Scene,
+    interfaces: Sequence[Point],
+    modes: int,
+    *,
+    at: StaticResult | None = None,
+) -> Basis:
+    """Shapes of a body that is held at its interfaces alone.
+
+    First come six for each interface, in its own axes: unit displacements and rotations of it with
+    the others held, and no force between; then the slowest vibrations with all interfaces held,
+    with unit mass. What the scene clamps is held in all of them.
+
+    Args:
+        scene: One body, with clamps if it has them, and no joints.
+        interfaces: Nodes of the body that joints will hold; none for a body with clamps alone.
+        modes: How many normal modes.
+        at: Equilibrium under loads beside which shapes are found; default: the initial frames.
+
+    Raises:
+        ValueError: An interface is no node of the body, comes twice or is clamped; the body can
+            still move rigidly; there are fewer modes.
+    """
+    whole(modes, "modes", 0)
+    found = BesideRest(scene, at)
+    nodes = _nodes(found.body, interfaces, found.free)
+    outside = np.zeros(found.free.shape, dtype=np.bool_)
+    outside[nodes] = True
+    outer, inner = (np.flatnonzero(part[found.free]) for part in (outside, ~outside))
+    if modes >= len(inner):
+        raise ValueError(
+            f"modes must be fewer than the {len(inner)} unknowns within {found.body.label}, "
+            f"got {modes}"
+        )
+    K, M = found.pencil.K.tocsc(), found.pencil.M.tocsc()
+    within = K[inner][:, inner]
+    solve = _factor(within.tocsc())
+    if solve is None:
+        raise ValueError(f"{found.body.label} can move rigidly: it needs an interface or a clamp")
+    vectors = np.zeros((len(outer) + modes, len(outer) + len(inner)))
+    vectors[: len(outer), outer] = np.eye(len(outer))
+    if len(outer):
+        vectors[: len(outer), inner] = -solve.solve(K[inner][:, outer].toarray()).T
+    if modes:
+        _, shapes = scipy.sparse.linalg.eigsh(
+            within, modes, M=M[inner][:, inner], sigma=0.0, v0=np.ones(len(inner))
+        )
+        vectors[len(outer) :, inner] = shapes.T
+    return Basis(found.body, found.shapes(vectors))
+
+
+def _nodes(body: Body, interfaces: Sequence[Point], free: Flags) -> list[int]:
+    """Numbers of the interfaces' nodes, or ``ValueError``."""
+    found: list[int] = []
+    for point in interfaces:
+        instance(point, Point, "an interface", "a point of a body")
+        if point.body is not body or point.grip is not None:
+            raise ValueError(f"{point.label} is no node of {body.label}, and so no interface of it")
+        if point.node in found:
+            raise ValueError(f"{point.label} is an interface twice")
+        if not free[point.node].all():
+            raise ValueError(f"{point.label} is held, at least in part: it is no interface")
+        found.append(point.node)
+    return found
+
+
+def _factor(matrix: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU | None:
+    """Factors of a stiffness, or ``None`` if round-off has lost rigid motions."""
+    try:
+        factors = scipy.sparse.linalg.splu(matrix)
+    except RuntimeError:
+        return None  # exactly singular
+    pivots = np.abs(factors.U.diagonal())
+    return factors if pivots.min() > _LOST * pivots.max() else None

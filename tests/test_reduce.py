@@ -1,0 +1,198 @@
+"""Rigid motion taken out of bodies, bases of the rest, and what few shapes miss."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.reduce.local_motions import expanded, local_motion
+
+STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
+RNG = np.random.default_rng(3)
+
+
+def rod(cells=8, *, clamped=True, end=(1.0, 0.0, 0.0)):
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.02, 0.03, STEEL)
+    body = scene.add(fl.Beam.straight((0, 0, 0), end, section, cells=cells, name="rod"))
+    if clamped:
+        scene.add(fl.Clamp(body.start))
+    return scene, body
+
+
+def square(cells=3):
+    scene = fl.Scene()
+    mesh = fl.surface(lambda a, b: (a, b, 0.1 * a * b), (cells, cells))
+    body = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL), name="plate"))
+    return scene, body
+
+
+def states(scene, frames):
+    """A result with any frames."""
+    return replace(fl.statics(scene), frames=frames)
+
+
+def motions(count):
+    return lie.se3_exp(RNG.uniform(-2.0, 2.0, (count, 6)))
+
+
+@pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(0), fl.NodeAxes(5)], ids=str)
+def test_a_rigid_motion_is_found_and_nothing_is_left(axes):
+    _, body = rod()
+    G = motions(4)
+    found = local_motion(body, lie.se3_compose(G[:, np.newaxis], body.frames), axes)
+    np.testing.assert_allclose(found.rigid, G, atol=1e-13)
+    np.testing.assert_allclose(found.increments, 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(3)], ids=str)
+def test_local_motion_knows_no_place_and_expands_to_where_it_was(axes):
+    _, body = rod()
+    bent = lie.se3_retract(body.frames, RNG.uniform(-0.1, 0.1, (1, 9, 6)))
+    everywhere = lie.se3_compose(motions(3)[:, np.newaxis], bent)
+    here, there = (local_motion(body, frames, axes) for frames in (bent, everywhere))
+    np.testing.assert_allclose(there.increments, np.tile(here.increments, (3, 1, 1)), atol=1e-13)
+    np.testing.assert_allclose(expanded(body, there), everywhere, atol=1e-13)
+
+
+def test_axes_of_shells_do_not_feel_turns_about_third_directors():
+    _, body = square()
+    G, spun = motions(2), np.zeros((2, len(body.frames), 6))
+    spun[:, :, 5] = RNG.uniform(-1.0, 1.0, spun.shape[:2])
+    frames = lie.se3_retract(lie.se3_compose(G[:, np.newaxis], body.frames), spun)
+    found = local_motion(body, frames, fl.MeanAxes())
+    np.testing.assert_allclose(found.rigid, G, atol=1e-12)
+    np.testing.assert_allclose(found.increments, 0.0, atol=1e-12)
+    with pytest.raises(ValueError, match="third directors"):
+        local_motion(body, frames, fl.NodeAxes(0))
+
+
+def test_projection_finds_coordinates_in_any_posture():
+    scene, body = rod(clamped=False)
+    basis = fl.craig_bampton(scene, [body.start], 5)
+    basis = fl.Basis(body, basis.shapes[6:])  # those that leave the start where it is
+    η = 1e-2 * RNG.uniform(-1.0, 1.0, (3, 5))
+    G = motions(3)
+    frames = fl.Reduced(basis, G, η, np.zeros(3)).expand()
+    clamped, _ = rod()
+    found = basis.project(states(clamped, frames), axes=fl.NodeAxes(0))
+    np.testing.assert_allclose(found.coordinates, η, atol=1e-12)
+    np.testing.assert_allclose(found.rigid, G, atol=1e-12)
+    assert found.errors.max() < 1e-12
+
+
+def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss():
+    scene, body = rod()
+    increments = np.einsum(
+        "km,mni->kni", RNG.uniform(-1.0, 1.0, (6, 3)), 0.02 * RNG.uniform(-1.0, 1.0, (3, 9, 6))
+    )
+    increments[:, 0] = 0.0
+    bent = lie.se3_retract(body.frames, increments)
+    axes = fl.NodeAxes(0)
+    basis = fl.pod(states(scene, bent), body, 3, axes=axes)
+    turned = states(scene, lie.se3_compose(motions(6)[:, np.newaxis], bent))
+    assert basis.project(turned, axes=axes).errors.max() < 1e-12
+    fewer = fl.pod(states(scene, bent), body, 2, axes=axes)
+    assert fewer.project(turned, axes=axes).errors.max() > 1e-3
+    with pytest.raises(ValueError, match="at most 3"):
+        fl.pod(states(scene, bent), body, 4, axes=axes)
+
+
+def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
+    scene, body = rod(clamped=False)
+    basis = fl.craig_bampton(scene, [body.start, body.end], 4)
+    shapes = basis.shapes
+    unit = shapes[:12][:, [0, -1]].reshape(12, 12)
+    np.testing.assert_allclose(unit / np.diag(unit), np.eye(12), atol=1e-14)
+    assert (shapes[12:][:, [0, -1]] == 0).all()
+    stretched = shapes[6, :, 0] / shapes[6, -1, 0]
+    np.testing.assert_allclose(stretched, np.linspace(0.0, 1.0, 9), atol=1e-10)
+    held, same = rod()
+    held.add(fl.Clamp(same.end))
+    full = fl.vibrations(held, 4).frequencies
+    normal = fl.Basis(same, shapes[12:])
+    np.testing.assert_allclose(fl.reduced_frequencies(held, normal, 4), full, rtol=1e-8)
+
+
+def test_reduced_frequencies_of_a_free_body():
+    scene, body = rod(clamped=False)
+    basis = fl.craig_bampton(scene, [body.start, body.end], 8)
+    found, full = fl.reduced_frequencies(scene, basis, 9), fl.vibrations(scene, 9).frequencies
+    assert found[:6].max() < 1e-3 * full[6]
+    np.testing.assert_allclose(found[6:], full[6:], rtol=1e-3)
+
+
+def test_shells_have_shapes_too():
+    scene, body = square()
+    for corner in ("00", "10"):
+        scene.add(fl.Clamp(body[corner]))
+    basis = fl.craig_bampton(scene, [], 5)
+    full = fl.vibrations(scene, 4).frequencies
+    np.testing.assert_allclose(fl.reduced_frequencies(scene, basis, 4), full, rtol=1e-8)
+
+
+def test_spin_stiffens_shapes_made_at_rest():
+    scene, _ = rod(end=(4.0, 0.0, 0.0))
+    basis = fl.craig_bampton(scene, [], 12)
+    still = fl.reduced_frequencies(scene, basis, 3)
+    at = fl.statics(scene, spin=(0, 0, 12.0))
+    full = fl.vibrations(scene, 3, at=at).frequencies
+    assert full[0] > 1.2 * still[0]
+    np.testing.assert_allclose(fl.reduced_frequencies(scene, basis, 3, at=at), full, rtol=1e-3)
+
+
+def test_a_basis_is_saved_for_its_mesh_alone(tmp_path):
+    scene, _ = rod()
+    basis, path = fl.craig_bampton(scene, [], 3), tmp_path / "rod.h5"
+    basis.save(path)
+    _, same = rod()
+    np.testing.assert_array_equal(fl.load_basis(path, same).shapes, basis.shapes)
+    for other in (rod(9)[1], rod(end=(1.0, 0.1, 0.0))[1]):
+        with pytest.raises(ValueError, match="of another mesh"):
+            fl.load_basis(path, other)
+    with h5py.File(path, "r+") as file:
+        file.attrs["version"] = 99
+    with pytest.raises(ValueError, match="version 99"):
+        fl.load_basis(path, same)
+    with h5py.File(path, "w"):
+        pass
+    with pytest.raises(ValueError, match="no basis"):
+        fl.load_basis(path, same)
+
+
+def test_what_cannot_be_reduced_is_said():
+    scene, body = rod()
+    free, loose = rod(clamped=False)
+    with pytest.raises(ValueError, match="is held"):
+        fl.craig_bampton(scene, [body.start], 2)
+    with pytest.raises(ValueError, match="twice"):
+        fl.craig_bampton(scene, [body.end, body.end], 2)
+    with pytest.raises(ValueError, match="no node of rod"):
+        fl.craig_bampton(scene, [loose.end], 2)
+    with pytest.raises(ValueError, match="no node of rod"):
+        fl.craig_bampton(scene, [fl.ground()], 2)
+    with pytest.raises(ValueError, match="fewer than the 48"):
+        fl.craig_bampton(scene, [], 48)
+    with pytest.raises(ValueError, match="can move rigidly"):
+        fl.craig_bampton(free, [], 2)
+    basis = fl.craig_bampton(scene, [], 2)
+    with pytest.raises(ValueError, match="at most 2"):
+        fl.reduced_frequencies(scene, basis, 3)
+    with pytest.raises(ValueError, match="not the body"):
+        fl.reduced_frequencies(free, basis, 2)
+    ends = fl.craig_bampton(free, [loose.start], 2)
+    with pytest.raises(ValueError, match="that are held"):
+        fl.reduced_frequencies(scene, fl.Basis(body, ends.shapes), 2)
+    with pytest.raises(ValueError, match="shapes of rod"):
+        fl.Basis(body, basis.shapes[:, :-1])
+    with pytest.raises(ValueError, match="another mesh"):
+        fl.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
+    scene.add(fl.PointLoad(body.end, force=(0, 0, 1e3)))
+    with pytest.raises(ValueError, match="not at rest"):
+        fl.craig_bampton(scene, [], 2)
+    scene.add(square()[1])
+    with pytest.raises(ValueError, match="has 2"):
+        fl.craig_bampton(scene, [], 2)
