@@ -253,6 +253,7 @@ def problem_of(W: np.ndarray, q: np.ndarray, friction: np.ndarray) -> cones.Cone
         z((1, 6)),
         dense_of(k),
         past_of(k, 1),
+        z(1),
     )
 
 

@@ -134,6 +134,7 @@ def work_of(m: int, n: int) -> Work:
         z((n, 6)),
         dense_of(m),
         past_of(m, n),
+        z(1),
     )
     whole = np.zeros(m, dtype=np.int64)
     return Work(

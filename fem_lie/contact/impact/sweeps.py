@@ -44,6 +44,9 @@ def dense_of(m: int) -> Dense:
     return Dense(np.zeros((n, n)), np.zeros((n, n)), *(np.zeros(n) for _ in range(6)))
 
 
+_TINY = 1e-6
+"""Part of speeds: round-off of these is 1e-10 of what changes them so."""
+
 PAST = 10
 """Sweeps that are known of many contacts."""
 
@@ -107,6 +110,7 @@ class Cones(NamedTuple):
         W: Change of the bodies' velocities, shape (n, 6).
         dense: Room.
         past: Room of many.
+        speed: The largest of any place without impulses, shape (1,).
     """
 
     bodies: Indices
@@ -119,6 +123,7 @@ class Cones(NamedTuple):
     W: Array
     dense: Dense
     past: Past
+    speed: Array
 
 
 @inlined_uncounted
@@ -189,8 +194,11 @@ def sweep(problem: Cones, k: int) -> None:
 
 @uncounted
 def residual(problem: Cones, k: int) -> float:
-    """``|r − P_K(r − ρ û)|`` over the largest impulse, with ``ρ`` by the trace of each contact."""
-    worst, size = 0.0, np.finfo(np.float64).tiny
+    """``|r − P_K(r − ρ û)|`` over the largest impulse, with ``ρ`` by the trace of each contact.
+
+    What changes speeds by a part of :data:`_TINY` is known no better than to round-off.
+    """
+    worst, size, least = 0.0, np.finfo(np.float64).tiny, _TINY * problem.speed[0]
     q, r = problem.q, problem.r
     for c in range(k):
         A, mu = problem.own[c], problem.friction[c]
@@ -204,5 +212,5 @@ def residual(problem: Cones, k: int) -> float:
             off = abs(r[c, i] - p[i])
             if not off <= worst:
                 worst = off if off == off else np.inf
-        size = max(size, abs(r[c, 0]), rho * abs(q[c, 0]))
+        size = max(size, abs(r[c, 0]), rho * max(abs(q[c, 0]), least))
     return float(worst / size)

@@ -96,6 +96,7 @@ def _bound(h: float, touch: Touch, w: Work, c: int, i: int, factor: float) -> fl
 def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) -> int:
     """Rows at the places of the last pass, and velocities without impulses; how many take part."""
     problem, k = w.cones, 0
+    problem.speed[0] = largest_speed(w.v, touch.arm)
     for at in range(w.many[0]):
         c = w.close[at]
         if not w.joined[c]:
