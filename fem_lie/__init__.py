@@ -158,6 +158,7 @@ from fem_lie.solve.motion.policies import (
     Policy,
     Update,
 )
+from fem_lie.solve.motion.richardson import ErrorInTime, estimate_error
 from fem_lie.solve.motion.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.multirate.multi_rate import MultiRate
 from fem_lie.solve.stability.branches import branch
@@ -237,6 +238,7 @@ __all__ = [
     "EnergyDecaying",
     "EnergyMomentum",
     "EquilibriumPath",
+    "ErrorInTime",
     "EveryIteration",
     "Explicit",
     "FaceLoad",
@@ -375,6 +377,7 @@ __all__ = [
     "craig_bampton",
     "curve",
     "director_strains",
+    "estimate_error",
     "follow_loads",
     "follow_path",
     "from_dolfinx",

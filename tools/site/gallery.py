@@ -49,7 +49,8 @@ GROUPS = {
     "Studies": (
         "local_frame_claims speed_against_error speed_against_error_shells time_error "
         "variable_step conservation_against_time cylinder_knock_down "
-        "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups truss_policies"
+        "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups truss_policies "
+        "stiffly_accurate"
     ),
 }
 

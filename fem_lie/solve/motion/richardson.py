@@ -1,0 +1,100 @@
+"""The error in time of any scheme, from runs with halved steps (Richardson).
+
+Schemes with an estimate in each step find it as they go (:mod:`.step_control`). For all others, and
+to check those, a scene is run with steps ``h``, ``h/2`` and ``h/4``: where the changes from run to
+run fall by ``2^p``, the last run is wrong by its change over ``2^p − 1``. The order ``p`` is
+observed, not believed: one far from that of the scheme says that steps do not resolve the motion,
+or that nothing but round-off is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, positive
+from fem_lie.results import Result
+from fem_lie.results.record import Record
+from fem_lie.scene import Scene
+from fem_lie.solve.motion.integrator import Integrator
+
+_PARTS = 1, 2, 4
+
+
+@dataclass(frozen=True)
+class ErrorInTime:
+    """Errors in time of the run with the smallest steps, largest over all nodes.
+
+    Attributes:
+        times: At ends of the largest steps, shape (k + 1,).
+        translation: Of places at these times, length, (k + 1,).
+        rotation: Of rotations, rad, (k + 1,).
+        order: Observed at the end, of places and rotations: the less of both; infinite if the last
+            runs do not differ.
+        result: The run with the smallest steps.
+    """
+
+    times: Array
+    translation: Array
+    rotation: Array
+    order: float
+    result: Result
+
+
+def estimate_error(
+    scheme: Integrator, scene: Scene, *, duration: float, step: float
+) -> ErrorInTime:
+    """Errors in time of a scheme, by runs with steps ``step``, a half and a quarter of it.
+
+    Args:
+        scheme: Any that makes constant steps; of :class:`~fem_lie.Asynchronous` all steps are
+            halved only where ``step`` is the smallest that a cell would make.
+        scene: What there is.
+        duration: End time; a multiple of ``step``.
+        step: The largest steps.
+
+    Returns:
+        That of the run with steps of a quarter.
+
+    Raises:
+        ValueError: As from :meth:`~fem_lie.Integrator.run`.
+        ConvergenceError: A step failed.
+
+    Example:
+        >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
+        >>> top.turn((0, 0.1, 2), about=top.centre)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(top)
+        >>> error = fl.estimate_error(fl.Explicit(), scene, duration=1.0, step=0.05)
+        >>> round(error.order), bool(error.rotation[-1] < 1e-4)
+        (2, True)
+    """
+    positive(step, "step")
+    runs = [
+        scheme.run(
+            scene,
+            duration=duration,
+            step=step / parts,
+            save_every=parts,
+            record=Record.VELOCITIES if parts < _PARTS[-1] else Record.ALL,
+        )
+        for parts in _PARTS
+    ]
+    changes = [_changes(one.frames, other.frames) for one, other in pairwise(runs)]
+    orders, errors = [], []
+    for far, near in zip(*changes, strict=True):
+        order = float(np.log2(far[-1] / near[-1])) if near[-1] > 0.0 else np.inf
+        orders.append(order)
+        # what does not fall is no smaller than its change
+        errors.append(near / max(2.0**order - 1.0, 1.0))
+    return ErrorInTime(runs[-1].times, errors[0], errors[1], min(orders), runs[-1])
+
+
+def _changes(one: Array, other: Array) -> tuple[Array, Array]:
+    """Largest distances and angles between frames (k, N, 4, 3), at each time."""
+    away = np.linalg.norm(other[:, :, 0] - one[:, :, 0], axis=-1)
+    turned = np.linalg.norm(lie.se3_relative(one, other)[..., 3:], axis=-1)
+    return away.max(axis=1), turned.max(axis=1)
