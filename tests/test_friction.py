@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from benchmarks import conserving_contact
 from fem_lie.lie.motions import retract
 
 GRAVITY, SIZE = 9.81, 0.1
@@ -105,17 +106,19 @@ def test_derivatives(make, friction):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
 
 
+def thrown() -> fl.Scene:
+    """A ball that slides on the floor at first."""
+    body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - 1e-4))
+    body.move((0.3, 0.1, 0))
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(body)
+    scene.add(fl.Contact(ball(body.centre), FLOOR, fl.Penalty(1e5, friction=0.3)))
+    return scene
+
+
 @pytest.mark.parametrize("every", [37, 60])
 def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
     """A ball slides, then rolls: in the middle of slip, and of stick."""
-
-    def thrown() -> fl.Scene:
-        body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE - 1e-4))
-        body.move((0.3, 0.1, 0))
-        scene = fl.Scene(gravity=(0, 0, -GRAVITY))
-        scene.add(body)
-        scene.add(fl.Contact(ball(body.centre), FLOOR, fl.Penalty(1e5, friction=0.3)))
-        return scene
 
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-9)
     options = {"duration": 0.1, "step": 1e-3, "progress": False, "checkpoint_every": every}
@@ -130,6 +133,48 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
 
 
 LAW = fl.Penalty(1e5, friction=0.3)
+
+
+def test_conserving_steps_book_what_rubbing_takes():
+    """A ball in a free box that turns: in no step is less than nothing lost, and momenta stay."""
+    scene, _ = conserving_contact.box(1e4, 0.3)
+    step = 0.2 * 2 * np.pi * np.sqrt(0.75 / 1e4)
+    result = fl.EnergyMomentum().run(scene, duration=60 * step, step=step, progress=False)
+    assert np.diff(result.balance[:, 1]).min() >= 0.0
+    assert result.balance[-1, 1] > 0.02 * result.kinetic[0]
+    assert result.energy_error < 1e-12
+    assert result.momentum_error < 1e-13
+    assert result.angular_momentum_error < 1e-13
+
+
+def test_a_ball_slides_then_rolls_in_conserving_steps():
+    """By 5/7 of its speed in the end; ground has given the rest, and friction taken 2/7."""
+    result = fl.EnergyMomentum().run(thrown(), duration=0.2, step=1e-3, progress=False)
+    velocity = np.diff(result.frames[:, 0, 0, 0]) / 1e-3
+    assert velocity[-1] == pytest.approx(5 / 7 * 0.3, rel=1e-2)
+    assert result.balance[-1, 1] == pytest.approx(2 / 7 * 0.5 * (0.3**2 + 0.1**2), rel=2e-2)
+    assert result.energy_error < 1e-12
+    assert result.momentum_error < 5e-12
+
+
+@pytest.mark.parametrize("every", [30, 90], ids=["slipping", "rolling"])
+def test_a_conserving_run_goes_on_to_the_last_bit(tmp_path, every):
+    options = {"duration": 0.1, "step": 1e-3, "progress": False, "checkpoint_every": every}
+    whole = fl.EnergyMomentum().run(thrown(), **options, file=tmp_path / "whole.h5")
+    fl.EnergyMomentum().run(thrown(), **options, file=tmp_path / "run.h5")
+    resumed = fl.EnergyMomentum().resume(thrown(), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "balance", "elastic"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+def crossing() -> fl.Scene:
+    """Two lines, which rub in no conserving scheme."""
+    section, scene = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0)), fl.Scene()
+    one = scene.add(fl.Beam.straight((-1, 0, 0), (1, 0, 0), section, cells=4))
+    other = scene.add(fl.Beam.straight((0, -1, 0.1), (0, 1, 0.1), section, cells=4))
+    scene.add(fl.Contact(fl.Line(one, 0.01), fl.Line(other, 0.01), LAW))
+    return scene
+
 
 REFUSED = {
     "friction": (
@@ -151,9 +196,7 @@ REFUSED = {
         "Variational has no friction of penalties",
     ),
     "conserving": (
-        lambda: fl.EnergyMomentum().run(
-            on_slope(20, ball, LAW)[0], duration=0.1, step=1e-2, progress=False
-        ),
+        lambda: fl.EnergyMomentum().run(crossing(), duration=0.1, step=1e-2, progress=False),
         "no contacts by penalty with friction: use GeneralisedAlpha",
     ),
 }

@@ -28,6 +28,7 @@ from fem_lie.lie.tuples import (
     combined,
     cross,
     dot,
+    load,
     load_row,
     minus,
     plus,
@@ -85,6 +86,8 @@ def empty_anchors(m: int) -> Anchors:
 def packed(anchors: Anchors) -> Array:
     """Anchors as numbers, flat."""
     m = len(anchors.keys)
+    if not m:
+        return np.empty(0)
     return np.concatenate([part.reshape(m, -1) for part in anchors], axis=1).ravel()
 
 
@@ -102,13 +105,13 @@ def unpacked(numbers: Array) -> Anchors:
     )
 
 
-def found(anchors: Anchors, keys: Indices) -> Indices:
-    """Which anchor pairs have, by their keys; −1: none."""
+def found(known_keys: Indices, keys: Indices) -> Indices:
+    """Which of known pairs are those of other keys; −1: none."""
     index = np.full(len(keys), -1, dtype=np.int64)
-    if not len(anchors.keys) or not len(keys):
+    if not len(known_keys) or not len(keys):
         return index
-    most = 1 + max(int(anchors.keys[:, 1].max()), int(keys[:, 1].max()))
-    known = anchors.keys[:, 0] * most + anchors.keys[:, 1]
+    most = 1 + max(int(known_keys[:, 1].max()), int(keys[:, 1].max()))
+    known = known_keys[:, 0] * most + known_keys[:, 1]
     wanted, order = keys[:, 0] * most + keys[:, 1], np.argsort(known, kind="stable")
     at = np.minimum(np.searchsorted(known[order], wanted), len(known) - 1)
     there = known[order][at] == wanted
@@ -147,7 +150,7 @@ def set_anchors(H: Array, at: Meeting, springs: Array, out: Anchors) -> None:
 
 
 @inlined_uncounted
-def _apart(H: Array, anchors: Anchors, q: int) -> Vector:
+def apart_of(H: Array, anchors: Anchors, q: int) -> Vector:
     """``u`` of an anchor."""
     u = load_row(anchors.fixed, q)
     for s in range(SLOTS):
@@ -175,7 +178,8 @@ class _Traction(NamedTuple):
 
 
 @inlined_uncounted
-def _traction(law: Rubbing, g: float, n: Vector, u: Vector) -> _Traction:
+def traction(law: Rubbing, g: float, n: Vector, u: Vector) -> _Traction:
+    """Of a pair that overlaps."""
     across = combined(1.0, u, -dot(n, u), n)
     size, most = np.sqrt(dot(across, across)), -law.μ * law.k * g
     if law.holds * size <= most or size == 0.0:
@@ -194,7 +198,7 @@ def tractions(
         store_row(out, e, (0.0, 0.0, 0.0))
         g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
         if g < 0.0 and which[e] >= 0:
-            store_row(out, e, _traction(law, g, n, _apart(H, anchors, which[e])).τ)
+            store_row(out, e, traction(law, g, n, apart_of(H, anchors, which[e])).τ)
 
 
 @compiled
@@ -244,9 +248,20 @@ def _change(
 
 @compiled
 def add_rubbing_tangents(
-    H: Array, at: Meeting, anchors: Anchors, which: Indices, law: Rubbing, blocks: Array
+    H: Array,
+    at: Meeting,
+    anchors: Anchors,
+    which: Indices,
+    law: Rubbing,
+    given: Array,
+    blocks: Array,
 ) -> None:
-    """Add derivatives of the forces in twists of frames, where anchors have the nodes of places."""
+    """Add derivatives of the forces in twists of frames, where anchors have the nodes of places.
+
+    ``given`` are gaps, normals and ``u`` at the end of a step, (m, ≥ 7), of which tractions depend
+    twice as much as all else in the middle; or nothing, (0, 7).
+    """
+    over_step = given.shape[0] > 0
     nodes, rows = np.empty(SLOTS, dtype=np.int64), np.zeros((SLOTS, 6))
     D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
     A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
@@ -254,13 +269,15 @@ def add_rubbing_tangents(
         i, j = at.pairs[e]
         q, weight = which[e], at.weight[e]
         g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
+        if over_step and q >= 0:
+            g, n = given[e, 0], load(given[e], 1)
         if g >= 0.0 or q < 0:
             continue
         bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
         if _others(nodes, anchors.nodes[q]):
             continue
-        u = _apart(H, anchors, q)
-        t = _traction(law, g, n, u)
+        u = load(given[e], 4) if over_step else apart_of(H, anchors, q)
+        t, share = traction(law, g, n, u), 2.0 * weight if over_step else weight
         for s in range(SLOTS):
             if nodes[s] >= 0:
                 c = load_row(anchors.levers[q], s)
@@ -277,7 +294,7 @@ def add_rubbing_tangents(
                 for p in range(6):
                     for r in range(6):
                         total = dot(_column(A[s], p), _column(T[o], r))
-                        blocks[block, p, r] += weight * total
+                        blocks[block, p, r] += share * total
                 if s == o:
                     f = local_components(H[nodes[s]], scaled(weight, t.τ))
                     c = load_row(anchors.levers[q], s)

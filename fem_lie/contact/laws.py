@@ -23,7 +23,8 @@ class Penalty:
         ramp: Overlap over which damping grows from nothing to c. Without it the force jumps where
             surfaces meet, which Newton's method does not survive where c is large.
         friction: μ: the largest force across the normal over ``k`` times the overlap. Until that
-            is reached springs hold, which are carried from step to step. Not in conserving schemes.
+            is reached springs hold, which are carried from step to step. Lines have none in
+            conserving schemes.
         holding: Their stiffness; default: k.
         restitution: None: a penalty has damping.
     """

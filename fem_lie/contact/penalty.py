@@ -90,8 +90,8 @@ class PenaltyForces(Term):
         self.carries = self.rubs = friction is not None
         if friction is not None:
             self.label = "contacts by penalty with friction"
-        self.conserved = self.secant = not self.viscous and friction is None
-        self.apart = self.conserved
+        self.apart = not self.viscous and friction is None
+        self.conserved = self.secant = self.apart or (not self.viscous and sides.of_balls)
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -211,7 +211,11 @@ class PenaltyForces(Term):
             add_secants(ends, at, k, share, out, ground)
             work += share * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
         at, secants, _ = parts[-1]
-        return Done(k * float(secants[END] @ at.weight), k * work, 0.0)
+        done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
+        if self._friction is None:
+            return done
+        rubbed = self._friction.add_over_step(ends, at, out, ground)
+        return Done(*(a + b for a, b in zip(done, rubbed, strict=True)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
         """See the base class."""
@@ -222,6 +226,8 @@ class PenaltyForces(Term):
             ends, self._sides.meet_ends(ends.start, ends.end, known=True)
         ):
             tangents(H, still, at, self._law, False, share * secants, blocks, none)
+            if self._friction is not None:
+                self._friction.add_tangent_over_step(ends, at, H, blocks)
         return blocks
 
     def overlaps(self, H: Array) -> bool:

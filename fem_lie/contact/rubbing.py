@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.contact import rubbing_over_steps as over_steps
 from fem_lie.contact.friction import (
+    Anchors,
     Rubbing,
     add_rubbing,
     add_rubbing_tangents,
@@ -19,6 +21,7 @@ from fem_lie.contact.friction import (
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.meeting import Sides
+from fem_lie.forms.term import Done, Ends
 
 
 class Friction:
@@ -36,12 +39,13 @@ class Friction:
         self._sides = sides
         self._law = Rubbing(float(law.stiffness), float(law.friction), float(holding))
         self._anchors = empty_anchors(0)
+        self._ahead: tuple[Indices, Array] | None = None
         self.accept(H)
 
     def _rubs(self, H: Array) -> tuple[Meeting, Indices, Array]:
         """Pairs, their anchors, and tractions (m, 3)."""
         at, keys = self._sides.stations(H)
-        which, τ = found(self._anchors, keys), np.empty((len(at.pairs), 3))
+        which, τ = found(self._anchors.keys, keys), np.empty((len(at.pairs), 3))
         tractions(H, at, self._anchors, which, self._law, τ)
         return at, which, τ
 
@@ -58,16 +62,44 @@ class Friction:
     def add_tangent(self, H: Array, blocks: Array) -> None:
         """Add derivatives of the forces to blocks of the pairs that are near."""
         at, keys = self._sides.stations(H)
-        which = found(self._anchors, keys)
-        add_rubbing_tangents(H, at, self._anchors, which, self._law, blocks)
+        which = found(self._anchors.keys, keys)
+        none = np.empty((0, 7))
+        add_rubbing_tangents(H, at, self._anchors, which, self._law, none, blocks)
 
     def accept(self, H: Array) -> None:
         """Anchor anew at frames ``H``, with springs as they are stretched there."""
         at, _, τ = self._rubs(H)
+        keys = self._sides.stations(H)[1]
+        if self._ahead is not None:
+            known, over = self._ahead
+            # those that were not near have the last row
+            τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
+            self._ahead = None
         anchors = empty_anchors(len(at.pairs))
         set_anchors(H, at, np.asarray(τ / self._law.holds), anchors)
-        anchors.keys[:] = self._sides.stations(H)[1]
+        anchors.keys[:] = keys
         self._anchors = anchors
+
+    # --- over a step of points and balls ---
+
+    def add_over_step(self, ends: Ends, at: Meeting, out: Array, ground: Array) -> Done:
+        """Add tractions over a step, which :meth:`accept` then goes on from."""
+        levers, _, measured, τ = self._over_step(ends, at)
+        self._ahead = at.pairs.copy(), τ
+        over_steps.add_over_step(ends, at, levers, τ, out, ground)
+        return Done(*over_steps.energies(self._law, at, measured, τ))
+
+    def add_tangent_over_step(self, ends: Ends, at: Meeting, H: Array, blocks: Array) -> None:
+        """Add twice their derivative in frames ``H`` half-way."""
+        levers, which, measured, _ = self._over_step(ends, at)
+        add_rubbing_tangents(H, at, levers, which, self._law, measured, blocks)
+
+    def _over_step(self, ends: Ends, at: Meeting) -> tuple[Anchors, Indices, Array, Array]:
+        m = len(at.pairs)
+        which, levers = found(self._anchors.keys, at.pairs), empty_anchors(m)
+        measured, τ = over_steps.room(m)
+        over_steps.set_over_step(ends, at, self._anchors, which, self._law, levers, measured, τ)
+        return levers, np.where(which >= 0, np.arange(m), -1), measured, τ
 
     @property
     def carried(self) -> Array:
@@ -76,4 +108,5 @@ class Friction:
 
     def restore(self, carried: Array) -> None:
         """Have these anchors again."""
+        self._ahead = None
         self._anchors = unpacked(carried)

@@ -36,8 +36,10 @@ class Sides(ABC):
         near: Who is near whom.
         on_ground: Whether a side is on ground.
         radius: The least of what is round, infinite if nothing is.
+        of_balls: Whether places are material ones, and not where curves are nearest.
     """
 
+    of_balls = False
     near: NearPairs
     on_ground: bool
     radius: float
@@ -79,6 +81,8 @@ class Sides(ABC):
 
 class Balls(Sides):
     """Balls that touch balls or planes."""
+
+    of_balls = True
 
     def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
         """Keep both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`."""

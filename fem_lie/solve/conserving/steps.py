@@ -159,6 +159,8 @@ class Steps(Touching):
             before = self._kept_copy()
             code = self._go_free(last, rule, limit, always=always)
             if code != loop.DONE or not self._pushes.overlap(self.s.H):
+                if code == loop.DONE:
+                    self._pushes.rub(self.s.H)
                 return code
             self._take_again(before)
             self._begin()

@@ -113,7 +113,7 @@ class Touching(RunState):
     def _accept_touching(self, iterations: int) -> None:
         counters, packed, pushes = self.counters, self._packed, self._pushes
         acceptance.packed_accept(packed.model, packed.state, packed.step)
-        pushes.accept()
+        pushes.accept(self.s.H)
         counters[corrections.STEPS] += 1
         counters[corrections.LAST] = iterations
         counters[corrections.ITERATION] = counters[corrections.ASKED] = 0

@@ -40,6 +40,7 @@ class Pushes:
             moving: Nodes that lead.
         """
         self._terms = [term for term in terms if term.secant]
+        self._rubbing = [term for term in self._terms if term.rubs]
         self._leader, self._offset = leader, offset
         self.energy = self.ahead = self.debt = 0.0
         self._trivial, total = moving == len(leader), len(leader)
@@ -102,14 +103,21 @@ class Pushes:
             arms = ends.mean[:, 0] - mean[self._leader, 0]
             np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
         # what is stored differs from the work by digits of places, and where places follow
-        owed = self.debt + self.ahead + out[n + LOSS, 0] - self.energy - work
+        work -= out[n + LOSS, 0]
+        owed = self.debt + self.ahead - self.energy - work
         part = _part(owed + leak, work)
         out *= 1.0 + part
         self._owed = owed - part * work
 
-    def accept(self) -> None:
-        """Go on from the end of the step that was looked at."""
+    def accept(self, H: Array) -> None:
+        """Go on from the end of the step that was looked at, with frames ``H``."""
         self.energy, self.debt = self.ahead, self._owed
+        self.rub(H)
+
+    def rub(self, H: Array) -> None:
+        """Go on from frames ``H`` with what rubs."""
+        for term in self._rubbing:
+            term.accept(H)
 
 
 def _part(missing: float, work: float) -> float:
