@@ -106,8 +106,10 @@ from fem_lie.pictures.vtk import write_resultants
 from fem_lie.reduce.axes import MeanAxes, NodeAxes
 from fem_lie.reduce.basis import Basis, Reduced, load_basis
 from fem_lie.reduce.craig_bampton import craig_bampton
+from fem_lie.reduce.derivatives import with_derivatives
 from fem_lie.reduce.frequencies import reduced_frequencies
 from fem_lie.reduce.pod import pod
+from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
 from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.mode_shapes import BucklingModes
@@ -312,6 +314,7 @@ __all__ = [
     "RandomImperfection",
     "Record",
     "Reduced",
+    "ReducedEquilibrium",
     "Redundant",
     "Result",
     "Resultants",
@@ -394,6 +397,7 @@ __all__ = [
     "read_gmsh_surface",
     "read_gmsh_volume",
     "reduced_frequencies",
+    "reduced_statics",
     "refine",
     "resultant_colours",
     "resultant_series",
@@ -410,5 +414,6 @@ __all__ = [
     "thin_resultants",
     "vibrations",
     "volume_from_dolfinx",
+    "with_derivatives",
     "write_resultants",
 ]

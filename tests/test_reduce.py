@@ -196,3 +196,50 @@ def test_what_cannot_be_reduced_is_said():
     scene.add(square()[1])
     with pytest.raises(ValueError, match="has 2"):
         fl.craig_bampton(scene, [], 2)
+
+
+def bent(force):
+    """A rod, modes of it at rest, and the full equilibrium."""
+    scene, body = rod()
+    basis = fl.craig_bampton(scene, [], 4)
+    both = fl.with_derivatives(scene, basis)
+    scene.add(fl.PointLoad(body.end, force=force * np.array([0.0, 1.0, 1.5])))
+    return scene, basis, both, fl.statics(scene).frames[-1]
+
+
+def test_derivatives_free_modes_from_stretching():
+    scene, basis, both, full = bent(1e3)
+    deflection = np.linalg.norm(full[-1, 0] - (1.0, 0.0, 0.0))
+    assert deflection > 0.08
+    errors = []
+    for shapes in (basis, both):
+        found = fl.reduced_statics(scene, shapes, load_steps=4)
+        errors.append(np.linalg.norm(found.frames[:, 0] - full[:, 0], axis=1).max() / deflection)
+    assert len(both) == 14
+    np.testing.assert_array_equal(both.shapes[:4], basis.shapes)
+    assert errors[0] > 0.3
+    assert errors[1] < 0.01
+    assert found.error == pytest.approx(errors[1] * deflection, rel=0.1)
+
+
+def test_all_shapes_are_the_full_model():
+    scene, body = rod(2)
+    shapes = np.zeros((12, 3, 6))
+    shapes[:, body.frames[:, 0, 0] > 0.0] = np.eye(12).reshape(12, 2, 6)
+    basis = fl.Basis(body, shapes)
+    scene.add(fl.PointLoad(body.end, force=(50.0, 400.0, 600.0)))
+    found = fl.reduced_statics(scene, basis)
+    np.testing.assert_allclose(found.frames, fl.statics(scene).frames[-1], atol=1e-8)
+    assert found.error < 1e-8
+
+
+def test_what_has_no_reduced_equilibrium_is_said():
+    scene, _ = rod()
+    basis = fl.craig_bampton(scene, [], 2)
+    with pytest.raises(ValueError, match="no load"):
+        fl.reduced_statics(scene, basis)
+    with pytest.raises(ValueError, match="not the body"):
+        fl.reduced_statics(rod()[0], basis)
+    plate, shell = square()
+    with pytest.raises(ValueError, match="those of beams"):
+        fl.reduced_statics(plate, fl.Basis(shell, np.ones((1, 16, 6))))

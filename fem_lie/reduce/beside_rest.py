@@ -24,38 +24,22 @@ class BesideRest:
         pencil: Matrices of the free unknowns.
     """
 
-    def __init__(self, scene: Scene, at: StaticResult | None) -> None:
-        """Linearise.
+    def __init__(self, scene: Scene, at: StaticResult | None, *, loaded: bool = False) -> None:
+        """Linearise; ``loaded``: loads may act on initial frames that they do not balance.
 
         Raises:
             ValueError: There are several bodies, joints, nodes that are no frames or follow others,
                 supports in turned axes, or the state is no equilibrium.
         """
-        instance(scene, Scene, "scene", "a Scene")
         instance(at, StaticResult | None, "at", "a result of fl.statics or None")
-        if len(scene.bodies) != 1:
-            raise ValueError(f"a basis is that of one body, the scene has {len(scene.bodies)}")
-        self.body: Body = scene.bodies[0]
-        if self.body.node_kind != NodeKind.FRAME:
-            raise ValueError(
-                f"shapes are those of nodal frames, and nodes of {self.body.label} are none"
-            )
-        equations = Equations(scene, dynamics=True)
-        unknowns = equations.unknowns
-        if unknowns.m:
-            raise ValueError("a basis is that of a body without joints: put them into its scene")
-        if unknowns.total != unknowns.moving or equations.supports:
-            raise ValueError(
-                f"nodes of {self.body.label} follow others, or are held along turned axes: clamp "
-                "it, or leave it free"
-            )
+        self.body, equations = equations_of(scene)
         still = Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         state = equations.small_motions(still if at is None else at.steady_rotation)
         if at is not None:
             state.move(at.frames)
-        elif not state.balanced():
+        elif not (loaded or state.balanced()):
             raise ValueError("the scene is not at rest as it is: give at=fl.statics(scene)")
-        self.free: Flags = ~unknowns.held
+        self.free: Flags = ~equations.unknowns.held
         self.weight: Array = state.weight.reshape(-1, 6)
         self.pencil: Pencil = state.pencil()
 
@@ -75,3 +59,22 @@ class BesideRest:
         if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max():
             raise ValueError(f"shapes move nodes of {self.body.label} that are held")
         return np.asarray(scaled[:, self.free])
+
+
+def equations_of(scene: Scene) -> tuple[Body, Equations]:
+    """The only body of a scene, and its equations; ``ValueError`` as :class:`BesideRest` says."""
+    instance(scene, Scene, "scene", "a Scene")
+    if len(scene.bodies) != 1:
+        raise ValueError(f"a basis is that of one body, the scene has {len(scene.bodies)}")
+    body: Body = scene.bodies[0]
+    if body.node_kind != NodeKind.FRAME:
+        raise ValueError(f"shapes are those of nodal frames, and nodes of {body.label} are none")
+    equations = Equations(scene, dynamics=True)
+    if equations.unknowns.m:
+        raise ValueError("a basis is that of one body: joints do not belong into its scene")
+    if equations.unknowns.total != equations.unknowns.moving or equations.supports:
+        raise ValueError(
+            f"nodes of {body.label} follow others, or are held along turned axes: clamp it, or "
+            "leave it free"
+        )
+    return body, equations

@@ -1,0 +1,99 @@
+"""Equilibrium of a body in few shapes, with all of its large motion and strain."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse.linalg
+
+from fem_lie._arrays import Array, instance, whole
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.reduce.basis import Basis
+from fem_lie.reduce.beside_rest import BesideRest
+from fem_lie.reduce.in_shapes import InShapes
+from fem_lie.scene import Scene
+
+_MOST = 30
+_CONVERGED = 1e-9  # of the first residual
+_STEP = 1e-6  # of the body's size: differences that give the matrix
+
+
+class ReducedEquilibrium(NamedTuple):
+    """An equilibrium in few shapes.
+
+    Attributes:
+        coordinates: ``η``, shape (m,).
+        frames: Of all nodes, shape (n, 4, 3).
+        error: Estimate of the largest distance of a node from its place with all unknowns: the
+            displacement that forces which shapes do not see would make of the body at rest.
+        iterations: In all.
+    """
+
+    coordinates: Array
+    frames: Array
+    error: float
+    iterations: int
+
+
+def reduced_statics(scene: Scene, basis: Basis, *, load_steps: int = 1) -> ReducedEquilibrium:
+    """Equilibrium under the full loads of motions ``Hᵢ = Hᵢ⁰ exp(Φᵢ η)``, by Newton's method.
+
+    Forces are those of all cells: the unknowns are few, the work of a residual is not.
+
+    Args:
+        scene: One body along a line, the basis' own, held by clamps, with loads.
+        basis: Shapes that leave clamps where they are.
+        load_steps: In how many equal parts the loads are put on.
+
+    Raises:
+        ValueError: The scene has other bodies or joints; no load acts.
+        ConvergenceError: No equilibrium was found.
+    """
+    instance(basis, Basis, "basis", "a Basis")
+    whole(load_steps, "load_steps")
+    reduced = InShapes(scene, basis)
+    coordinates: Array = np.zeros(len(basis))
+    iterations = 0
+    reduced.load(1.0)
+    size = float(np.linalg.norm(reduced.residual(coordinates)))
+    if size == 0.0:
+        raise ValueError("no load acts on the shapes: there is nothing to find")
+    for part in range(1, load_steps + 1):
+        reduced.load(part / load_steps)
+        coordinates, needed = _newton(reduced, coordinates, size)
+        iterations += needed
+    error = _beyond(scene, reduced.forces(coordinates))
+    return ReducedEquilibrium(coordinates, reduced.frames(coordinates), error, iterations)
+
+
+def _beyond(scene: Scene, forces: Array) -> float:
+    """Largest displacement by forces (n, 6) of the body at its initial frames."""
+    rest = BesideRest(scene, None, loaded=True)
+    vector = scipy.sparse.linalg.spsolve(rest.pencil.K.tocsc(), (forces * rest.weight)[rest.free])
+    moved = rest.shapes(vector[np.newaxis])[0, :, :3]
+    return float(np.linalg.norm(moved, axis=1).max())
+
+
+def _newton(reduced: InShapes, coordinates: Array, size: float) -> tuple[Array, int]:
+    """Coordinates where the residual is round-off of ``size``, and how often it took."""
+    found = coordinates.copy()
+    for iteration in range(1, _MOST + 1):
+        residual = reduced.residual(found)
+        if np.linalg.norm(residual) <= _CONVERGED * size:
+            return found, iteration - 1
+        found -= np.linalg.solve(_matrix(reduced, found), residual)
+    raise ConvergenceError(
+        f"no equilibrium in {len(found)} shapes after {_MOST} iterations: try more load_steps"
+    )
+
+
+def _matrix(reduced: InShapes, at: Array) -> Array:
+    """Derivative of the residual by central differences, (m, m)."""
+    reach = np.abs(reduced.basis.shapes).max(axis=(1, 2))
+    steps = np.diag(_STEP * reduced.basis.body.size / reach)
+    columns = [
+        (reduced.residual(at + step) - reduced.residual(at - step)) / (2.0 * step.sum())
+        for step in steps
+    ]
+    return np.array(columns).T
