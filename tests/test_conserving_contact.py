@@ -66,8 +66,9 @@ def test_a_run_goes_on_to_the_last_bit_from_amid_an_impact(tmp_path):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 
 
-def test_a_bar_on_a_wall_gains_nothing_and_does_not_rattle():
-    found = elastic_bar.run(fl.EnergyDecaying(radius=0.8), 5.0)
+@pytest.mark.parametrize(("courant", "part"), [(5.0, 1.0), (5.0, 0.2), (10.0, 0.2)])
+def test_a_bar_on_a_wall_gains_nothing_and_does_not_rattle(courant, part):
+    found = elastic_bar.run(fl.EnergyDecaying(radius=0.8), courant, part)
     assert found["energy"] <= 1.0 + 1e-12
     assert found["noise"] < 0.03
     assert abs(found["force"] - 1.0) < 0.015

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 import fem_lie as fl
+from benchmarks import pressed_cylinder
 from fem_lie.contact.sides.detection import near
 from fem_lie.system import System
 
@@ -121,6 +122,16 @@ def test_a_round_end_of_a_beam_lies_on_a_plane():
     assert down == pytest.approx((force + stiffness * gap) / (own + stiffness), rel=2e-3)
     found = fl.contact_forces(state, touch)
     assert found.total[-1, 2] == pytest.approx(stiffness * (down - gap), rel=1e-9)
+
+
+def test_a_cylinder_of_shell_between_planes_is_an_elastica(monkeypatch):
+    """Also where it lies flat on them."""
+    monkeypatch.setattr(pressed_cylinder, "PRESSED", np.array([0.2, 0.4]))
+    result, forces, deep = pressed_cylinder.press(12, load_steps=8)
+    at = [int(np.argmin(np.abs(result.factors - pressed))) for pressed in (0.2, 0.4)]
+    wanted = [pressed_cylinder.elastica(pressed) for pressed in (0.2, 0.4)]
+    np.testing.assert_allclose(forces[at], wanted, rtol=0.02)
+    assert deep < 0.01 * pressed_cylinder.THICKNESS
 
 
 # --- who is near whom ---
