@@ -108,6 +108,7 @@ from fem_lie.reduce.basis import Basis, Reduced, load_basis
 from fem_lie.reduce.craig_bampton import craig_bampton
 from fem_lie.reduce.derivatives import with_derivatives
 from fem_lie.reduce.frequencies import reduced_frequencies
+from fem_lie.reduce.krylov import krylov
 from fem_lie.reduce.pod import pod
 from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
 from fem_lie.results.equilibrium import PathResult, StaticResult
@@ -388,6 +389,7 @@ __all__ = [
     "gram_from_rigid",
     "ground",
     "imperfect",
+    "krylov",
     "load_basis",
     "local_frame_forms",
     "pod",

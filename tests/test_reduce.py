@@ -8,6 +8,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.reduce.local_motions import expanded, local_motion
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -243,3 +244,44 @@ def test_what_has_no_reduced_equilibrium_is_said():
     plate, shell = square()
     with pytest.raises(ValueError, match="those of beams"):
         fl.reduced_statics(plate, fl.Basis(shell, np.ones((1, 16, 6))))
+
+
+def test_krylov_shapes_match_moments_of_the_answer():
+    """Where the load acts, twice as many as there are shapes."""
+    scene, body = rod()
+    wrench = (0.0, 1.0, 2.0, 0.1, 0.0, 0.0)
+    basis = fl.krylov(scene, [(body.end, wrench)], 2)
+    assert len(basis) == 2
+    rest = BesideRest(scene, None)
+    load = np.zeros((1, 9, 6))
+    load[0, -1] = wrench
+    f = (load * rest.weight)[0][rest.free]
+    V, K, M = rest.vectors(basis.shapes).T, rest.pencil.K, rest.pencil.M
+    answers = []
+    for stiffness, mass, force in (
+        (K.toarray(), M.toarray(), f),
+        (V.T @ (K @ V), V.T @ (M @ V), V.T @ f),
+    ):
+        moment, found = np.linalg.solve(stiffness, force), []
+        for _ in range(5):
+            found.append(force @ moment)
+            moment = np.linalg.solve(stiffness, mass @ moment)
+        answers.append(found)
+    differ = np.abs(np.divide(*answers) - 1.0)
+    assert differ[:4].max() < 1e-6
+    assert differ[4] > 1e-4
+
+
+def test_krylov_shapes_of_nothing_are_refused():
+    scene, body = rod()
+    with pytest.raises(ValueError, match="that move"):
+        fl.krylov(scene, [], 2)
+    with pytest.raises(ValueError, match="that move"):
+        fl.krylov(scene, [(body.start, np.ones(6))], 2)
+    with pytest.raises(ValueError, match="no node of rod"):
+        fl.krylov(scene, [(fl.ground(), np.ones(6))], 2)
+    free, loose = rod(clamped=False)
+    with pytest.raises(ValueError, match="can move rigidly"):
+        fl.krylov(free, [(loose.end, np.ones(6))], 2)
+    twice = fl.krylov(scene, [(body.end, np.ones(6))] * 2, 2)
+    assert len(twice) == 2

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse.linalg
 
-from fem_lie._arrays import Array, Flags, instance
+from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.linear.spectrum import Pencil
@@ -12,6 +13,8 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.equations import Equations
+
+_LOST = 1e-13  # of the largest pivot
 
 
 class BesideRest:
@@ -42,6 +45,23 @@ class BesideRest:
         self.free: Flags = ~equations.unknowns.held
         self.weight: Array = state.weight.reshape(-1, 6)
         self.pencil: Pencil = state.pencil()
+
+    def factor(self, some: Indices | None = None) -> scipy.sparse.linalg.SuperLU:
+        """Factors of the stiffness of all or some of the free unknowns.
+
+        Raises:
+            ValueError: Round-off has lost rigid motions.
+        """
+        K = self.pencil.K.tocsc()
+        try:
+            factors = scipy.sparse.linalg.splu(K if some is None else K[some][:, some].tocsc())
+        except RuntimeError:  # exactly singular
+            factors = None
+        if factors is not None:
+            pivots = np.abs(factors.U.diagonal())
+            if pivots.min() > _LOST * pivots.max():
+                return factors
+        raise ValueError(f"{self.body.label} can move rigidly: it needs an interface or a clamp")
 
     def shapes(self, vectors: Array) -> Array:
         """Shapes (m, n, 6) of vectors (m, f) of the free unknowns."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._arrays import Flags, instance, whole
@@ -18,8 +17,6 @@ from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
-
-_LOST = 1e-13  # of the largest pivot
 
 
 def craig_bampton(
@@ -58,9 +55,7 @@ def craig_bampton(
         )
     K, M = found.pencil.K.tocsc(), found.pencil.M.tocsc()
     within = K[inner][:, inner]
-    solve = _factor(within.tocsc())
-    if solve is None:
-        raise ValueError(f"{found.body.label} can move rigidly: it needs an interface or a clamp")
+    solve = found.factor(inner)
     vectors = np.zeros((len(outer) + modes, len(outer) + len(inner)))
     vectors[: len(outer), outer] = np.eye(len(outer))
     if len(outer):
@@ -86,13 +81,3 @@ def _nodes(body: Body, interfaces: Sequence[Point], free: Flags) -> list[int]:
             raise ValueError(f"{point.label} is held, at least in part: it is no interface")
         found.append(point.node)
     return found
-
-
-def _factor(matrix: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU | None:
-    """Factors of a stiffness, or ``None`` if round-off has lost rigid motions."""
-    try:
-        factors = scipy.sparse.linalg.splu(matrix)
-    except RuntimeError:
-        return None  # exactly singular
-    pivots = np.abs(factors.U.diagonal())
-    return factors if pivots.min() > _LOST * pivots.max() else None

@@ -9,7 +9,6 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 
 import numpy as np
-import scipy.sparse.linalg
 
 from fem_lie._arrays import Array, instance
 from fem_lie.reduce.basis import Basis
@@ -33,7 +32,7 @@ def with_derivatives(scene: Scene, basis: Basis) -> Basis:
     """
     instance(basis, Basis, "basis", "a Basis")
     rest, reduced = BesideRest(scene, None), InShapes(scene, basis)
-    solve = scipy.sparse.linalg.splu(rest.pencil.K.tocsc()).solve
+    solve = rest.factor().solve
     steps = np.diag(_STEP * basis.body.size / np.abs(basis.shapes).max(axis=(1, 2)))
     vectors = list(_orthonormal(rest.vectors(basis.shapes)))
     first = len(vectors)
