@@ -88,7 +88,7 @@ def solve(
         points = mesh.points[np.argsort(np.linalg.norm(mesh.points, axis=1))]  # from the clamp on
         ends = {"clamp": np.array([0]), "tip": np.array([elements])}
         line = replace(fl.Spline.through(points).mesh(), named_points=ends)
-        beam = scene.add(fl.Rod(line, section))
+        beam = scene.add(fl.Rod(line, section, name="bend"))
         scene.add(fl.Clamp(beam["clamp"]))
     else:
         make = fl.Beam if formulation.bends else fl.Rod

@@ -255,10 +255,11 @@ def test_command_line_says_what_is_wrong():
     assert done.stderr.endswith("double_pendulum.py: case must be one of 1, 2, 3, got 4\n")
 
 
-def test_pictures(tmp_path, monkeypatch):
+@pytest.mark.parametrize("formulation", ["geodesic", "spline"])
+def test_pictures(formulation, tmp_path, monkeypatch):
     bend45 = importlib.import_module("demos.bend45")
     monkeypatch.setattr("command_line.RESULTS", tmp_path)
-    bend45.main(elements=4)
+    bend45.main(elements=4, formulation=formulation)
     sizes = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
     assert set(sizes) == {"bend45.png", "bend45_forces.png"}
     assert min(sizes.values()) > 10_000
