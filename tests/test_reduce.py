@@ -285,3 +285,21 @@ def test_krylov_shapes_of_nothing_are_refused():
         fl.krylov(free, [(loose.end, np.ones(6))], 2)
     twice = fl.krylov(scene, [(body.end, np.ones(6))] * 2, 2)
     assert len(twice) == 2
+
+
+def test_expanded_states_have_section_forces_and_shapes_pictures(tmp_path):
+    scene, body = rod()
+    basis = fl.craig_bampton(scene, [], 20)
+    scene.add(fl.PointLoad(body.end, force=(0.0, 0.0, 10.0)))
+    full = fl.statics(scene)
+    states = basis.project(full, axes=fl.NodeAxes(0))
+    shown = states.within(full)
+    np.testing.assert_array_equal(shown.frames, states.expand())
+    moments = [fl.section_forces(result, body, scene).ends[0, :, :, 4] for result in (full, shown)]
+    np.testing.assert_allclose(moments[1], moments[0], atol=0.02 * np.abs(moments[0]).max())
+    with pytest.raises(ValueError, match="has 2 states"):
+        states.within(fl.statics(scene, levels=(0.5, 1.0)))
+    basis.picture(tmp_path / "shape.png", 1)
+    assert (tmp_path / "shape.png").stat().st_size > 5000
+    with pytest.raises(ValueError, match="1 … 20, got 21"):
+        basis.picture(tmp_path / "shape.png", 21)

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, instance
+from fem_lie import lie
+from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.pictures.bodies import draw
+from fem_lie.pictures.stage import Canvas
 from fem_lie.reduce.axes import Axes, MeanAxes
 from fem_lie.reduce.local_motions import LocalMotion, expanded, frames_of, local_motion
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
 from fem_lie.results.states import StateSeries
+
+States = TypeVar("States", Result, StaticResult)
 
 _FORMAT, _VERSION = "fem_lie basis", 1
 _SAME = 1e-9  # of the body's size
@@ -37,6 +46,24 @@ class Reduced:
         """Frames of all nodes of the body, shape (k, n, 4, 3)."""
         increments = np.einsum("km,mni->kni", self.coordinates, self.basis.shapes)
         return expanded(self.basis.body, LocalMotion(self.rigid, increments))
+
+    def within(self, result: States) -> States:
+        """The result with these frames of the body: for pictures, section forces and resultants.
+
+        What else it tells, such as velocities, energies and joint forces, is still that of the full
+        states. Those of a motion must all have been recorded.
+
+        Raises:
+            ValueError: The result has other states, or not this body with this mesh.
+        """
+        if frames_of(result, self.basis.body).shape[0] != len(self.coordinates):
+            raise ValueError(
+                f"the result has {len(result.frames)} states, and reduced are "
+                f"{len(self.coordinates)}"
+            )
+        frames = result.frames.copy()
+        frames[:, result.info.body(self.basis.body.name).nodes] = self.expand()
+        return replace(result, frames=frames)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +128,26 @@ class Basis:
         shown = Reduced(self, motion.rigid, coordinates, np.zeros(len(frames)))
         away = np.linalg.norm(shown.expand()[:, :, 0] - frames[:, :, 0], axis=2)
         return Reduced(self, motion.rigid, coordinates, away.max(axis=1))
+
+    def picture(self, path: str | os.PathLike[str], number: int, *, amplitude: float = 0.1) -> None:
+        """Draw a shape, half a swing of it.
+
+        Args:
+            path: Name of the ``.png`` file.
+            number: Counted from 1.
+            amplitude: Largest increment, displacement over the body's size or rotation.
+
+        Raises:
+            ValueError: There is no such shape.
+        """
+        if not 1 <= whole(number, "number") <= len(self):
+            raise ValueError(f"shapes are 1 … {len(self)}, got {number}")
+        shape = self.shapes[number - 1] / np.repeat([self.body.size, 1.0], 3)
+        shape = shape * (positive(amplitude, "amplitude") / np.abs(shape).max())
+        moved = shape * np.repeat([self.body.size, 1.0], 3)
+        swing = np.linspace(-1.0, 1.0, 5)[:, np.newaxis, np.newaxis]
+        frames = lie.se3_retract(self.body.frames, swing * moved)
+        draw(SceneInfo.of([self.body]), frames, path, canvas=Canvas(f"Shape {number}"))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an HDF5 file with the shapes and the mesh that they belong to.
