@@ -3,7 +3,8 @@
 ``python -m benchmarks.ancf_shell``: what the residual and the matrix of a cell cost, beside those
 of a thin shell; matrices that ``Automatic`` makes of a sheet that swings from an edge and of one
 that tumbles freely, by generalised-alpha in own axes and in fixed ones, of plates and of thin
-shells with or without seams. ``--conserving N``: N steps of energy-momentum of the second.
+shells with or without seams. ``--modulus E``: of a stiffer sheet, which bends and does not whip.
+``--conserving N``: N steps of energy-momentum of the second.
 """
 
 from __future__ import annotations
@@ -17,8 +18,12 @@ import numpy as np
 import fem_lie as fl
 
 CELLS, TURNS = 4, 5
-LAYER = fl.ShellSection.layer(0.02, fl.Material(1e6, 0.3, 100.0))
-Made = Callable[[], fl.AncfShell | fl.ThinShell]
+MODULUS = 1e6
+Made = Callable[[float], fl.AncfShell | fl.ThinShell]
+
+
+def layer(modulus: float) -> fl.ShellSection:
+    return fl.ShellSection.layer(0.02, fl.Material(modulus, 0.3, 100.0))
 
 
 def bent(a: float, b: float) -> np.ndarray:
@@ -26,34 +31,34 @@ def bent(a: float, b: float) -> np.ndarray:
     return np.array([a, b, 0.1 * np.cos(2 * a) + 0.05 * b * b])
 
 
-def plate(cells: int = CELLS) -> fl.AncfShell:
-    return fl.AncfShell(fl.smooth_patch(bent, (cells, cells)), LAYER)
+def plate(modulus: float = MODULUS, cells: int = CELLS) -> fl.AncfShell:
+    return fl.AncfShell(fl.smooth_patch(bent, (cells, cells)), layer(modulus))
 
 
-def thin(cells: int = CELLS) -> fl.ThinShell:
-    return fl.ThinShell(fl.smooth_patch(bent, (cells, cells)), LAYER)
+def thin(modulus: float = MODULUS, cells: int = CELLS) -> fl.ThinShell:
+    return fl.ThinShell(fl.smooth_patch(bent, (cells, cells)), layer(modulus))
 
 
-def sewn() -> fl.ThinShell:
+def sewn(modulus: float = MODULUS) -> fl.ThinShell:
     """Of two patches with other parameters along their seam."""
     patches = {
         "left": fl.smooth_patch(lambda a, b: bent(0.5 * a, b), (2, 4)),
         "right": fl.smooth_patch(lambda a, b: bent(0.5 + 0.5 * a, 0.7 * b + 0.3 * b * b), (2, 4)),
     }
-    return fl.ThinShell(patches, LAYER, seams=[fl.Seam("left.a=1", "right.a=0")])
+    return fl.ThinShell(patches, layer(modulus), seams=[fl.Seam("left.a=1", "right.a=0")])
 
 
-def swinging(make: Made) -> fl.Scene:
+def swinging(make: Made, modulus: float) -> fl.Scene:
     """Hinged along one edge, or that of its first patch, and let go."""
-    shell, scene = make(), fl.Scene(gravity=(0, 0, -9.81))
+    shell, scene = make(modulus), fl.Scene(gravity=(0, 0, -9.81))
     scene.add(shell)
     shell.hinge("left.a=0" if make is sewn else "a=0")
     return scene
 
 
-def tumbling(make: Made) -> fl.Scene:
+def tumbling(make: Made, modulus: float) -> fl.Scene:
     """Free, turning about an axis that is none of its own."""
-    shell, scene = make(), fl.Scene()
+    shell, scene = make(modulus), fl.Scene()
     scene.add(shell)
     shell.add_velocity(np.array([0.2, 0.1, 0.0]), np.array([3.0, 4.0, 2.0]), np.zeros(3))
     return scene
@@ -84,7 +89,7 @@ def cost(name: str, shell: fl.AncfShell | fl.ThinShell) -> None:
 
 
 def conserved(steps: int) -> None:
-    result = fl.EnergyMomentum().run(tumbling(plate), duration=1e-3 * steps, step=1e-3)
+    result = fl.EnergyMomentum().run(tumbling(plate, MODULUS), duration=1e-3 * steps, step=1e-3)
     kept = result.total_energy, result.angular_momentum, result.momentum
     errors = [np.abs(values - values[0]).max() / np.abs(values[0]).max() for values in kept]
     print("energy, angular momentum, momentum: {:.1e} {:.1e} {:.1e}".format(*errors), end=", ")
@@ -94,12 +99,13 @@ def conserved(steps: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=10_000)
+    parser.add_argument("--modulus", type=float, default=MODULUS)
     parser.add_argument("--conserving", type=int, default=0)
     options = parser.parse_args()
     if options.conserving:
         return conserved(options.conserving)
-    cost("plate", plate(40))
-    cost("thin shell", thin(40))
+    cost("plate", plate(cells=40))
+    cost("thin shell", thin(cells=40))
     print("scene     body, axes             matrices  iterations per step  distance", flush=True)
     kinds: dict[str, Made] = {"plate": plate, "thin": thin, "sewn": sewn}
     for scene_name, scene_of in (("swinging", swinging), ("tumbling", tumbling)):
@@ -107,8 +113,9 @@ def main() -> None:
             first = None
             for axes in (fl.Components.INERTIAL, fl.Components.LOCAL):
                 scheme = fl.GeneralisedAlpha(radius=0.8, components=axes)
+                scene = scene_of(make, options.modulus)
                 try:
-                    result = scheme.run(scene_of(make), duration=1e-3 * options.steps, step=1e-3)
+                    result = scheme.run(scene, duration=1e-3 * options.steps, step=1e-3)
                 except fl.ConvergenceError as error:
                     print(f"{scene_name:9} {name}, {axes.name}: {error}", flush=True)
                     continue
