@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import fem_lie as fl
-from benchmarks import pressed_cylinder
+from benchmarks import pressed_cap, pressed_cylinder
 from fem_lie.contact.sides.detection import near
 from fem_lie.system import System
 
@@ -132,6 +132,14 @@ def test_a_cylinder_of_shell_between_planes_is_an_elastica(monkeypatch):
     wanted = [pressed_cylinder.elastica(pressed) for pressed in (0.2, 0.4)]
     np.testing.assert_allclose(forces[at], wanted, rtol=0.02)
     assert deep < 0.01 * pressed_cylinder.THICKNESS
+
+
+def test_a_ball_presses_a_cap_of_shell_until_it_has_snapped():
+    """Its force grows, falls and grows again."""
+    depths, forces, deep, _ = pressed_cap.press(5, load_steps=20)
+    rise, fall, beyond = (float(np.interp(at, depths, forces)) for at in (0.18, 0.27, 0.3))
+    assert fall < 0.5 * rise < beyond
+    assert deep < 0.01 * pressed_cap.THICKNESS
 
 
 # --- who is near whom ---

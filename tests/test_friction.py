@@ -167,6 +167,31 @@ def test_a_conserving_run_goes_on_to_the_last_bit(tmp_path, every):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 
 
+def sliding_beam(*, line: bool) -> fl.Scene:
+    """A soft beam that bounces along the floor, with some of it sticking."""
+    section = fl.Section.circle(0.01, fl.Material(1e7, 0.3, 1000.0))
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    beam = scene.add(fl.Beam.straight((0, 0, 0.0097), (1, 0, 0.03), section, cells=6))
+    beam.move((0.1, 0.05, 0))
+    nodes = fl.Vertices([fl.Point(beam, k) for k in range(7)], 0.01)
+    law = fl.Penalty(2e4 if line else 2e3, friction=0.3)
+    scene.add(fl.Contact(fl.Line(beam, 0.01) if line else nodes, FLOOR, law))
+    return scene
+
+
+@pytest.mark.parametrize("line", [False, True], ids=["nodes", "line"])
+def test_a_beam_goes_on_to_the_last_bit_amid_stick_and_slip(tmp_path, line):
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    options = {"duration": 0.04, "step": 1e-3, "progress": False, "checkpoint_every": 30}
+    whole = scheme.run(sliding_beam(line=line), **options, file=tmp_path / "whole.h5")
+    scheme.run(sliding_beam(line=line), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(sliding_beam(line=line), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "velocities", "balance", "iterations"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+    # it slows down along the floor
+    assert whole.momentum[-1, 0] < 0.999 * whole.momentum[0, 0]
+
+
 def crossing() -> fl.Scene:
     """Two lines, which rub in no conserving scheme."""
     section, scene = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0)), fl.Scene()
