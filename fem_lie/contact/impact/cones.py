@@ -38,10 +38,10 @@ _FIRST, _LATER, _ROUNDS = 3, 10, 4
 _MANY = 1e-6
 """Residual with which more contacts than those are content."""
 
-_LONGEST, _TURN, _LOOK, _EVERY, _WORSE = 10_000, 200, 5, 5, 4.0
+_LONGEST, _TURN, _LOOK, _EVERY, _WORSE, _LESS = 9_000, 200, 5, 5, 4.0, 0.9
 """Sweeps of these, about, at most; in the first turn; after how many of them the residual is looked
 at, and impulses go on; by how much more than at best a sweep may do, squared, until what is known
-of sweeps is dropped."""
+of sweeps is dropped; by which part they go on at most where nothing else has ended."""
 
 _RIDGE = 1e-12
 """Added to the diagonal of the least squares, over its largest."""
@@ -187,7 +187,9 @@ def _swing(x: Array, before: Array, part: float) -> None:
 
 
 @uncounted
-def _swung(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
+def _swung(
+    problem: Cones, k: int, tolerance: float, most: int, largest: float
+) -> tuple[int, float]:
     """Sweeps that go on by a part of what the last one did; how many, and the residual."""
     r, before, turned = problem.r, problem.past.end[:k], problem.past.turned
     _swing(r, before, 0.0)
@@ -206,7 +208,7 @@ def _swung(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, fl
                 return sweeps, reached
         weight = 1.0 if forward < 0.0 else weight
         later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
-        part, weight = (weight - 1.0) / later, later
+        part, weight = min(largest, (weight - 1.0) / later), later
         if sweeps < most:
             _swing(r, before, part)
             _swing(problem.W, turned, part)
@@ -215,18 +217,20 @@ def _swung(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, fl
 
 @uncounted
 def _in_turns(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
-    """Both: friction has no potential, and each turns in circles in some problems."""
-    sweeps, most, reached = 0, _TURN, np.inf
-    while sweeps < _LONGEST:
+    """All: friction has no potential, and each turns in circles in some problems."""
+    sweeps, most = 0, _TURN
+    while True:
         more, reached = _mixed(problem, k, tolerance, most)
         sweeps += more
-        if reached <= tolerance:
-            break
-        more, reached = _swung(problem, k, tolerance, 2 * most)
-        sweeps, most = sweeps + more, 2 * most
-        if reached <= tolerance:
-            break
-    return sweeps, reached
+        if reached > tolerance:
+            more, reached = _swung(problem, k, tolerance, 2 * most, 1.0)
+            sweeps += more
+        if reached > tolerance:
+            more, reached = _swung(problem, k, tolerance, 4 * most, _LESS)
+            sweeps += more
+        most *= 2
+        if reached <= tolerance or sweeps >= _LONGEST:
+            return sweeps, reached
 
 
 @uncounted
