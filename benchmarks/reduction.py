@@ -74,6 +74,14 @@ def missed_in_fixed_axes(basis: fl.Basis, result: fl.Result) -> float:
     return float(np.linalg.norm(left, axis=2).max())
 
 
+def missed_by_displacements(trained: fl.Result, result: fl.Result, modes: int) -> float:
+    """Likewise of POD of whole displacements in fixed axes, made anew from the same training."""
+    moved = [(r.frames - r.frames[0])[:, :, 0].reshape(len(r.times), -1) for r in (trained, result)]
+    shapes = np.linalg.svd(moved[0], full_matrices=False)[2][:modes]
+    left = (moved[1] - moved[1] @ shapes.T @ shapes).reshape(len(moved[1]), -1, 3)
+    return float(np.linalg.norm(left, axis=2).max())
+
+
 def postures(cells: int, modes: int, count: int) -> dict[str, float]:
     """One training, ``count`` other postures, and one swing at ten times the speed."""
     trained, body, _ = swing(np.eye(3), cells)
@@ -94,6 +102,7 @@ def postures(cells: int, modes: int, count: int) -> dict[str, float]:
             "pod": float(local.project(result).errors.max()) / size,
             "craig_bampton": float(ends.project(result).errors.max()) / size,
             "pod_moments": missed_moments(local, result, moved, scene),
+            "displacements": missed_by_displacements(trained, result, modes) / size,
             "fixed_axes": missed_in_fixed_axes(local, result) / size,
         }
         for key, value in here.items():
