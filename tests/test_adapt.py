@@ -7,7 +7,9 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import effectivity
-from demos import adaptive_cylinder, adaptive_shell
+from demos import adaptive_problems, adaptive_shell
+from fem_lie.adapt.goals import GoalError
+from fem_lie.adapt.loop import _calibration
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 PLAIN = fl.Geodesic(bending_flexibility=False)
@@ -184,10 +186,10 @@ def test_names_and_area_survive():
 
 
 def test_new_points_lie_on_the_true_surface():
-    mesh = adaptive_cylinder.eighth()
-    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_cylinder.on_cylinder)
+    mesh = adaptive_problems.eighth()
+    fine = fl.refine(mesh, [0, 7, 30], onto=adaptive_problems.on_cylinder)
     radius = np.hypot(*fine.points[:, 1:].T)
-    np.testing.assert_allclose(radius, adaptive_cylinder.RADIUS, rtol=1e-12)
+    np.testing.assert_allclose(radius, adaptive_problems.RADIUS, rtol=1e-12)
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -218,6 +220,24 @@ def test_a_tip_is_as_accurate_as_was_asked_for():
     true = goal.value(fl.statics(scene, load_steps=2))
     assert abs(found.error.value / true - 1) < 1e-3
     assert found.error.estimate == pytest.approx(true - found.error.value, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("values", "estimates", "factor"),
+    [
+        ((1.0, 1.6), (0.3, 0.1), 3.0),  # it moved three times as far as was said
+        ((1.0, 1.1), (0.3, 0.1), 1.0),  # less far: the estimate is safe
+        ((1.0, 0.9), (0.3, 0.1), 1.0),  # the other way: nothing is known
+        ((1.0, 1.6), (0.1, 0.1), 1.0),
+    ],
+)
+def test_estimates_are_multiplied_by_what_was_missed(values, estimates, factor):
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    before, now = (
+        GoalError(goal, value, (), (), (np.array([estimate]),))
+        for value, estimate in zip(values, estimates, strict=True)
+    )
+    assert _calibration(before, now) == pytest.approx(factor)
 
 
 def test_too_many_unknowns_end_it_with_what_there_is():

@@ -23,6 +23,7 @@ from typing import Any
 DEMOS, STUDIES = Path("demos"), Path("studies")
 HELPERS = (
     "__init__",
+    "adaptive_problems",
     "any_shell",
     "command_line",
     "diagrams",

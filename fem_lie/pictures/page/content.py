@@ -69,7 +69,7 @@ def drawn(
         }
         if balls.size
         else None,
-        "traces": [packed(_thinned((line - middle) / size), "f4") for line in paths],
+        "traces": [packed(_thinned(np.asarray((line - middle) / size)), "f4") for line in paths],
         "axes": list(_axes(frames, paths, middle, size, units)),
         "colours": None if scale is None else _legend(scale),
     }

@@ -56,8 +56,8 @@ def applies(scene: Scene, policy: Policy) -> bool:
 
 def held_by_nothing(scene: Scene, policy: Policy) -> bool:
     """:func:`applies`, whatever the contacts."""
-    held = scene.joints or scene.connections or scene.clamps or scene.motions or scene.links
-    held = held or any(body.held.any() for body in scene.bodies)
+    holding = scene.joints, scene.connections, scene.clamps, scene.motions, scene.links
+    held = any(holding) or any(body.held.any() for body in scene.bodies)
     rigid = all(isinstance(body, RigidBody) and not body.gram[0, 1:].any() for body in scene.bodies)
     nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
     simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)

@@ -1,0 +1,94 @@
+"""What meshes follow the error in: an L-shaped plate, and a pinched cylinder.
+
+The plate: three unit squares around a corner of 270 degrees, thickness 0.1, E = 1e6, nu = 0.3,
+clamped all around, under pressure. Bending moments at the corner are unbounded. The goal is the
+deflection in the middle of the corner square.
+
+The cylinder: pinched between two diaphragms by two unit forces, R = 300, L = 600, t = 3, E = 3e6,
+nu = 0.3 (T. Belytschko et al., CMAME 51 (1985) 221), an eighth of it is solved. Under a force on
+one point a shell with shear moves ever further as its mesh is refined, so it is spread over a pad
+of 60 x 94. The goal is the deflection in the middle of the pad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import fem_lie as fl
+
+MESHES = Path(__file__).parents[1] / "meshes"
+RADIUS, CELLS = 300.0, 10
+
+
+class Problem(NamedTuple):
+    """Its first mesh, a scene on any mesh, the goal, and the true surface."""
+
+    mesh: Callable[[], fl.SurfaceMesh]
+    build: Callable[[fl.SurfaceMesh], fl.Scene]
+    goal: fl.PointDisplacement
+    onto: Callable[[np.ndarray], np.ndarray] | None
+
+
+def l_plate(mesh: fl.SurfaceMesh) -> fl.Scene:
+    """The clamped plate."""
+    section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
+    scene = fl.Scene()
+    shell = scene.add(fl.Shell(mesh, section, name="plate"))
+    shell.clamp("rim")
+    scene.add(fl.SurfacePressure(shell, -1e-3))
+    return scene
+
+
+def on_cylinder(x: np.ndarray) -> np.ndarray:
+    """The place on the cylinder about x that is nearest."""
+    return np.array([x[0], *(RADIUS * x[1:] / np.hypot(*x[1:]))])
+
+
+def eighth() -> fl.SurfaceMesh:
+    """From the force to the side, and from mid-length to a diaphragm."""
+
+    def place(a: float, b: float) -> np.ndarray:
+        angle = a * np.pi / 2
+        return RADIUS * np.array([b, -np.sin(angle), np.cos(angle)])
+
+    mesh = fl.surface(place, (CELLS, CELLS), cell="triangle")
+    return replace(mesh, groups={"pad": np.flatnonzero((mesh.cells == 0).any(axis=1))})
+
+
+def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
+    """An eighth, with a quarter of a force."""
+    section = fl.ShellSection.layer(3.0, fl.Material(3e6, 0.3, 1.0))
+    shell = fl.Shell(
+        mesh,
+        section,
+        director=lambda x: np.array([0.0, *x[1:]]) / np.hypot(*x[1:]),
+        name="cylinder",
+    )
+    shell.symmetry("b=0", (1, 0, 0))
+    shell.symmetry("a=0", (0, 1, 0))
+    shell.symmetry("a=1", (0, 0, 1))
+    for direction in ((0, 1, 0), (0, 0, 1)):
+        shell.guide("b=1", direction)
+    scene = fl.Scene()
+    scene.add(shell)
+    pad = RADIUS * np.pi / 2 * RADIUS / CELLS**2
+    scene.add(fl.AreaLoad(shell, force=(0, 0, -0.25 / pad), cells="pad"))
+    return scene
+
+
+PROBLEMS = {
+    "l_plate": Problem(
+        lambda: fl.read_gmsh_surface(MESHES / "l_plate.geo"),
+        l_plate,
+        fl.PointDisplacement("plate.middle", (0, 0, -1)),
+        None,
+    ),
+    "pinched_cylinder": Problem(
+        eighth, pinched_cylinder, fl.PointDisplacement("cylinder.00", (0, 0, -1)), on_cylinder
+    ),
+}
