@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import least_squares
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.joints.equations import terms
+from fem_lie.joints.equations import functions, terms
+from fem_lie.joints.equations.relative_motion import relative_motion
 from fem_lie.solve.alpha.run import Run
 from fem_lie.system import System
 from fem_lie.system.constraints import Connections
@@ -220,6 +222,49 @@ def test_internal_forces_balance_and_are_invariant(name, seed):
     moved = lie.se3_compose(random_frames(case.rng, 1)[0], case.H)
     again = case.evaluate(moved, case.v)[:12].reshape(2, 6)
     assert np.abs(again - local).max() < bound
+
+
+def forbidden(tie, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """What the selection and functions of a tie make of two frames."""
+    z, of_z = np.empty(12), np.empty(3)
+    relative_motion(A, B, z)
+    functions.values(z, tie.angle, 0.0, of_z)
+    return tie.selection @ z + tie.functions @ of_z
+
+
+def allowed(tie, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Two frames, with some motion between them that the tie allows."""
+    A = random_frames(rng, 1)[0]
+    found = least_squares(
+        lambda twist: forbidden(tie, A, lie.se3_compose(A, lie.se3_exp(twist))),
+        rng.uniform(-0.5, 0.5, 6),
+        xtol=1e-15,
+        ftol=1e-15,
+        gtol=1e-15,
+    )
+    return A, lie.se3_compose(A, lie.se3_exp(found.x))
+
+
+REVERSIBLE = {fl.Fixed, fl.Spherical, fl.Revolute, fl.Prismatic, fl.Cylindrical, fl.Screw}
+NO_JOINTS = {"Spring", "Drive", "Gear"}
+
+
+@settings(max_examples=10)
+@given(seeds)
+@pytest.mark.parametrize("name", [name for name in CONNECTIONS if name not in NO_JOINTS])
+def test_reversible_joint_forbids_the_same_with_its_sides_exchanged(name, seed):
+    """And one that does not, or is not known to, keeps its sides."""
+    kind = getattr(fl, name)
+    assert kind.reversible == (kind in REVERSIBLE)
+    a, b = fl.RigidBody(1.0, (1, 1, 1)), fl.RigidBody(1.0, (1, 1, 1))
+    (tie,) = CONNECTIONS[name](a, b)[0].ties()
+    A, B = allowed(tie, np.random.default_rng(seed))
+    assert np.abs(forbidden(tie, A, B)).max() < 1e-11
+    left = np.abs(forbidden(tie.exchanged(), B, A)).max()
+    if kind.reversible:
+        assert left < 1e-11
+    elif kind is not fl.Planar:  # what it forbids is the same, its displacements are not
+        assert left > 1e-6
 
 
 def rod(start, end, **options) -> fl.Beam:

@@ -17,7 +17,6 @@ class OnLine(fl.Joint):
     """Point ``b`` stays on the line through ``a`` along ``axis``; it may turn as it likes."""
 
     selection = rows({0: 1.0}, {1: 1.0})
-    reversible = False  # the line is fixed to ``a``
 
 
 slope, duration = pi / 6, 0.5

@@ -55,7 +55,7 @@ class Tie(NamedTuple):
     functions: Array
     rows: Sequence[int]
     angle: Array = NO_ANGLE
-    reversible: bool = True
+    reversible: bool = False
 
     def exchanged(self) -> Tie:
         """The same with sides A and B exchanged.
@@ -73,6 +73,7 @@ class Tie(NamedTuple):
             self.functions,
             self.rows,
             np.ascontiguousarray(self.angle[:, _TRANSPOSED]),
+            self.reversible,
         )
 
 

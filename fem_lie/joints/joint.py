@@ -23,9 +23,10 @@ TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 class Joint(Connection):
     """What all joints have in common; use one of the subclasses.
 
-    A subclass states its ``selection`` of ``(Δ, Q)``. If it forbids the same with the two sides
-    exchanged, a side that does not move by itself becomes B, because the Jacobian on A's side of
-    what touches ``Δ`` alone is constant in local frames; otherwise it is not ``reversible``.
+    A subclass states its ``selection`` of ``(Δ, Q)``. If it says that it is ``reversible``, that
+    is, that it forbids the same with the two sides exchanged, a side that does not move by itself
+    becomes B, because the Jacobian on A's side of what touches ``Δ`` alone is constant in local
+    frames.
 
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.points.ground`.
@@ -43,7 +44,7 @@ class Joint(Connection):
     name: str = ""
 
     selection: ClassVar[Array]
-    reversible: ClassVar[bool] = True
+    reversible: ClassVar[bool] = False
     turn: ClassVar[Array] = TURN
 
     def __post_init__(self) -> None:

@@ -51,6 +51,7 @@ class Fixed(Joint):
     """
 
     selection = rows(*_COINCIDE, *_NO_TURN)
+    reversible = True
 
 
 class Spherical(Joint):
@@ -64,6 +65,7 @@ class Spherical(Joint):
     """
 
     selection = rows(*_COINCIDE)
+    reversible = True
 
 
 class InPlane(Joint):
@@ -80,7 +82,6 @@ class InPlane(Joint):
     """
 
     selection = rows({2: 1.0})
-    reversible = False
 
 
 class Revolute(_Turning):
@@ -97,6 +98,7 @@ class Revolute(_Turning):
     """
 
     selection = rows(*_COINCIDE, *_SAME_AXIS)
+    reversible = True
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The angle."""
@@ -114,6 +116,7 @@ class Prismatic(_Gliding):
     """
 
     selection = rows(*_ON_AXIS, *_NO_TURN)
+    reversible = True
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The displacement."""
@@ -131,6 +134,7 @@ class Cylindrical(_Turning, _Gliding):
     """
 
     selection = rows(*_ON_AXIS, *_SAME_AXIS)
+    reversible = True
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Angle and displacement."""
@@ -154,6 +158,7 @@ class Screw(_Turning, _Gliding):
     pitch: float = 0.0
 
     selection = rows(*_ON_AXIS, *_SAME_AXIS, {2: 1.0})
+    reversible = True
 
     @property
     def functions(self) -> Array:
@@ -205,7 +210,6 @@ class Planar(_WithSecondAxis, _Turning):
     """
 
     selection = rows({2: 1.0}, *_SAME_AXIS)
-    reversible = False
 
     @property
     def displacements(self) -> tuple[Coordinate, Coordinate]:
@@ -231,7 +235,6 @@ class Universal(_WithSecondAxis):
     """
 
     selection = rows(*_COINCIDE, {9: 1.0})
-    reversible = False
 
     @property
     def angle(self) -> Coordinate:
@@ -271,6 +274,7 @@ class Distance(Joint):
     to: npt.ArrayLike | None = None
 
     selection = rows()
+    reversible = True
 
     @property
     def length(self) -> Coordinate:

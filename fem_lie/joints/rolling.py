@@ -29,7 +29,6 @@ class KnifeEdge(Joint):
     """
 
     selection = rows()
-    reversible = False
 
     def velocity_ties(self) -> list[VelocityTie]:
         """The component along e₃ of ``b``."""
@@ -64,7 +63,6 @@ class RollingDisc(Joint):
     normal: npt.ArrayLike = (0.0, 0.0, 1.0)
 
     selection = rows({2: 1.0})
-    reversible = False
 
     @property
     def functions(self) -> Array:
