@@ -33,20 +33,23 @@ def line(comm: MPI.Intracomm) -> dolfinx.mesh.Mesh:
     return _compat.create_line_mesh(comm, points, np.column_stack([np.arange(8), np.arange(1, 9)]))
 
 
-def tip(body: fl.Beam | fl.Shell) -> np.ndarray:
+def tip(body: fl.Beam | fl.Cable | fl.Shell) -> np.ndarray:
     """Where it ends under a load at one end, held at the other."""
     x = body.frames[:, 0, 0]
     scene = fl.Scene()
     scene.add(body)
     for node in np.flatnonzero(x == x.min()):
-        scene.add(fl.Clamp(body.node(int(node))))
+        if isinstance(body, fl.Cable):
+            body.clamp(body.node(int(node)))
+        else:
+            scene.add(fl.Clamp(body.node(int(node))))
     for node in np.flatnonzero(x == x.max()):
         scene.add(fl.PointLoad(body.node(int(node)), force=(0.0, 0.0, 0.02)))
     frames = fl.statics(scene).frames[-1]
     return frames[:, 0]
 
 
-def mesh_of(body: fl.Beam | fl.Shell) -> dolfinx.mesh.Mesh:
+def mesh_of(body: fl.Beam | fl.Cable | fl.Shell) -> dolfinx.mesh.Mesh:
     """On which its forms are."""
     scene = fl.Scene()
     scene.add(body)
@@ -82,6 +85,34 @@ def test_a_beam_is_on_the_mesh_that_it_was_given(comm, formulation):
     np.testing.assert_allclose(
         tip(beam), tip(fl.Beam(bare, SECTION, formulation=formulation)), atol=1e-9
     )
+
+
+@COMMUNICATORS
+@pytest.mark.parametrize("formulation", [fl.HermiteCable(), fl.DiscreteCable()], ids=repr)
+def test_a_cable_is_on_the_mesh_that_it_was_given(comm, formulation):
+    mesh = line(comm)
+    cable = fl.Cable(mesh, SECTION, formulation=formulation)
+    assert mesh_of(cable) is mesh
+    bare = fl.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
+    other = fl.Cable(bare, SECTION, formulation=formulation)
+    assert mesh_of(other) is not mesh
+    np.testing.assert_allclose(tip(cable), tip(other), atol=1e-9)
+
+
+def test_an_ancf_beam_goes_along_a_mesh_that_it_was_given():
+    mesh = line(MPI.COMM_SELF)
+    bare = fl.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
+    np.testing.assert_array_equal(
+        fl.AncfBeam(mesh, SECTION).frames, fl.AncfBeam(bare, SECTION).frames
+    )
+
+
+@pytest.mark.parametrize("kind", [fl.Beam, fl.Rod, fl.Cable, fl.AncfBeam])
+def test_a_line_along_a_mesh_of_another_dimension_is_refused(kind):
+    with pytest.raises(ValueError, match=r"must consist of intervals.*got quadrilateral"):
+        kind(plate(MPI.COMM_SELF, "quadrilateral"), SECTION)
+    with pytest.raises(TypeError, match=rf"{kind.__name__}: mesh must be a LineMesh.*SurfaceMesh"):
+        kind(fl.surface(lambda a, b: (a, b, 0), (1, 1)), SECTION)
 
 
 def test_two_bodies_of_a_kind_are_assembled_on_one_mesh_of_their_own():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Indices
+from fem_lie._arrays import Indices, instance
 from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
 from fem_lie.mesh.sides import turn, turned_round
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -63,6 +63,22 @@ def read_gmsh(
         groups=raw.groups,
         named_points=raw.named_points,
     )
+
+
+def line_of(mesh: LineMesh | dolfinx.mesh.Mesh, what: str) -> LineMesh:
+    """A line as a body takes it: one of this package, or a DOLFINx mesh as it is.
+
+    Raises:
+        ValueError: See :func:`from_dolfinx`.
+        TypeError: It is something else.
+    """
+    import dolfinx
+
+    if isinstance(mesh, dolfinx.mesh.Mesh):
+        return from_dolfinx(mesh)
+    known = "a LineMesh, see straight, polyline and curve of its class, or a DOLFINx mesh"
+    instance(mesh, LineMesh, f"{what}: mesh", known)
+    return mesh
 
 
 def from_dolfinx(

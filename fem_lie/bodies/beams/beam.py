@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import dolfinx
 import numpy as np
 import numpy.typing as npt
 
@@ -29,8 +28,11 @@ from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.mesh.curves import curve, polyline, straight
 from fem_lie.mesh.lines import LineMesh
-from fem_lie.mesh.reading import from_dolfinx
+from fem_lie.mesh.reading import line_of
 from fem_lie.sections.section import Section
+
+if TYPE_CHECKING:
+    import dolfinx
 
 _AT_NODE = 1e-9  # of an element
 
@@ -93,10 +95,8 @@ class Beam(LineBody):
             ValueError: A cell without section, ``up`` along the line, or twist or taper on a mesh
                 of several pieces.
         """
-        if isinstance(mesh, dolfinx.mesh.Mesh):
-            mesh = from_dolfinx(mesh)
-        self.source = mesh.source if isinstance(mesh, LineMesh) else None
-        instance(mesh, LineMesh, "Beam: mesh", "a LineMesh; see Beam.straight, polyline and curve")
+        mesh = line_of(mesh, type(self).__name__)
+        self.source = mesh.source
         known = "a Section, a dict of them by groups of cells or a function of arc length"
         instance(section, Section | Mapping | Callable, "Beam: section", known)
         instance(formulation, Formulation | None, "Beam: formulation", "an element or None")

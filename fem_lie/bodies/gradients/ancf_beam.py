@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,11 @@ from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.reading import line_of
 from fem_lie.sections.section import Section
+
+if TYPE_CHECKING:
+    import dolfinx
 
 
 class AncfBeam(SectionPoints):
@@ -53,7 +57,7 @@ class AncfBeam(SectionPoints):
 
     def __init__(
         self,
-        mesh: LineMesh,
+        mesh: LineMesh | dolfinx.mesh.Mesh,
         section: Sections,
         *,
         up: Up | Twisted | None = None,
@@ -66,7 +70,7 @@ class AncfBeam(SectionPoints):
         """Place the nodes; arguments are as of a :class:`~fem_lie.Beam`.
 
         Args:
-            mesh: The lines, without corners and branches.
+            mesh: The lines, without corners and branches; or a DOLFINx mesh of intervals.
             section: One for all cells, one for each named group, or a function of arc length.
             up: Direction nearest to which e₃ is to be.
             length: Of all of it, unloaded; default: that of the line. A beam of another length has
@@ -82,7 +86,7 @@ class AncfBeam(SectionPoints):
                 line, or there is damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
-        instance(mesh, LineMesh, "AncfBeam: mesh", "a LineMesh")
+        mesh = line_of(mesh, "AncfBeam")
         known = "a Section, a dict of them by groups of cells or a function of arc length"
         instance(section, Section | Mapping | Callable, "AncfBeam: section", known)
         instance(formulation, AncfElement | None, "AncfBeam: formulation", "an element or None")

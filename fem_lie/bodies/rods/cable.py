@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,11 @@ from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.mesh.curves import curve, straight
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.reading import line_of
 from fem_lie.sections.section import Section
+
+if TYPE_CHECKING:
+    import dolfinx
 
 
 class Cable(Threads):
@@ -45,7 +50,7 @@ class Cable(Threads):
 
     def __init__(
         self,
-        mesh: LineMesh,
+        mesh: LineMesh | dolfinx.mesh.Mesh,
         section: Section,
         *,
         length: float | None = None,
@@ -56,7 +61,8 @@ class Cable(Threads):
         """Place the nodes.
 
         Args:
-            mesh: The line as it lies at the start, without corners and branches.
+            mesh: The line as it lies at the start, without corners and branches; or a DOLFINx
+                mesh of intervals in space.
             section: Of which stretch ``EA``, bending ``EI``, alike about both axes, and the mass
                 per length count.
             length: Of all of it, unstretched; default: that of the line.
@@ -72,7 +78,8 @@ class Cable(Threads):
                 there is damping with strain and the element has none.
             TypeError: An argument is of another kind than wanted.
         """
-        instance(mesh, LineMesh, "Cable: mesh", "a LineMesh")
+        mesh = line_of(mesh, "Cable")
+        self.source = mesh.source
         instance(section, Section, "Cable: section", "a Section")
         instance(formulation, Formulation | None, "Cable: formulation", "an element or None")
         element = HermiteCable() if formulation is None else formulation
