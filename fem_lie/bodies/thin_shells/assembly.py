@@ -63,13 +63,14 @@ class ThinShellAssembly(BodyTerm):
         self.stiffness = section[:, MEMBRANE_AND_BENDING, MEMBRANE_AND_BENDING]
         weighted = self.stiffness[:, np.newaxis] * (areas * element.weights())[..., None, None]
         D = np.einsum("mgia,mgij,mgjb->mgab", self.turned, weighted, self.turned)
-        head = np.concatenate([body.sizes for body in bodies])
+        head, above = np.concatenate([body.sizes for body in bodies]), np.triu_indices(6)
         parts = (
             np.zeros((len(cells), 12 * NODES)),
             head,
             sampled,
-            strains,
-            D,
+            # of all points side by side
+            strains.transpose(0, 2, 1),
+            D[:, :, above[0], above[1]].transpose(0, 2, 1),
             np.zeros_like(strains),
         )
         self._values = np.concatenate([part.reshape(len(cells), -1) for part in parts], axis=1)
@@ -125,9 +126,9 @@ class ThinShellAssembly(BodyTerm):
 
     def strains(self, H: Array) -> Array:
         """Strains along the sections' axes at the points of integration, shape (m, g, 6)."""
-        found = np.empty((len(self.cells), self._points, 6))
+        found = np.empty((len(self.cells), 6, self._points))
         kernels.all_strains(H, *self._place, found)
-        return np.asarray(np.einsum("mgij,mgj->mgi", self.turned, found))
+        return np.asarray(np.einsum("mgij,mjg->mgi", self.turned, found))
 
     # --- what is carried ---
 

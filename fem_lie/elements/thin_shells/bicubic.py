@@ -71,15 +71,21 @@ class BicubicHermite:
             for x, y in sets
         ]
         first, second, third = (hermite.table(hermite.products(x, y)) for x, y in sets)
-        n1, n2, n3 = len(first), len(second), len(third)
+        found = [
+            first[:, hermite.ALONG],
+            second[:, hermite.ACROSS],
+            *third[:, hermite.ALONG : hermite.ACROSS + 1].swapaxes(0, 1),
+            *hermite.table(at)[:, hermite.ALONG :].swapaxes(0, 1),
+        ]
+        table = np.concatenate(found)
+        columns = [np.ascontiguousarray(part.T) for part in (table, *spread)]
         return Rule(
-            counts=(n1, n2, n3, len(at)),
+            counts=(len(first), len(second), len(third), len(at)),
             share=float(self.share),
-            along=first[:, hermite.ALONG],
-            across=second[:, hermite.ACROSS],
-            both=third[:, hermite.ALONG : hermite.ACROSS + 1],
+            table=table,
+            columns=columns[0],
             spread=(spread[0], spread[1], spread[2]),
-            points=hermite.table(at)[:, hermite.ALONG :],
+            spread_columns=(columns[1], columns[2], columns[3]),
         )
 
     def surface_rule(self, more: int = 0) -> tuple[Array, Array, Array]:
@@ -110,10 +116,11 @@ def unloaded(rule: Rule, q: Array) -> tuple[Array, Array, Array]:
         Membrane strains at the samples (m, s), all strains at the points (m, g, 6), and ``z``
         there, (m, g, 5, 3).
     """
-    first, second = (np.einsum("sa,maj->msj", t, q) for t in (rule.along, rule.across))
-    both = np.einsum("ska,maj->kmsj", rule.both, q)
+    n1, n2, n3, points = rule.counts
+    ends = np.cumsum([n1, n2, n3, n3])
+    first, second, *both, d = np.split(np.einsum("ra,maj->mrj", rule.table, q), ends, axis=1)
     sampled = [0.5 * (first**2).sum(-1), 0.5 * (second**2).sum(-1), (both[0] * both[1]).sum(-1)]
-    z = np.einsum("gka,maj->mgkj", rule.points, q)
+    z = d.reshape(len(q), 5, points, 3).swapaxes(1, 2)
     r1, r2 = z[:, :, 0], z[:, :, 1]
     n = np.cross(r1, r2)
     n /= np.linalg.norm(n, axis=-1, keepdims=True)

@@ -14,36 +14,52 @@ from fem_lie.forms.kernels.addresses import Pointer, shift
 
 HEAD = 5
 """Numbers before the tables of an element: samples of each strain, points, share at the points."""
+HALF = 21
+"""Entries of a symmetric matrix (6, 6) that are not below its diagonal."""
 _ROWS, _SIZES = 12 * NODES, 3
 
 
 class Rule(NamedTuple):
     """Tables of an element, the same for all cells.
 
+    Derivatives ``d = table q`` are, in this order: ∂ξ at the samples of E₁₁, ∂η at those of E₂₂,
+    ∂ξ and then ∂η at those of 2 E₁₂, and ∂ξ, ∂η, ∂ξξ, ∂ηη, ∂ξη at the points of integration, each
+    at all of them.
+
     Attributes:
         counts: Samples of E₁₁, of E₂₂ and of 2 E₁₂, and points of integration.
         share: How much of the membrane strain is that at the points themselves.
-        along: ∂ξ at the samples of E₁₁, shape (s₁, 16).
-        across: ∂η at those of E₂₂, shape (s₂, 16).
-        both: Both at those of 2 E₁₂, shape (s₃, 2, 16).
+        table: Derivatives of the interpolation, shape (d, 16).
+        columns: The same, transposed: both are read along rows.
         spread: Of each strain, values at the points of the polynomials that are one at a sample,
             shapes (g, s₁), (g, s₂), (g, s₃).
-        points: (∂ξ, ∂η, ∂ξξ, ∂ηη, ∂ξη) there, shape (g, 5, 16).
+        spread_columns: The same, transposed.
     """
 
     counts: tuple[int, int, int, int]
     share: float
-    along: Array
-    across: Array
-    both: Array
+    table: Array
+    columns: Array
     spread: tuple[Array, Array, Array]
-    points: Array
+    spread_columns: tuple[Array, Array, Array]
 
     def packed(self) -> Array:
         """As the kernels read it."""
-        tables = self.along, self.across, self.both, *self.spread, self.points
+        tables = self.table, self.columns, *self.spread, *self.spread_columns
         head = np.array([*self.counts, self.share])
         return np.concatenate([head, *(table.ravel() for table in tables)])
+
+
+@inlined
+def first_point(counts: tuple[int, int, int, int]) -> int:
+    """Derivatives before those at the points of integration."""
+    return counts[0] + counts[1] + 2 * counts[2]
+
+
+@inlined
+def derivatives(counts: tuple[int, int, int, int]) -> int:
+    """How many there are."""
+    return first_point(counts) + 5 * counts[3]
 
 
 class Data(NamedTuple):
@@ -53,9 +69,9 @@ class Data(NamedTuple):
         rows: Of its nodes, shape (8, 4, 3).
         sizes: Of the cell in the patch's parameters, see :mod:`.rows`, shape (3,).
         sampled: Membrane strains of the unloaded cell at the samples, shape (s,).
-        unloaded: All strains of the unloaded cell at the points, shape (g, 6).
-        stiffness: ``D`` at the points, shape (g, 6, 6).
-        stress: What is carried, shape (g, 6).
+        unloaded: All strains of the unloaded cell at the points, shape (6, g).
+        stiffness: ``D`` at the points, row by row where it is not below the diagonal, (21, g).
+        stress: What is carried, shape (6, g).
     """
 
     rows: Array
@@ -68,7 +84,7 @@ class Data(NamedTuple):
 
 def stress_at(samples: int, points: int) -> int:
     """Where the carried stress begins in a cell's data; it is the last of them."""
-    return _ROWS + _SIZES + samples + 42 * points
+    return _ROWS + _SIZES + samples + (6 + HALF) * points
 
 
 @inlined
@@ -76,34 +92,33 @@ def read_rule(c: Pointer) -> Rule:
     """What :meth:`Rule.packed` has made, at ``c``."""
     head = numba.carray(c, (HEAD,))
     n1, n2, n3, g = int(head[0]), int(head[1]), int(head[2]), int(head[3])
-    at = HEAD
-    along = numba.carray(shift(c, at), (n1, VECTORS))
-    at += VECTORS * n1
-    across = numba.carray(shift(c, at), (n2, VECTORS))
-    at += VECTORS * n2
-    both = numba.carray(shift(c, at), (n3, 2, VECTORS))
-    at += 2 * VECTORS * n3
+    count = derivatives((n1, n2, n3, g))
+    at = HEAD + 2 * VECTORS * count
+    table = numba.carray(shift(c, HEAD), (count, VECTORS))
+    columns = numba.carray(shift(c, HEAD + VECTORS * count), (VECTORS, count))
     first = numba.carray(shift(c, at), (g, n1))
-    at += g * n1
-    second = numba.carray(shift(c, at), (g, n2))
-    at += g * n2
-    third = numba.carray(shift(c, at), (g, n3))
-    at += g * n3
-    points = numba.carray(shift(c, at), (g, 5, VECTORS))
-    return Rule((n1, n2, n3, g), head[4], along, across, both, (first, second, third), points)
+    second = numba.carray(shift(c, at + g * n1), (g, n2))
+    third = numba.carray(shift(c, at + g * (n1 + n2)), (g, n3))
+    at += g * (n1 + n2 + n3)
+    of_first = numba.carray(shift(c, at), (n1, g))
+    of_second = numba.carray(shift(c, at + g * n1), (n2, g))
+    of_third = numba.carray(shift(c, at + g * (n1 + n2)), (n3, g))
+    spread = first, second, third
+    return Rule((n1, n2, n3, g), head[4], table, columns, spread, (of_first, of_second, of_third))
 
 
 @inlined
-def read_data(w: Pointer, samples: int, points: int) -> Data:
+def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
     """That of the cell whose numbers begin at ``w``."""
+    samples, points = counts[0] + counts[1] + counts[2], counts[3]
     at = _ROWS + _SIZES
     sampled = numba.carray(shift(w, at), (samples,))
     at += samples
-    unloaded = numba.carray(shift(w, at), (points, 6))
+    unloaded = numba.carray(shift(w, at), (6, points))
     at += 6 * points
-    stiffness = numba.carray(shift(w, at), (points, 6, 6))
-    at += 36 * points
-    stress = numba.carray(shift(w, at), (points, 6))
+    stiffness = numba.carray(shift(w, at), (HALF, points))
+    at += HALF * points
+    stress = numba.carray(shift(w, at), (6, points))
     rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (_SIZES,))
     return Data(rows, sizes, sampled, unloaded, stiffness, stress)
 
@@ -112,5 +127,4 @@ def read_data(w: Pointer, samples: int, points: int) -> Data:
 def read_tables(w: Pointer, c: Pointer) -> tuple[Rule, Data]:
     """Both, of a cell with the data at ``w``."""
     rule = read_rule(c)
-    n1, n2, n3, points = rule.counts
-    return rule, read_data(w, n1 + n2 + n3, points)
+    return rule, read_data(w, rule.counts)

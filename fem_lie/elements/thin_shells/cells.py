@@ -15,10 +15,10 @@ import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import callback, compiled, inlined
+from fem_lie._jit import callback, compiled
 from fem_lie._jit.stack import stack
 from fem_lie.elements.thin_shells.cell_tables import read_data, read_rule, read_tables
-from fem_lie.elements.thin_shells.curvature import geometric, pull_moments
+from fem_lie.elements.thin_shells.curvature import geometric
 from fem_lie.elements.thin_shells.rows import (
     NODES,
     UNKNOWNS,
@@ -26,25 +26,28 @@ from fem_lie.elements.thin_shells.rows import (
     gather,
     gather_motion,
     pull,
-    pull_matrix,
+    pull_symmetric,
 )
 from fem_lie.elements.thin_shells.stiffness import (
     add_geometric,
     add_geometric_of_samples,
     add_material,
 )
-from fem_lie.elements.thin_shells.strain_changes import add_to_samples, change_rows, pull_samples
-from fem_lie.elements.thin_shells.strains import differentiate, find_strains, room, room_size
+from fem_lie.elements.thin_shells.strain_changes import (
+    change_rows,
+    on_derivatives,
+    on_samples,
+    on_vectors,
+)
+from fem_lie.elements.thin_shells.strains import (
+    at_point,
+    differentiate,
+    find_strains,
+    find_stress,
+    room,
+    room_size,
+)
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer, pointer
-from fem_lie.lie.tuples import load, load_row, plus, scaled, store
-
-
-@inlined
-def _stress(D: Array, strain: Array, out: Array) -> None:
-    for i in range(6):
-        out[i] = 0.0
-        for j in range(6):
-            out[i] += D[i, j] * strain[j]
 
 
 @callback(UFCX_SIGNATURE)
@@ -53,15 +56,15 @@ def energy_kernel(
 ) -> None:
     """Energy of a cell."""
     rule, data = read_tables(w, c)
-    samples, points = data.sampled.shape[0], data.unloaded.shape[0]
-    work = room(stack(room_size(samples, points)), samples, points)
-    value, S = numba.carray(A, (1,)), numba.carray(stack(6), (6,))
-    gather(data.rows, data.sizes, work.q)
+    points = rule.counts[3]
+    work = room(stack(room_size(rule)), rule)
+    value, S = numba.carray(A, (1,)), numba.carray(stack(6 * points), (6, points))
+    gather(data.rows, data.sizes, work.q.T)
     find_strains(rule, data, work)
-    for g in range(points):
-        _stress(data.stiffness[g], work.strains[g], S)
-        for k in range(6):
-            value[0] += 0.5 * S[k] * work.strains[g, k]
+    find_stress(data.stiffness, work.strains, S)
+    for k in range(6):
+        for g in range(points):
+            value[0] += 0.5 * S[k, g] * work.strains[k, g]
 
 
 @callback(UFCX_SIGNATURE)
@@ -70,29 +73,17 @@ def force_kernel(
 ) -> None:
     """Forces on the nodes of a cell."""
     rule, data = read_tables(w, c)
-    samples, points = data.sampled.shape[0], data.unloaded.shape[0]
-    work = room(stack(room_size(samples, points)), samples, points)
-    f, on_samples = numba.carray(stack(UNKNOWNS), (VECTORS, 3)), work.samples
-    S, fz = numba.carray(stack(6), (6,)), numba.carray(stack(15), (5, 3))
-    gather(data.rows, data.sizes, work.q)
+    points, count = rule.counts[3], rule.table.shape[0]
+    work = room(stack(room_size(rule)), rule)
+    S, F = numba.carray(stack(6 * points), (6, points)), numba.carray(stack(3 * count), (3, count))
+    f = numba.carray(stack(UNKNOWNS), (3, VECTORS))
+    gather(data.rows, data.sizes, work.q.T)
     find_strains(rule, data, work)
-    f[:] = 0.0
-    on_samples[:] = 0.0
-    for g in range(points):
-        _stress(data.stiffness[g], work.strains[g], S)
-        add_to_samples(rule, g, S, on_samples)
-        z = work.z[g]
-        pull_moments(z, load(S, 3), fz)
-        n1, n2, n12 = scaled(rule.share, load(S, 0))
-        r1, r2 = load_row(z, 0), load_row(z, 1)
-        store(fz[0], 0, plus(load_row(fz, 0), plus(scaled(n1, r1), scaled(n12, r2))))
-        store(fz[1], 0, plus(load_row(fz, 1), plus(scaled(n2, r2), scaled(n12, r1))))
-        for a in range(VECTORS):
-            for k in range(5):
-                for j in range(3):
-                    f[a, j] += rule.points[g, k, a] * fz[k, j]
-    pull_samples(rule, work.slopes, on_samples, f)
-    pull(data.rows, data.sizes, f, numba.carray(A, (NODES, 6)))
+    find_stress(data.stiffness, work.strains, S)
+    on_samples(rule, S, work.samples)
+    on_derivatives(rule, work.d, S, work.samples, F)
+    on_vectors(rule.table, F, f)
+    pull(data.rows, data.sizes, f.T, numba.carray(A, (NODES, 6)))
 
 
 @callback(UFCX_SIGNATURE)
@@ -101,33 +92,31 @@ def tangent_kernel(
 ) -> None:
     """Matrix of a cell, with the carried stress."""
     rule, data = read_tables(w, c)
-    samples, points = data.sampled.shape[0], data.unloaded.shape[0]
-    work = room(stack(room_size(samples, points)), samples, points)
+    points, S = rule.counts[3], data.stress
+    work = room(stack(room_size(rule)), rule)
     K = numba.carray(stack(UNKNOWNS * UNKNOWNS), (UNKNOWNS, UNKNOWNS))
     change = stack(6 * UNKNOWNS)
-    rows, rows3 = numba.carray(change, (6, UNKNOWNS)), numba.carray(change, (6, VECTORS, 3))
+    rows, rows3 = numba.carray(change, (6, UNKNOWNS)), numba.carray(change, (6, 3, VECTORS))
     stress_rows = numba.carray(stack(6 * UNKNOWNS), (6, UNKNOWNS))
-    G, fz = numba.carray(stack(225), (5, 3, 5, 3)), numba.carray(stack(15), (5, 3))
-    turn, half = numba.carray(stack(45), (5, 3, 3)), numba.carray(stack(48), (VECTORS, 3))
-    P, R = numba.carray(stack(256), (VECTORS, VECTORS)), numba.carray(stack(72), (NODES, 3, 3))
-    gather(data.rows, data.sizes, work.q)
-    differentiate(rule, work.q, work.slopes, work.z)
+    D, P = numba.carray(stack(36), (6, 6)), numba.carray(stack(256), (VECTORS, VECTORS))
+    G, turn = numba.carray(stack(225), (5, 3, 5, 3)), numba.carray(stack(45), (5, 3, 3))
+    half = numba.carray(stack(15 * VECTORS), (5, 3, VECTORS))
+    gather(data.rows, data.sizes, work.q.T)
+    differentiate(rule, work.q, work.d)
     K[:] = 0.0
-    work.samples[:] = 0.0
     for g in range(points):
-        S = data.stress[g]
-        change_rows(rule, work, g, fz, rows3)
-        add_material(rows, data.stiffness[g], stress_rows, K)
-        add_to_samples(rule, g, S, work.samples)
-        geometric(work.z[g], load(S, 3), G, turn)
+        change_rows(rule, work, g, rows3)
+        add_material(rows, data.stiffness, g, D, stress_rows, K)
+        geometric(at_point(rule, work.d, g), (S[3, g], S[4, g], S[5, g]), G, turn)
         for j in range(3):
-            G[0, j, 0, j] += rule.share * S[0]
-            G[1, j, 1, j] += rule.share * S[1]
-            G[0, j, 1, j] += rule.share * S[2]
-            G[1, j, 0, j] += rule.share * S[2]
-        add_geometric(rule.points[g], G, half, K)
+            G[0, j, 0, j] += rule.share * S[0, g]
+            G[1, j, 1, j] += rule.share * S[1, g]
+            G[0, j, 1, j] += rule.share * S[2, g]
+            G[1, j, 0, j] += rule.share * S[2, g]
+        add_geometric(rule, g, G, half, K)
+    on_samples(rule, S, work.samples)
     add_geometric_of_samples(rule, work.samples, P, K)
-    pull_matrix(data.rows, data.sizes, K, R, numba.carray(A, (NODES, 6, NODES, 6)))
+    pull_symmetric(data.rows, data.sizes, K, numba.carray(A, (NODES, 6, NODES, 6)))
 
 
 @compiled
@@ -142,40 +131,34 @@ def carry_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: 
         c: Address of the tables.
     """
     rule = read_rule(pointer(c))
-    n1, n2, n3, points = rule.counts
-    samples = n1 + n2 + n3
-    work = room(stack(room_size(samples, points)), samples, points)
-    moved, own = np.empty((NODES, 6)), np.empty(6)
-    dq, rows, fz = np.empty((VECTORS, 3)), np.empty((6, VECTORS, 3)), np.empty((5, 3))
+    work = room(stack(room_size(rule)), rule)
+    moved, dq, rows = np.empty((NODES, 6)), np.empty((3, VECTORS)), np.empty((6, 3, VECTORS))
     for e in range(cells.shape[0]):
-        data = read_data(pointer(place[0] + 8 * place[1] * e), samples, points)
+        data = read_data(pointer(place[0] + 8 * place[1] * e), rule.counts)
         for i in range(NODES):
             data.rows[i] = H[cells[e, i]]
             moved[i] = h[cells[e, i]]
-        gather(data.rows, data.sizes, work.q)
+        gather(data.rows, data.sizes, work.q.T)
         find_strains(rule, data, work)
-        gather_motion(data.rows, data.sizes, moved, dq)
-        for g in range(points):
-            change_rows(rule, work, g, fz, rows)
+        gather_motion(data.rows, data.sizes, moved, dq.T)
+        for g in range(rule.counts[3]):
+            change_rows(rule, work, g, rows)
             for k in range(6):
-                own[k] = work.strains[g, k]
-                for a in range(VECTORS):
-                    for j in range(3):
-                        own[k] += rows[k, a, j] * dq[a, j]
-            _stress(data.stiffness[g], own, data.stress[g])
+                for j in range(3):
+                    for a in range(VECTORS):
+                        work.strains[k, g] += rows[k, j, a] * dq[j, a]
+        find_stress(data.stiffness, work.strains, data.stress)
 
 
 @compiled
 def all_strains(H: Array, cells: Indices, place: tuple[int, int], c: int, out: Array) -> None:
-    """Strains at the points of all cells, shape (m, g, 6); arguments as :func:`carry_stress`."""
+    """Strains at the points of all cells, shape (m, 6, g); arguments as :func:`carry_stress`."""
     rule = read_rule(pointer(c))
-    n1, n2, n3, points = rule.counts
-    samples = n1 + n2 + n3
-    work = room(stack(room_size(samples, points)), samples, points)
+    work = room(stack(room_size(rule)), rule)
     for e in range(cells.shape[0]):
-        data = read_data(pointer(place[0] + 8 * place[1] * e), samples, points)
+        data = read_data(pointer(place[0] + 8 * place[1] * e), rule.counts)
         for i in range(NODES):
             data.rows[i] = H[cells[e, i]]
-        gather(data.rows, data.sizes, work.q)
+        gather(data.rows, data.sizes, work.q.T)
         find_strains(rule, data, work)
         out[e] = work.strains

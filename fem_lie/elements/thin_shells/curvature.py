@@ -12,56 +12,53 @@ Of ``z = (r₁, r₂, r₁₁, r₂₂, r₁₂)``, derivatives of the place, wi
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.tuples import (
-    Vector,
-    combined,
-    cross,
-    dot,
-    load_row,
-    minus,
-    plus,
-    scaled,
-    store_row,
-)
+from fem_lie.lie.tuples import Vector, combined, cross, dot, minus, plus, scaled
+
+Derivatives: TypeAlias = tuple[Vector, Vector, Vector, Vector, Vector]
+"""``z``, or what belongs to it."""
 
 
 @inlined
-def normal(z: Array) -> tuple[Vector, float]:
+def normal(z: Derivatives) -> tuple[Vector, float]:
     """Unit normal, and the area ``|m|`` per area of parameters."""
-    m = cross(load_row(z, 0), load_row(z, 1))
+    m = cross(z[0], z[1])
     size = np.sqrt(dot(m, m))
     return scaled(1.0 / size, m), size
 
 
 @inlined
-def curvatures(z: Array) -> Vector:
-    """``κ`` at ``z`` (5, 3)."""
+def curvatures(z: Derivatives) -> Vector:
+    """``κ`` at ``z``."""
     n, _ = normal(z)
-    return -dot(load_row(z, 2), n), -dot(load_row(z, 3), n), -2.0 * dot(load_row(z, 4), n)
+    return -dot(z[2], n), -dot(z[3], n), -2.0 * dot(z[4], n)
 
 
 @inlined
-def _of_moments(z: Array, M: Vector) -> Vector:
+def _of_moments(z: Derivatives, M: Vector) -> Vector:
     """``Q``."""
-    bent = combined(M[0], load_row(z, 2), M[1], load_row(z, 3))
-    return plus(bent, scaled(2.0 * M[2], load_row(z, 4)))
+    bent = combined(M[0], z[2], M[1], z[3])
+    return plus(bent, scaled(2.0 * M[2], z[4]))
 
 
 @inlined
-def pull_moments(z: Array, M: Vector, f: Array) -> None:
-    """``f = ∂(M·κ)/∂z``, shape (5, 3)."""
+def pull_moments(z: Derivatives, M: Vector) -> Derivatives:
+    """``∂(M·κ)/∂z``."""
     n, size = normal(z)
     Q = _of_moments(z, M)
     P = scaled(1.0 / size, minus(Q, scaled(dot(Q, n), n)))
-    store_row(f, 0, cross(P, load_row(z, 1)))
-    store_row(f, 1, cross(load_row(z, 0), P))
-    store_row(f, 2, scaled(-M[0], n))
-    store_row(f, 3, scaled(-M[1], n))
-    store_row(f, 4, scaled(-2.0 * M[2], n))
+    return (
+        cross(P, z[1]),
+        cross(z[0], P),
+        scaled(-M[0], n),
+        scaled(-M[1], n),
+        scaled(-2.0 * M[2], n),
+    )
 
 
 @inlined
@@ -74,7 +71,7 @@ def _store_hat(A: Array, factor: float, a: Vector) -> None:
 
 
 @compiled
-def geometric(z: Array, M: Vector, G: Array, work: Array) -> None:
+def geometric(z: Derivatives, M: Vector, G: Array, work: Array) -> None:
     """``G = ∂²(M·κ)/∂z²``, shape (5, 3, 5, 3); ``work``: shape (5, 3, 3)."""
     n, size = normal(z)
     Q = _of_moments(z, M)
@@ -89,8 +86,8 @@ def geometric(z: Array, M: Vector, G: Array, work: Array) -> None:
     G[:] = 0.0
     factors = (M[0], M[1], 2.0 * M[2])
     # dm = X₁ dr₁ + X₂ dr₂
-    _store_hat(work[3], -1.0, load_row(z, 1))
-    _store_hat(work[4], 1.0, load_row(z, 0))
+    _store_hat(work[3], -1.0, z[1])
+    _store_hat(work[4], 1.0, z[0])
     for b in range(2):
         X = work[3 + b]
         _multiply(turn, X, product)

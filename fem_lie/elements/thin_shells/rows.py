@@ -102,3 +102,38 @@ def pull_matrix(H: Array, sizes: Array, K: Array, R: Array, out: Array) -> None:
                     for k in range(3):
                         s += R[i, m, k] * turned[k, n]
                     out[i, first + m, j, second + n] += scale * s
+
+
+@compiled
+def pull_symmetric(H: Array, sizes: Array, K: Array, out: Array) -> None:
+    """As :func:`pull_matrix`, of a symmetric ``K`` that has components first, ``[16 i + a, …]``.
+
+    It is read where ``j ≥ i``, and overwritten.
+    """
+    R, half = np.empty((3, 3, VECTORS)), np.empty((3, VECTORS))
+    node, place, scale = np.empty(VECTORS, np.int64), np.empty(VECTORS, np.int64), np.empty(VECTORS)
+    for a in range(VECTORS):
+        node[a], place[a], scale[a] = node_of(a), 3 * half_of(a), scale_of(a, sizes)
+        for k, axis in enumerate(axes(_kind(node[a]), H[node[a]])):
+            for j in range(3):
+                R[k, j, a] = scale[a] * axis[j]
+    for a in range(UNKNOWNS):
+        for b in range(VECTORS * (a // VECTORS), UNKNOWNS):
+            K[b, a] = K[a, b]
+    for a in range(UNKNOWNS):
+        for k in range(3):
+            for b in range(VECTORS):
+                plane = R[k, 0, b] * K[a, b] + R[k, 1, b] * K[a, VECTORS + b]
+                half[k, b] = plane + R[k, 2, b] * K[a, 2 * VECTORS + b]
+        for k in range(3):
+            for b in range(VECTORS):
+                K[a, VECTORS * k + b] = half[k, b]
+    for a in range(VECTORS):
+        for k in range(3):
+            x, y, z = R[k, 0, a], R[k, 1, a], R[k, 2, a]
+            for n in range(3):
+                for b in range(VECTORS):
+                    c = VECTORS * n + b
+                    plane = x * K[a, c] + y * K[VECTORS + a, c]
+                    entry = plane + z * K[2 * VECTORS + a, c]
+                    out[node[a], place[a] + k, node[b], place[b] + n] += entry

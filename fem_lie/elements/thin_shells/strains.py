@@ -1,4 +1,7 @@
-"""Strains of one cell of a thin shell, and the memory in which they are found."""
+"""Strains of one cell of a thin shell, and the memory in which they are found.
+
+Numbers of all points stand side by side, so that loops run over points.
+"""
 
 from __future__ import annotations
 
@@ -7,117 +10,127 @@ from typing import NamedTuple
 import numba
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
-from fem_lie._jit.stack import stack
-from fem_lie.elements.thin_shells.cell_tables import Data, Rule
-from fem_lie.elements.thin_shells.curvature import curvatures
+from fem_lie._jit import inlined
+from fem_lie.elements.thin_shells.cell_tables import Data, Rule, derivatives, first_point
+from fem_lie.elements.thin_shells.curvature import Derivatives, curvatures
 from fem_lie.elements.thin_shells.rows import UNKNOWNS, VECTORS
 from fem_lie.forms.kernels.addresses import Pointer, shift
-from fem_lie.lie.tuples import Vector, dot, load_row, store, store_row
+from fem_lie.lie.tuples import Vector, dot
 
 
 class Work(NamedTuple):
     """What is found of a cell on the way.
 
     Attributes:
-        q: Vectors of the interpolation, shape (16, 3).
-        slopes: r₁ and r₂ at the samples, those that count, shape (s, 2, 3).
-        z: Derivatives at the points, shape (g, 5, 3).
+        q: Vectors of the interpolation, shape (3, 16).
+        d: Their derivatives, as in :class:`Rule`, shape (3, d).
         samples: Membrane strains at the samples, shape (s,).
-        strains: At the points, shape (g, 6).
+        strains: At the points, shape (6, g).
     """
 
     q: Array
-    slopes: Array
-    z: Array
+    d: Array
     samples: Array
     strains: Array
 
 
 @inlined
-def _along(table: Array, q: Array) -> Vector:
-    """``Σ table[a] q[a]``."""
-    x = y = z = 0.0
-    for a in range(VECTORS):
-        x += table[a] * q[a, 0]
-        y += table[a] * q[a, 1]
-        z += table[a] * q[a, 2]
-    return x, y, z
-
-
-@compiled
-def differentiate(rule: Rule, q: Array, slopes: Array, z: Array) -> None:
-    """Derivatives at the samples and at the points."""
-    n1, n2, n3, points = rule.counts
-    for i in range(n1):
-        store_row(slopes[i], 0, _along(rule.along[i], q))
-    for i in range(n2):
-        store_row(slopes[n1 + i], 1, _along(rule.across[i], q))
-    for i in range(n3):
-        for k in range(2):
-            store_row(slopes[n1 + n2 + i], k, _along(rule.both[i, k], q))
-    for g in range(points):
-        for k in range(5):
-            store_row(z[g], k, _along(rule.points[g, k], q))
+def column(d: Array, r: int) -> Vector:
+    """One derivative."""
+    return d[0, r], d[1, r], d[2, r]
 
 
 @inlined
-def _spread(rule: Rule, samples: Array, g: int, own: Array, out: Array) -> None:
-    """Membrane strains at the point ``g`` (3,) from those at the samples and its ``own``."""
-    n1, n2, n3, _ = rule.counts
-    first, second, third = 0.0, 0.0, 0.0
-    for i in range(n1):
-        first += rule.spread[0][g, i] * samples[i]
-    for i in range(n2):
-        second += rule.spread[1][g, i] * samples[n1 + i]
-    for i in range(n3):
-        third += rule.spread[2][g, i] * samples[n1 + n2 + i]
-    rest = 1.0 - rule.share
-    out[0] = rest * first + rule.share * own[0]
-    out[1] = rest * second + rule.share * own[1]
-    out[2] = rest * third + rule.share * own[2]
+def at_point(rule: Rule, d: Array, g: int) -> Derivatives:
+    """All five at a point."""
+    points, r = rule.counts[3], first_point(rule.counts) + g
+    return (
+        column(d, r),
+        column(d, r + points),
+        column(d, r + 2 * points),
+        column(d, r + 3 * points),
+        column(d, r + 4 * points),
+    )
 
 
 @inlined
-def membrane(r1: Vector, r2: Vector) -> Vector:
-    """``(½ r₁·r₁, ½ r₂·r₂, r₁·r₂)``."""
-    return 0.5 * dot(r1, r1), 0.5 * dot(r2, r2), dot(r1, r2)
+def differentiate(rule: Rule, q: Array, d: Array) -> None:
+    """All derivatives; four vectors at a time, for fewer loads and stores of ``d``."""
+    count, T = derivatives(rule.counts), rule.columns
+    for j in range(3):
+        for r in range(count):
+            d[j, r] = 0.0
+        for a in range(0, VECTORS, 4):
+            x, y, z, w = q[j, a], q[j, a + 1], q[j, a + 2], q[j, a + 3]
+            for r in range(count):
+                d[j, r] += (x * T[a, r] + y * T[a + 1, r]) + (z * T[a + 2, r] + w * T[a + 3, r])
 
 
-@compiled
+@inlined
+def _spread(table: Array, samples: Array, first: int, rest: float, out: Array) -> None:
+    """Add strains at all points (g,) that are interpolated from samples; ``table`` (s, g)."""
+    for i in range(table.shape[0]):
+        x = rest * samples[first + i]
+        for g in range(table.shape[1]):
+            out[g] += x * table[i, g]
+
+
+@inlined
 def find_strains(rule: Rule, data: Data, work: Work) -> None:
     """All strains of a cell whose ``q`` is known."""
     n1, n2, n3, points = rule.counts
-    differentiate(rule, work.q, work.slopes, work.z)
-    for i in range(n1 + n2 + n3):
-        r1, r2 = load_row(work.slopes[i], 0), load_row(work.slopes[i], 1)
-        E = 0.5 * dot(r1, r1) if i < n1 else 0.5 * dot(r2, r2) if i < n1 + n2 else dot(r1, r2)
-        work.samples[i] = E - data.sampled[i]
-    own = numba.carray(stack(3), (3,))
+    d, samples, strains, zero = work.d, work.samples, work.strains, data.unloaded
+    differentiate(rule, work.q, d)
+    for i in range(n1 + n2):
+        own = column(d, i)
+        samples[i] = 0.5 * dot(own, own) - data.sampled[i]
+    for i in range(n1 + n2, n1 + n2 + n3):
+        samples[i] = dot(column(d, i), column(d, i + n3)) - data.sampled[i]
     for g in range(points):
-        z, out, zero = work.z[g], work.strains[g], data.unloaded[g]
-        store(own, 0, membrane(load_row(z, 0), load_row(z, 1)))
+        z = at_point(rule, d, g)
+        strains[0, g] = rule.share * (0.5 * dot(z[0], z[0]) - zero[0, g])
+        strains[1, g] = rule.share * (0.5 * dot(z[1], z[1]) - zero[1, g])
+        strains[2, g] = rule.share * (dot(z[0], z[1]) - zero[2, g])
+        bent = curvatures(z)
         for k in range(3):
-            own[k] -= zero[k]
-        _spread(rule, work.samples, g, own, out)
-        store(out, 3, curvatures(z))
-        for k in range(3, 6):
-            out[k] -= zero[k]
+            strains[3 + k, g] = bent[k] - zero[3 + k, g]
+    rest = 1.0 - rule.share
+    _spread(rule.spread_columns[0], samples, 0, rest, strains[0])
+    _spread(rule.spread_columns[1], samples, n1, rest, strains[1])
+    _spread(rule.spread_columns[2], samples, n1 + n2, rest, strains[2])
 
 
 @inlined
-def room(place: Pointer, samples: int, points: int) -> Work:
+def find_stress(D: Array, strains: Array, out: Array) -> None:
+    """``D ε`` at all points, with half of the symmetric ``D`` (21, g) and both others (6, g)."""
+    entry = 0
+    for i in range(6):
+        for g in range(D.shape[1]):
+            own = D[entry, g] * strains[i, g]
+            out[i, g] = own if i == 0 else out[i, g] + own
+        entry += 1
+        for j in range(i + 1, 6):
+            for g in range(D.shape[1]):
+                own = D[entry, g] * strains[i, g]
+                out[i, g] += D[entry, g] * strains[j, g]
+                out[j, g] = own if i == 0 else out[j, g] + own
+            entry += 1
+
+
+@inlined
+def room(place: Pointer, rule: Rule) -> Work:
     """In memory of :func:`room_size`."""
-    q = numba.carray(place, (VECTORS, 3))
-    slopes = numba.carray(shift(place, UNKNOWNS), (samples, 2, 3))
-    z = numba.carray(shift(place, UNKNOWNS + 6 * samples), (points, 5, 3))
-    at = UNKNOWNS + 6 * samples + 15 * points
-    found = numba.carray(shift(place, at), (samples,))
-    strains = numba.carray(shift(place, at + samples), (points, 6))
-    return Work(q, slopes, z, found, strains)
+    n1, n2, n3, points = rule.counts
+    count = derivatives(rule.counts)
+    at = UNKNOWNS + 3 * count
+    samples = numba.carray(shift(place, at), (n1 + n2 + n3,))
+    strains = numba.carray(shift(place, at + n1 + n2 + n3), (6, points))
+    q, d = numba.carray(place, (3, VECTORS)), numba.carray(shift(place, UNKNOWNS), (3, count))
+    return Work(q, d, samples, strains)
 
 
 @inlined
-def room_size(samples: int, points: int) -> int:
+def room_size(rule: Rule) -> int:
     """Numbers that :func:`room` needs."""
-    return UNKNOWNS + 7 * samples + 21 * points
+    n1, n2, n3, points = rule.counts
+    return UNKNOWNS + 3 * derivatives(rule.counts) + n1 + n2 + n3 + 6 * points
