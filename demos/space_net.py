@@ -23,7 +23,7 @@ import fem_lie as fl
 MESH, CELLS, WAVE, RATE, RADIUS = 0.25, 80, 0.05, 0.05, 2e-4
 THREAD = fl.Section.circle(RADIUS, fl.Material(E=7e10, nu=0.3, density=1440.0))
 WEIGHT = 1.0
-STEP = 1e-3
+STEP = 2e-4
 
 
 def square_net(meshes: int, cells: int = CELLS) -> fl.Scene:

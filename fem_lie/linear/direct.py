@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie.linear.condensed.preconditioner import Condensed
 from fem_lie.linear.equilibrated import (
     ACCURATE,
     Equilibrated,
@@ -55,6 +56,20 @@ class Method:
     kind: str
     package: str
 
+    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
+        """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
+        pc.setType(self.kind)
+        pc.setFactorSolverType(self.package)
+
+
+class ByChains(Method):
+    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`."""
+
+    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
+        """See the base class."""
+        pc.setType(PETSc.PC.Type.PYTHON)
+        pc.setPythonContext(Condensed(kkt, own, self.package))
+
 
 CHAINS = (Method("lu", "klu"),)
 """The fastest for chains, trees and single loops of bodies: block triangular, little fill."""
@@ -72,6 +87,9 @@ MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
 """For surfaces and trusses in time: umfpack solves twice as fast as mumps. The factors of klu grow
 faster than a truss whose bars are joined: from 2 to 8 cells of 28 bars 32 times as slow."""
 
+THREADS = (ByChains("lu", "mumps"), *MOTION)
+"""For large nets and trusses, most nodes of which are within threads and bars."""
+
 DEFAULTS: dict[str, dict[str, object]] = {
     # indefinite matrices are no news
     "cholmod": {"mat_cholmod_print": 0},
@@ -84,6 +102,9 @@ DEFAULTS: dict[str, dict[str, object]] = {
 RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
 """What comes after the methods of a scene where their solutions are not accurate."""
 
+MOST_REFINED = 3
+"""Times that a solution is refined before another method is tried: a residual costs little."""
+
 ON_RANKS = ("mumps",)
 """Packages that factorise on several ranks together."""
 
@@ -95,8 +116,9 @@ class DirectSolver:
     """Factorise now, solve many times.
 
     The matrix is equilibrated with the scene's own length, mass and time, and the first solution
-    with each factorisation is checked: where its residual is not round-off it is refined once, as
-    all with these factors are then, and where that does not help, the next method is tried.
+    with each factorisation is checked: where its residual is not round-off it is refined, up to
+    :data:`MOST_REFINED` times, and all with these factors are then as often. Where that does not
+    help the next method is tried.
 
     On several ranks MUMPS factorises what is large on all of them, see
     :mod:`fem_lie.ranks.shared_factors`; each makes the matrix and has the solution.
@@ -130,7 +152,7 @@ class DirectSolver:
         self.factorisations = self.refreshes = 0
         self._idle: IdleMultipliers | None = None
         self.columns = Columns()
-        self._checked, self._refines = False, False
+        self._checked, self._refines = False, 0
         self._by_call: Solution | None = None
         size = len(kkt.units)
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
@@ -168,14 +190,15 @@ class DirectSolver:
 
     def _set_up(self) -> None:
         """Factorise by the first method that can."""
-        self._checked, self._refines, self._by_call = False, False, None
+        self._checked, self._refines, self._by_call = False, 0, None
         self.columns.forget()
         for tried, method in enumerate(self._methods):
             self._ksp = self._solver(method)
             self._ksp.setOperators(self._matrix)
             try:
                 self._ksp.setUp()
-            except PETSc.Error as error:
+            except (PETSc.Error, ArithmeticError) as error:
+                _log.info("%s cannot factorise the matrix: %s", method, error)
                 # a factorisation that failed half-way is not used again
                 del self._solvers[method]
                 failure = error
@@ -198,8 +221,7 @@ class DirectSolver:
             ksp.setOptionsPrefix(self._prefix)
             ksp.setOperators(self._matrix)
             ksp.setType(PETSc.KSP.Type.PREONLY)
-            ksp.getPC().setType(method.kind)
-            ksp.getPC().setFactorSolverType(method.package)
+            method.put(ksp.getPC(), self._kkt, self._own)
             options = PETSc.Options(self._prefix)
             for name, value in DEFAULTS.get(method.package, {}).items():
                 if name not in options:
@@ -238,9 +260,9 @@ class DirectSolver:
         """With the last factorisation, into ``x``."""
         np.multiply(b, self._own.left, self._scaled)
         self._solve_scaled(self._b, self._x)
-        if self._refines:
+        for _ in range(self._refines):
             self._refine()
-        elif not self._checked:
+        if not self._checked:
             self._check()
         if self._idle is not None:
             multipliers = self._found[len(self._found) - len(self._kkt.measure) :]
@@ -273,11 +295,7 @@ class DirectSolver:
 
     def _check(self) -> None:
         """Make sure that what was found is a solution."""
-        error = self._error()
-        if error > ACCURATE:
-            self._refine()
-            error = self._error()
-            self._refines = True
+        error = self._refined()
         given = self._methods[1:]
         others = iter(
             (*given, *(method for method in self._rescues if method not in self._methods))
@@ -293,8 +311,17 @@ class DirectSolver:
             self._methods = (method,)
             self._set_up()
             self._solve_scaled(self._b, self._x)
-            error = self._error()
+            error = self._refined()
         self._checked = True
+
+    def _refined(self) -> float:
+        """Refine a solution as often as it needs; returns its error."""
+        error = self._error()
+        while error > ACCURATE and self._refines < MOST_REFINED:
+            self._refine()
+            error = self._error()
+            self._refines += 1
+        return error
 
     def _error(self) -> float:
         return self._own.backward_error(self._scaled, self._found, self._left)

@@ -6,18 +6,26 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fem_lie.lie.kinds import SURFACE
-from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRIC
+from fem_lie.linear.condensed.elimination import plan_of
+from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRIC, THREADS
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
     from fem_lie.linear.direct import Method
     from fem_lie.system.equations import Equations
 
+LARGE = 20000
+"""Nodes of a scene whose chains are eliminated before a library has the rest."""
+
 
 def methods_in_time(equations: Equations) -> tuple[Method, ...]:
     """What is fastest for the equations of motion of a scene, whose matrix is not symmetric."""
-    shells = bool(equations.unknowns.uncoupled.any())
-    return MOTION if shells or meshed(equations.matrix) else CHAINS
+    kkt, shells = equations.matrix, bool(equations.unknowns.uncoupled.any())
+    if shells:
+        return MOTION
+    if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):
+        return THREADS
+    return MOTION if meshed(kkt) else CHAINS
 
 
 def meshed(kkt: KKT) -> bool:

@@ -21,7 +21,8 @@ from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.kinds.all_nodes import push_all
 from fem_lie.lie.kinds.forces import acceleration, acceleration_derivatives, pull
-from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.lie.kinds.kind import SLOPE, axes, first, straight
+from fem_lie.lie.tuples import dot
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""
@@ -96,11 +97,14 @@ def tangents(
     for i in range(indptr.shape[0] - 1):
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
-            first, second = A[place[entry]], K[place[entry]]
+            of_rates, of_frames = A[place[entry]], K[place[entry]]
+            if kinds[i] >= SLOPE and kinds[j] >= SLOPE:
+                _add_straight((kinds[i], kinds[j]), H[i], H[j], blocks[entry], factors[0], of_rates)
+                continue
             if kinds[i] >= SLOPE or kinds[j] >= SLOPE:
                 acceleration_derivatives(kinds[j], H[j], v[j], a[j], factors, (W, X))
-                _add_pulled(kinds[i], H[i], blocks[entry], W, first)
-                _add_pulled(kinds[i], H[i], blocks[entry], X, second)
+                _add_pulled(kinds[i], H[i], blocks[entry], W, of_rates)
+                _add_pulled(kinds[i], H[i], blocks[entry], X, of_frames)
                 continue
             directors.acceleration_derivatives(
                 kinds[j] & 1 == 1, v[j], a[j], factors, (W, X), (unit, vector)
@@ -110,7 +114,7 @@ def tangents(
                     Q[k, m] = 0.0
                     for n in range(3):
                         Q[k, m] += H[i, 1 + k, n] * H[j, 1 + m, n]
-            for block, right in ((first, W), (second, X)):
+            for block, right in ((of_rates, W), (of_frames, X)):
                 for column in range(6):
                     _force_on_frame(blocks[entry], Q, right, column, left)
                     for k in range(3):
@@ -118,6 +122,20 @@ def tangents(
                     block[3, column] += left[2, 2] - left[3, 1]
                     block[4, column] += left[3, 0] - left[1, 2]
                     block[5, column] += left[1, 1] - left[2, 0]
+
+
+@inlined
+def _add_straight(
+    kinds: tuple[int, int], H: Array, other: Array, g: Array, mass: float, block: Array
+) -> None:
+    """``block += mass Lᵀ g L`` of two nodes that are no frames: their ``L`` does not change."""
+    left, right = axes(kinds[0], H), axes(kinds[1], other)
+    for k in range(straight(kinds[0])):
+        for m in range(straight(kinds[1])):
+            factor = mass * g[first(kinds[0]) + k, first(kinds[1]) + m]
+            for i in range(3):
+                for j in range(3):
+                    block[3 * k + i, 3 * m + j] += factor * dot(left[i], right[j])
 
 
 @compiled

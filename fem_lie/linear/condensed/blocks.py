@@ -1,0 +1,272 @@
+"""Blocks of nodes eliminated and solved with: compiled.
+
+See :mod:`fem_lie.linear.condensed` for the formulas. Of a node the array of all blocks holds its
+own (n, n), then ``U`` (n, w) and ``L`` (w, n), with the ``w`` unknowns of all its neighbours.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fem_lie._arrays import Array
+from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie._jit.stack import matrix_at, stack, vector_at
+from fem_lie.linear.condensed.elimination import MOST, Left, Numbers, Plan
+
+_SINGULAR = 1e-12
+"""Pivot over the largest entry of a block below which it is not inverted."""
+
+
+@inlined_uncounted
+def _find(near: Numbers, e: int, v: int) -> int:
+    s = 0
+    while near[e, s] != v:
+        s += 1
+    return s
+
+
+@inlined_uncounted
+def _block_left(left: Left, i: int, j: int) -> int:
+    """Where the block of two nodes that are left begins."""
+    low, high = left.pointers[i], left.pointers[i + 1]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if left.indices[middle] <= j:
+            low = middle
+        else:
+            high = middle
+    return left.start[low]
+
+
+@inlined_uncounted
+def _upper(plan: Plan, e: int) -> int:
+    """Where ``U`` of a node begins; its rows are as long as all its neighbours' unknowns."""
+    size = plan.sizes[plan.order[e]]
+    return plan.start[e] + size * size
+
+
+@inlined_uncounted
+def _lower(plan: Plan, e: int) -> int:
+    """Where ``L`` begins; its rows are as long as the node's own unknowns."""
+    return _upper(plan, e) + plan.sizes[plan.order[e]] * plan.first[e, MOST]
+
+
+@uncounted
+def scatter(plan: Plan, values: Array, columns: Numbers, pointers: Numbers, store: Array) -> None:
+    """Blocks of all pairs of which one is eliminated, from the matrix.
+
+    Args:
+        plan: Of the elimination.
+        values: The matrix by rows, with ``columns`` and ``pointers``.
+        columns: See there.
+        pointers: See there.
+        store: The blocks.
+    """
+    store[:] = 0.0
+    n = plan.sizes.shape[0]
+    for v in range(n):
+        e, size = plan.place[v], plan.sizes[v]
+        for k in range(size):
+            row = 6 * v + plan.free[v, k]
+            for p in range(pointers[row], pointers[row + 1]):
+                u, c = columns[p] // 6, columns[p]
+                if u >= n:
+                    continue
+                other = plan.place[u]
+                if u == v:
+                    if e >= 0:
+                        store[plan.start[e] + size * k + plan.rank[c]] = values[p]
+                elif e >= 0 and (other < 0 or other > e):
+                    s = _find(plan.near, e, u)
+                    at = _upper(plan, e) + plan.first[e, MOST] * k
+                    store[at + plan.first[e, s] + plan.rank[c]] = values[p]
+                elif other >= 0:
+                    s = _find(plan.near, other, v)
+                    at = _lower(plan, other) + plan.sizes[u] * (plan.first[other, s] + k)
+                    store[at + plan.rank[c]] = values[p]
+
+
+@inlined_uncounted
+def _invert(A: Array, n: int, swapped: Array) -> bool:
+    """A block (n, n) in its place, by Gauss and Jordan with pivots; whether it is regular."""
+    largest = 0.0
+    for i in range(n):
+        for j in range(n):
+            largest = max(largest, abs(A[i, j]))
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[pivot, k]):
+                pivot = i
+        if not abs(A[pivot, k]) > _SINGULAR * largest:
+            return False
+        swapped[k] = pivot
+        if pivot != k:
+            for j in range(n):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+        factor, A[k, k] = 1.0 / A[k, k], 1.0
+        for j in range(n):
+            A[k, j] *= factor
+        for i in range(n):
+            if i != k:
+                factor, A[i, k] = A[i, k], 0.0
+                for j in range(n):
+                    A[i, j] -= factor * A[k, j]
+    for k in range(n - 1, -1, -1):
+        pivot = int(swapped[k])
+        if pivot != k:
+            for i in range(n):
+                A[i, k], A[i, pivot] = A[i, pivot], A[i, k]
+    return True
+
+
+class Front(NamedTuple):
+    """Dense blocks of one node while it is eliminated.
+
+    Attributes:
+        own: Its own, shape (6, 6).
+        above: ``U``, shape (6, w).
+        product: ``L U``, shape (w, w).
+        swapped: Rows of the pivots, shape (6,).
+    """
+
+    own: Array
+    above: Array
+    product: Array
+    swapped: Array
+
+
+@uncounted
+def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
+    """Eliminate all nodes in order; returns the first whose block is singular, or −1.
+
+    Args:
+        plan: Of the elimination.
+        left: Pairs between which blocks are made.
+        store: The blocks, overwritten by their factors.
+        schur: Blocks of ``left``, what is to be added to the matrix that is left.
+    """
+    most = 6 * MOST
+    own, above = matrix_at(stack(36), 6, 6), matrix_at(stack(6 * most), 6, most)
+    front = Front(own, above, matrix_at(stack(most * most), most, most), vector_at(stack(6), 6))
+    schur[:] = 0.0
+    for e in range(plan.order.shape[0]):
+        if not _eliminate(plan, e, store, front):
+            return plan.order[e]
+        for s in range(MOST):
+            i = plan.near[e, s]
+            if i < 0:
+                break
+            for t in range(MOST):
+                j = plan.near[e, t]
+                if j < 0:
+                    break
+                at, stride = _destination(plan, left, i, j)
+                row, column, size = plan.first[e, s], plan.first[e, t], plan.sizes[j]
+                for r in range(plan.sizes[i]):
+                    for c in range(size):
+                        value = front.product[row + r, column + c]
+                        if at >= 0:
+                            store[at + stride * r + c] -= value
+                        else:
+                            schur[-1 - at + stride * r + c] -= value
+    return -1
+
+
+@inlined_uncounted
+def _eliminate(plan: Plan, e: int, store: Array, front: Front) -> bool:
+    """Make the blocks of a node its factors, and find ``L U``; whether it is regular."""
+    n, width = plan.sizes[plan.order[e]], plan.first[e, MOST]
+    own, upper, lower = plan.start[e], _upper(plan, e), _lower(plan, e)
+    A, above, product = front.own, front.above, front.product
+    for k in range(n):
+        for m in range(n):
+            A[k, m] = store[own + n * k + m]
+    if not _invert(A, n, front.swapped):
+        return False
+    for k in range(n):
+        for m in range(n):
+            store[own + n * k + m] = A[k, m]
+        for c in range(width):
+            above[k, c] = 0.0
+        for m in range(n):
+            factor, row = A[k, m], upper + width * m
+            for c in range(width):
+                above[k, c] += factor * store[row + c]
+    for k in range(n):
+        for c in range(width):
+            store[upper + width * k + c] = above[k, c]
+    for r in range(width):
+        for c in range(width):
+            product[r, c] = 0.0
+        for k in range(n):
+            factor = store[lower + n * r + k]
+            for c in range(width):
+                product[r, c] += factor * above[k, c]
+    return True
+
+
+@inlined_uncounted
+def _destination(plan: Plan, left: Left, i: int, j: int) -> tuple[int, int]:
+    """Where the block of two neighbours is, and how long its rows are.
+
+    If both are left it is −1 − the place among those.
+    """
+    a, b = plan.place[i], plan.place[j]
+    if i == j:
+        if a >= 0:
+            return plan.start[a], plan.sizes[i]
+    elif a >= 0 and (b < 0 or b > a):
+        return _upper(plan, a) + plan.first[a, _find(plan.near, a, j)], plan.first[a, MOST]
+    elif b >= 0:
+        own = plan.sizes[j]
+        return _lower(plan, b) + own * plan.first[b, _find(plan.near, b, i)], own
+    return -1 - _block_left(left, i, j), plan.sizes[j]
+
+
+@uncounted
+def forward(plan: Plan, store: Array, x: Array) -> None:
+    """Eliminate the right-hand side ``x`` (6 n + m,) in its place."""
+    y = vector_at(stack(6), 6)
+    for e in range(plan.order.shape[0]):
+        v = plan.order[e]
+        n, own, lower = plan.sizes[v], plan.start[e], _lower(plan, e)
+        for k in range(n):
+            y[k] = x[6 * v + plan.free[v, k]]
+        for k in range(n):
+            total = 0.0
+            for m in range(n):
+                total += store[own + n * k + m] * y[m]
+            x[6 * v + plan.free[v, k]] = total
+        for k in range(n):
+            y[k] = x[6 * v + plan.free[v, k]]
+        for s in range(MOST):
+            i = plan.near[e, s]
+            if i < 0:
+                break
+            for r in range(plan.sizes[i]):
+                at, total = lower + n * (plan.first[e, s] + r), 0.0
+                for k in range(n):
+                    total += store[at + k] * y[k]
+                x[6 * i + plan.free[i, r]] -= total
+
+
+@uncounted
+def backward(plan: Plan, store: Array, x: Array) -> None:
+    """Find the unknowns of all eliminated nodes from those that are left, in their place."""
+    known = vector_at(stack(6 * MOST), 6 * MOST)
+    for back in range(plan.order.shape[0]):
+        e = plan.order.shape[0] - 1 - back
+        v = plan.order[e]
+        n, upper, width = plan.sizes[v], _upper(plan, e), plan.first[e, MOST]
+        for s in range(MOST):
+            i = plan.near[e, s]
+            if i < 0:
+                break
+            for r in range(plan.sizes[i]):
+                known[plan.first[e, s] + r] = x[6 * i + plan.free[i, r]]
+        for k in range(n):
+            total = 0.0
+            for c in range(width):
+                total += store[upper + width * k + c] * known[c]
+            x[6 * v + plan.free[v, k]] -= total

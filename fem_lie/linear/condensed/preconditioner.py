@@ -1,0 +1,125 @@
+"""Elimination of chains as a preconditioner of PETSc, which gives a package what is left."""
+
+from __future__ import annotations
+
+import logging
+from typing import Protocol
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.linear.condensed.blocks import backward, factorise, forward, scatter
+from fem_lie.linear.condensed.elimination import Numbers, Pattern, pairs_left, plan_of
+
+_log = logging.getLogger(__name__)
+
+
+class Values(Protocol):
+    """The matrix as it is factorised, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
+
+    csr: tuple[Array, Numbers, Numbers]
+
+
+class SingularBlockError(ArithmeticError):
+    """A node cannot be eliminated alone."""
+
+
+class Condensed:
+    """A preconditioner of PETSc that solves: chains by compiled code, the rest by a package."""
+
+    def __init__(self, kkt: Pattern, own: Values, package: str) -> None:
+        """Find what is eliminated.
+
+        Args:
+            kkt: The matrix.
+            own: Its equilibrated copy, of which factors are made.
+            package: For what is left, by PETSc's name.
+        """
+        self._own, self._package = own, package
+        self._plan, self._held = plan_of(kkt), kkt.unit_rows
+        self._left = pairs_left(self._plan)
+        self._store = np.empty(self._plan.start[-1])
+        self._schur = np.empty(self._left.start[-1])
+        self._ksp: PETSc.KSP | None = None
+        self._gather()
+        total, left = int((~self._held).sum()), len(self._rest)
+        _log.info("%d of %d unknowns are left when chains are eliminated", left, total)
+
+    def _gather(self) -> None:
+        """The matrix of what is left: where its entries come from."""
+        plan, (_, columns, pointers) = self._plan, self._own.csr
+        n, total = len(plan.sizes), len(self._held)
+        stays = ~self._held
+        stays[: 6 * n] &= np.repeat(plan.place < 0, 6)
+        self._rest = rest = np.flatnonzero(stays)
+        number = np.full(total, -1)
+        number[rest] = np.arange(len(rest))
+        lengths = np.diff(pointers)[rest]
+        rows, ends = np.repeat(np.arange(len(rest)), lengths), np.cumsum(lengths)
+        begins = np.repeat(pointers[rest] - (ends - lengths), lengths)
+        at = np.arange(len(begins)) + begins
+        inside = number[columns[at]] >= 0
+        self._taken = at[inside]
+        of_matrix = rows[inside] * len(rest) + number[columns[self._taken]]
+        of_chains = self._keys_of_blocks(number, len(rest))
+        keys, which = np.unique(np.concatenate([of_matrix, of_chains]), return_inverse=True)
+        self._of_matrix, self._of_chains = np.split(which, [len(of_matrix)])
+        row, column = np.divmod(keys, max(len(rest), 1))
+        first = np.searchsorted(row, np.arange(len(rest) + 1)).astype(PETSc.IntType)
+        self._data = np.zeros(len(keys))
+        entries = first, column.astype(PETSc.IntType), self._data
+        shape = len(rest), len(rest)
+        self._matrix = PETSc.Mat().createAIJWithArrays(shape, entries, comm=PETSc.COMM_SELF)
+        self._b, self._x = self._matrix.createVecs()
+
+    def _keys_of_blocks(self, number: Indices, count: int) -> Indices:
+        """Row times ``count`` plus column of all entries of the blocks that chains make."""
+        plan, left = self._plan, self._left
+        i = np.repeat(np.arange(len(plan.sizes)), np.diff(left.pointers))
+        j = left.indices
+        rows, columns = plan.sizes[i].astype(np.int64), plan.sizes[j].astype(np.int64)
+        block = np.repeat(np.arange(len(i)), rows * columns)
+        r, c = np.divmod(np.arange(left.start[-1]) - left.start[:-1][block], columns[block])
+        row = number[6 * i[block] + plan.free[i[block], r]]
+        column = number[6 * j[block] + plan.free[j[block], c]]
+        return np.asarray(row * count + column)
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Factorise the matrix as it is now.
+
+        Raises:
+            SingularBlockError: A node's block is singular.
+            PETSc.Error: What is left is.
+        """
+        values, columns, pointers = self._own.csr
+        scatter(self._plan, values, columns, pointers, self._store)
+        failed = factorise(self._plan, self._left, self._store, self._schur)
+        if failed >= 0:
+            raise SingularBlockError(f"the block of node {failed} is singular")
+        if not len(self._rest):
+            return
+        self._data[:] = 0.0
+        self._data[self._of_matrix] = values[self._taken]
+        self._data[self._of_chains] += self._schur
+        self._matrix.stateIncrease()
+        self._matrix.assemble()
+        if self._ksp is None:
+            self._ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+            self._ksp.setType(PETSc.KSP.Type.PREONLY)
+            self._ksp.getPC().setType(PETSc.PC.Type.LU)
+            self._ksp.getPC().setFactorSolverType(self._package)
+        self._ksp.setOperators(self._matrix)
+        self._ksp.setUp()
+
+    def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Solve."""
+        y = x.array
+        y[:] = b.array_r
+        forward(self._plan, self._store, y)
+        if self._ksp is not None:
+            self._b.array[:] = y[self._rest]
+            self._ksp.solve(self._b, self._x)
+            y[self._rest] = self._x.array
+        backward(self._plan, self._store, y)
