@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from petsc4py import PETSc
 
@@ -51,10 +51,12 @@ class Method:
     Attributes:
         kind: PETSc's name, ``lu`` or ``cholesky``.
         package: PETSc's name of the package.
+        spreads: Whether several ranks factorise what is large together.
     """
 
     kind: str
     package: str
+    spreads: ClassVar[bool] = True
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
@@ -63,7 +65,12 @@ class Method:
 
 
 class ByChains(Method):
-    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`."""
+    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`.
+
+    That takes a rank less time by itself than MUMPS on several.
+    """
+
+    spreads: ClassVar[bool] = False
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """See the base class."""
@@ -143,7 +150,8 @@ class DirectSolver:
         self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
         self._own = Equilibrated(kkt)
         self._symmetric = all(method.kind == "cholesky" for method in methods)
-        self._shares, self._rescues = shared(len(kkt.units), prefix), RESCUES
+        self._shares = self._methods[0].spreads and shared(len(kkt.units), prefix)
+        self._rescues = RESCUES
         if self._shares:
             self._methods = (Method("cholesky" if self._symmetric else "lu", "mumps"),)
             self._rescues = tuple(method for method in RESCUES if method.package in ON_RANKS)

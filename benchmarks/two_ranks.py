@@ -1,0 +1,76 @@
+"""What several ranks gain: the same scene on one and on two.
+
+    python3 -m benchmarks.two_ranks --scene shell
+    tools/run mpirun -n 2 python3 -m benchmarks.two_ranks --scene shell
+
+Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells) or of a step
+(net of 5e5 unknowns, truss of 32 cells), by the clock, on the first rank; --size for others.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from mpi4py import MPI
+
+import fem_lie as fl
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
+
+
+def shell(size: int) -> float:
+    """Of ``size`` by ``size`` cells."""
+    from demos.hemisphere import pinched, quarter
+
+    fl.follow_loads(pinched(0.04, quarter(4)))
+    return fl.follow_loads(pinched(0.04, quarter(size))).seconds
+
+
+def net(size: int) -> float:
+    """Of ``size`` by ``size`` meshes; a step."""
+    from demos.space_net import STEP, square_net
+
+    return _step(square_net, size, STEP, 1)
+
+
+def truss(size: int) -> float:
+    """Of ``size`` cells of 28 bars with ten elements each; a step."""
+    from demos.truss_scene import Truss
+
+    steel = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
+    tube = fl.Section.tube(0.0275, 0.04, steel)
+    return _step(lambda cells: Truss(cells, tube, 10, 4, fl.Choices()).scene, size, 2e-3, 1)
+
+
+def _step(make: Callable[[int], fl.Scene], size: int, step: float, small: int) -> float:
+    scheme, steps = fl.GeneralisedAlpha(radius=0.8), 5
+    options = {"step": step, "save_every": steps, "progress": False}
+    scheme.run(make(small), duration=step, step=step, save_every=1, progress=False)
+    return scheme.run(make(size), duration=steps * step, **options).seconds / steps
+
+
+SCENES: dict[str, tuple[Callable[[int], float], int]] = {
+    "shell": (shell, 128),
+    "net": (net, 32),
+    "truss": (truss, 32),
+}
+
+
+def main() -> None:
+    """Measure one scene."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", choices=SCENES, required=True)
+    parser.add_argument("--size", type=int)
+    given = parser.parse_args()
+    run, usual = SCENES[given.scene]
+    seconds = run(given.size or usual)
+    world = MPI.COMM_WORLD
+    if world.rank == 0:
+        print(f"{given.scene} {given.size or usual}, ranks {world.size}: {seconds:.3f} s")
+
+
+if __name__ == "__main__":
+    main()
