@@ -1,7 +1,10 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
-from fem_lie.adapt.goals import GoalError, PointDisplacement, goal_error
+from fem_lie.adapt.critical_load import CriticalLoad
+from fem_lie.adapt.frequency import Frequency
+from fem_lie.adapt.goals import GoalError, goal_error
 from fem_lie.adapt.loop import Adapted, adapt
+from fem_lie.adapt.point_displacement import PointDisplacement
 from fem_lie.adapt.refinement import refine
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.assembly import Damping
@@ -224,6 +227,7 @@ __all__ = [
     "ConvergenceError",
     "Coordinate",
     "Critical",
+    "CriticalLoad",
     "CriticalPoint",
     "Cylinder",
     "Cylindrical",
@@ -251,6 +255,7 @@ __all__ = [
     "Fixed",
     "Formulation",
     "FrameMap",
+    "Frequency",
     "Gear",
     "GeneralisedAlpha",
     "Geodesic",

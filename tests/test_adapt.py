@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import effectivity
-from demos import adaptive_problems, adaptive_shell
+from demos import adaptive_goals, adaptive_problems, adaptive_shell, deep_arch, goal_problems
 from fem_lie.adapt.goals import GoalError
 from fem_lie.adapt.loop import _calibration
 
@@ -141,6 +141,60 @@ def test_a_goal_behind_a_joint():
         found[cells] = fl.goal_error(result, [a, b], scene, goal)
     error = found[64].value + found[64].estimate - found[4].value
     assert found[4].estimate == pytest.approx(error, rel=0.03)
+
+
+def test_a_limit_load():
+    """The null vector of the tangent is the dual solution; reference by shooting."""
+    mesh = fl.refine(goal_problems.arch_line(), np.arange(8))
+    scene, goal = goal_problems.arch(mesh), fl.CriticalLoad()
+    path = goal.solve(scene)
+    factors = path.factors.copy()
+    found = fl.goal_error(path, scene.bodies, scene, goal)
+    error = deep_arch.VARIANTS["stretchable"][2][0] / deep_arch.FORCE - found.value
+    assert error < -0.02
+    assert found.estimate == pytest.approx(error, rel=0.1)
+    np.testing.assert_array_equal(path.factors, factors)
+    # loads twice as large, half the factor
+    scene.add(fl.PointLoad(scene.bodies[0]["crown"], force=(0, -deep_arch.FORCE, 0)))
+    again = fl.goal_error(goal.solve(scene), scene.bodies, scene, goal)
+    assert again.value == pytest.approx(0.5 * found.value, rel=1e-5)
+    assert again.estimate == pytest.approx(0.5 * found.estimate, rel=1e-3)
+
+
+@pytest.mark.parametrize("mode", [1, 3])
+def test_a_frequency(mode):
+    goal, found = fl.Frequency(mode), {}
+    section = fl.Section.rectangle(0.05, 0.08, fl.Material(1e7, 0.3, 1e3))
+    for cells in (8, 64):
+        scene = fl.Scene()
+        line = fl.straight((0, 0, 0), (1, 0, 0), cells)
+        beam = scene.add(fl.Beam(line, section, formulation=PLAIN, name="beam"))
+        scene.add(fl.Clamp(beam["start"]))
+        found[cells] = fl.goal_error(goal.solve(scene), [beam], scene, goal)
+        assert found[cells].value == pytest.approx(
+            fl.vibrations(scene, mode).frequencies[-1], rel=1e-8
+        )
+    error = found[64].value + found[64].estimate - found[8].value
+    assert error < -1e-3 * found[8].value
+    assert found[8].estimate == pytest.approx(error, rel=0.15)
+
+
+def test_the_frequency_of_a_plate_with_a_hole():
+    goal, found = fl.Frequency(1), {}
+    mesh = goal_problems.quarter()
+    for level in range(3):
+        scene = goal_problems.plate(mesh)
+        found[level] = fl.goal_error(goal.solve(scene), scene.bodies, scene, goal)
+        mesh = fl.refine(mesh, np.arange(len(mesh.cells)), onto=goal_problems.out_of_hole)
+    error = found[2].value + found[2].estimate - found[1].value
+    assert found[1].estimate == pytest.approx(error, rel=0.2)
+
+
+def test_goals_behind_corners():
+    """Nodes that follow others stand between: those of the second leg have other numbers."""
+    record = adaptive_goals.main("frame", pictures=False)
+    assert 0.0 < record["error"] < 0.01
+    assert record["effectivity"] == pytest.approx(1.0, rel=0.1)
 
 
 # --- refinement -----------------------------------------------------------------------------------
@@ -301,6 +355,44 @@ def test_goals_that_are_none():
     goal = fl.PointDisplacement("beam.end", (0, 0, 1))
     with pytest.raises(ValueError, match="bending_flexibility=False"):
         fl.goal_error(fl.statics(bowed, load_steps=2), bowed.bodies, bowed, goal)
+
+
+def test_goals_of_no_use_are_refused_before_anything_is_solved():
+    """The scene is made, and not solved."""
+    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    middle = fl.PointDisplacement("beam.middle", (0, 0, 1))
+    with pytest.raises(ValueError, match="middle"):
+        fl.adapt(cantilever, line, tolerance=0.1, goal=middle, solve=never)
+
+    def warm(mesh):
+        scene = cantilever(mesh)
+        scene.add(fl.Temperature(scene.bodies[0], 40.0, 1e-5))
+        return scene
+
+    with pytest.raises(ValueError, match="in proportion"):
+        fl.adapt(warm, line, tolerance=0.1, goal=fl.CriticalLoad(), solve=never)
+    with pytest.raises(ValueError, match="number"):
+        fl.CriticalLoad(0)
+    with pytest.raises(ValueError, match="mode"):
+        fl.Frequency(0)
+    with pytest.raises(TypeError, match="goal"):
+        fl.adapt(never, line, tolerance=0.1, goal="tip")
+
+
+def test_critical_loads_that_are_not_there():
+    scene = cantilever(fl.straight((0, 0, 0), (10, 0, 0), 4), force=(0, 0, 1e3))
+    path = fl.follow_path(scene)
+    with pytest.raises(ValueError, match="0 limit points and 0 bifurcations, wanted limit point 1"):
+        fl.goal_error(path, scene.bodies, scene, fl.CriticalLoad())
+    with pytest.raises(ValueError, match="inertia"):
+        fl.goal_error(path, scene.bodies, scene, fl.Frequency(1))
+
+
+def test_modes_that_are_not_there():
+    scene = goal_problems.frame(goal_problems.frame_line())
+    result = fl.statics(scene)
+    with pytest.raises(ValueError, match=r"mode must be 1 … 36, .* got 37"):
+        fl.goal_error(result, scene.bodies, scene, fl.Frequency(37))
 
 
 def test_bodies_without_an_estimate():

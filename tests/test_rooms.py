@@ -77,7 +77,7 @@ MAY_IMPORT = {
     "solve.statics": {"solve"},
     "solve.stability": {"solve.statics"},
     "solve.recording": {"solve"},
-    "adapt": {"solve.statics"},
+    "adapt": {"solve.stability"},
     "reduce": {"solve.statics"},
     "solve.motion": {"solve.recording"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},

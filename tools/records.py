@@ -28,6 +28,7 @@ HELPERS = (
     "command_line",
     "diagrams",
     "extrapolation",
+    "goal_problems",
     "newton_on_frames",
     "records",
     "rigid",

@@ -27,7 +27,7 @@ from typing import Generic
 import numpy as np
 
 from fem_lie._arrays import Array, instance, positive, whole
-from fem_lie.adapt.goals import GoalError, PointDisplacement, goal_error
+from fem_lie.adapt.goals import Goal, GoalError, goal_error
 from fem_lie.adapt.refinement import Onto, Refinable, refine
 from fem_lie.adapt.space_error import Estimated, SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
@@ -104,9 +104,9 @@ def adapt(
     mesh: Refinable,
     *,
     tolerance: float,
-    goal: PointDisplacement | None = None,
+    goal: Goal | None = None,
     body: str | None = None,
-    solve: Solve = follow_loads,
+    solve: Solve | None = None,
     part: float = 0.5,
     most: int = 200_000,
     onto: Onto | None = None,
@@ -126,10 +126,11 @@ def adapt(
         build: From a mesh to a scene with a beam or shell on it.
         mesh: To begin with: lines, or triangles of first degree.
         tolerance: Of the relative error, in the energy norm or of the goal.
-        goal: What has to be accurate; default: the stress, in the energy norm.
+        goal: What has to be accurate, a displacement, a frequency or a critical load; default: the
+            stress, in the energy norm.
         body: Name of the beam or shell on the mesh; default: the only one there is.
-        solve: From a scene to its equilibrium; default:
-            :func:`~fem_lie.solve.statics.follow.follow_loads`.
+        solve: From a scene to its equilibrium, of a critical load to the path; default: what the
+            goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
         part: Of the square of the error that the elements to be cut have.
         most: Unknowns; more are not solved for.
         onto: The true line or surface, for new points.
@@ -161,7 +162,9 @@ def adapt(
                 ),
                 found,
             )
-        result = solve(scene)
+        if goal is not None:
+            goal.check(scene)
+        result = _solved(scene, goal, solve)
         error: Estimate = (
             space_error(result, chosen, scene)
             if goal is None
@@ -176,6 +179,12 @@ def adapt(
         if relative[-1] <= tolerance:
             return found
         mesh = refine(mesh, error.worst(part), onto=onto)
+
+
+def _solved(scene: Scene, goal: Goal | None, solve: Solve | None) -> StaticResult:
+    if solve is not None:
+        return solve(scene)
+    return follow_loads(scene) if goal is None else goal.solve(scene)
 
 
 def _calibration(before: Estimate, now: Estimate) -> float:
@@ -198,8 +207,8 @@ def _check(
     instance(build, Callable, "build", "a function from a mesh to a Scene")
     instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
     positive(tolerance, "tolerance")
-    instance(goal, PointDisplacement | None, "goal", "a PointDisplacement or None")
-    instance(solve, Callable, "solve", "a function from a Scene to its equilibrium")
+    instance(goal, Goal | None, "goal", "a PointDisplacement, a Frequency, a CriticalLoad or None")
+    instance(solve, Callable | None, "solve", "a function from a Scene to its equilibrium, or None")
     instance(onto, Callable | None, "onto", "a function of a place, or None")
     if not 0.0 < positive(part, "part") <= 1.0:
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
