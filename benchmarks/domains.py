@@ -1,25 +1,29 @@
-"""Domain decomposition of shells in local frames: iterations of BDDC, over subdomains.
+"""Domain decomposition of shells in local frames: iterations of BDDC and FETI-DP, over subdomains.
 
-    tools/run mpirun --oversubscribe -n 4 python3 -m benchmarks.domains --cells 32 32 [options]
+    tools/run mpirun --oversubscribe -n 4 python3 -m benchmarks.domains --cells 24 24 --cases NAME …
 
-One rank has one subdomain. A square shell, flat or curved, six unknowns a node, biquadratic, is cut
-by DOLFINx's partitioner; the tangent in nodal local frames is assembled into PETSc's MATIS without
-ghost cells. Rigid motions in local frames are the near null space. Each call prints a row of a
-table in Markdown: subdomains, unknowns, on interfaces, iterations of conjugate gradients to
-1e-8, condition number, true residual, and processor seconds of set-up and solution of all ranks.
+One rank has one subdomain. A square shell, six unknowns a node, biquadratic, is cut by DOLFINx's
+partitioner; the tangent in nodal local frames is assembled into PETSc's MATIS without ghost cells.
+Rigid motions in local frames are the near null space. A row of a table in Markdown is printed for
+each case: subdomains, name, unknowns, on interfaces, in the coarse problem, iterations of conjugate
+gradients to 1e-8, condition number, true residual, processor seconds of set-up and of the solution
+and growth of memory in both, in megabytes, of all ranks together.
 
---curved            a wave of height 0.2 instead of a plane
---static            clamped along an edge and integrated in full, instead of with the inertia of a
-                    step of 1 ms
---thickness T       of a square whose longer side is 1
---plain             BDDC as it comes, instead of deluxe scaling and adaptive primal unknowns
---threshold X       beyond which eigenvectors of interfaces are primal
+A name is made of *flat* or *cylinder* (bent by 2 rad), *step* (with the inertia of an implicit step
+of 1 ms) or *static* (clamped along an edge, integrated in full), thickness over the longer side,
+and how it is solved: *adaptive* (BDDC with deluxe scaling and adaptive primal unknowns), *plain*
+(BDDC as it comes), *feti* (FETI-DP, as adaptive).
 """
 
 from __future__ import annotations
 
 import argparse
+import gc
+import re
+import tempfile
+from pathlib import Path
 from time import process_time
+from typing import NamedTuple
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -36,8 +40,36 @@ from fem_lie.forms.frames import NodalFrames, local_frame_forms
 
 E, NU, DENSITY = 2.1e11, 0.3, 7850.0
 STEP, SHEAR, DRILLING = 1e-3, 5 / 6, 0.1
-TOLERANCE, HEIGHT = 1e-8, 0.2
+TOLERANCE, RADIUS, THRESHOLD = 1e-8, 0.5, 3.0
 LUMPS = np.array([1, 1, 1, 1, 4, 4, 4, 4, 16]) / 36
+PAGES_PER_MB = 256
+
+
+class Case(NamedTuple):
+    """What is solved, and how."""
+
+    curved: bool
+    static: bool
+    thickness: float
+    solver: str
+
+
+def case(name: str) -> Case:
+    """That of a name such as ``cylinder-static-0.01-adaptive``."""
+    shape, load, thickness, solver = name.split("-")
+    choices = (shape, ("flat", "cylinder")), (load, ("step", "static")), (solver, tuple(SOLVERS))
+    for given, known in choices:
+        if given not in known:
+            raise ValueError(f"wanted one of {', '.join(known)}, got {given!r} in {name!r}")
+    return Case(shape == "cylinder", load == "static", float(thickness), solver)
+
+
+SOLVERS = {
+    "adaptive": ("cg", "", True),
+    "plain": ("cg", "", False),
+    "feti": ("fetidp", "fetidp_bddc_", True),
+}
+"""Type of the solver, prefix of the options of BDDC, whether it is adaptive."""
 
 
 def square(cells: tuple[int, int], curved: bool) -> dolfinx.mesh.Mesh:
@@ -48,7 +80,8 @@ def square(cells: tuple[int, int], curved: bool) -> dolfinx.mesh.Mesh:
         x, y = np.meshgrid(np.arange(m + 1), np.arange(n + 1), indexing="ij")
         points = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]) / max(cells)
         if curved:
-            points[:, 2] = HEIGHT * np.sin(3 * points[:, 0]) * np.cos(2 * points[:, 1])
+            angle = points[:, 0] / RADIUS
+            points[:, 0], points[:, 2] = RADIUS * np.sin(angle), RADIUS * (1 - np.cos(angle))
         k = np.arange(points.shape[0]).reshape(m + 1, n + 1)
         corners = np.stack([k[:-1, :-1], k[1:, :-1], k[:-1, 1:], k[1:, 1:]], -1).reshape(-1, 4)
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(3,))
@@ -57,13 +90,10 @@ def square(cells: tuple[int, int], curved: bool) -> dolfinx.mesh.Mesh:
 
 
 def tilt(q: NodalFrames, x: np.ndarray) -> None:
-    """Turn frames to the normals of the wave."""
-    a = 3 * HEIGHT * np.cos(3 * x[:, 0]) * np.cos(2 * x[:, 1])
-    b = -2 * HEIGHT * np.sin(3 * x[:, 0]) * np.sin(2 * x[:, 1])
-    one = np.ones(len(x))
-    normal, first = np.column_stack([-a, -b, one]), np.column_stack([one, 0 * one, a])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    first /= np.linalg.norm(first, axis=1)[:, None]
+    """Turn frames to the normals of the cylinder."""
+    angle = np.arctan2(x[:, 0], RADIUS - x[:, 2])
+    c, s, zero = np.cos(angle), np.sin(angle), 0 * angle
+    first, normal = np.column_stack([c, zero, s]), np.column_stack([-s, zero, c])
     q.frames[:, 1:] = np.stack([first, np.cross(normal, first), normal], axis=1)
 
 
@@ -80,7 +110,7 @@ def energy(q: NodalFrames, thickness: float, degree: int) -> ufl.Form:
     membrane = (F.T * F - F0.T * F0) / 2
     bending = (F.T * B + B.T * F - F0.T * B0 - B0.T * F0) / 2
     shear = F.T * d3 - F0.T * n0
-    t1, t2, s1, s2 = (A * ufl.as_vector(e) for A in (F, F0) for e in ([1, 0, 0], [0, 1, 0]))
+    t1, t2, s1, s2 = (A * e for A in (F, F0) for e in (d0, e0))
     drilling = ufl.dot(t1, d2) - ufl.dot(t2, d1) - ufl.dot(s1, e0) + ufl.dot(s2, d0)
 
     def plane(e: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
@@ -127,7 +157,7 @@ def inertia(q: NodalFrames, thickness: float) -> np.ndarray:
     return factor * DENSITY * thickness * lumped[:, None] * arm
 
 
-def matrix(q: NodalFrames, asked: argparse.Namespace) -> PETSc.Mat:
+def matrix(q: NodalFrames, asked: Case) -> PETSc.Mat:
     """The tangent, as a sum over subdomains."""
     forms = local_frame_forms(energy(q, asked.thickness, 5 if asked.static else 3), q)
     n = 6 * len(q.frames)
@@ -156,20 +186,46 @@ def matrix(q: NodalFrames, asked: argparse.Namespace) -> PETSc.Mat:
     return A
 
 
-def solver(A: PETSc.Mat, asked: argparse.Namespace) -> PETSc.KSP:
-    """Conjugate gradients with BDDC."""
+def solver(A: PETSc.Mat, asked: Case) -> PETSc.KSP:
+    """Conjugate gradients with BDDC, or those of FETI-DP."""
+    kind, prefix, adaptive = SOLVERS[asked.solver]
     ksp = PETSc.KSP().create(PETSc.COMM_WORLD)
+    ksp.setOptionsPrefix(f"{asked.solver}_")
     ksp.setOperators(A)
-    ksp.setType("cg")
-    ksp.getPC().setType("bddc")
-    ksp.setComputeSingularValues(True)
-    options = PETSc.Options()
-    if not asked.plain:
+    ksp.setType(kind)
+    options = PETSc.Options(f"{asked.solver}_{prefix}")
+    if adaptive:
         options["pc_bddc_use_deluxe_scaling"] = True
-        options["pc_bddc_adaptive_threshold"] = asked.threshold
+        options["pc_bddc_adaptive_threshold"] = THRESHOLD
+    if kind == "fetidp":
+        PETSc.Options(f"{asked.solver}_")["fetidp_ksp_type"] = "cg"
+        options["pc_bddc_deluxe_singlemat"] = True
+    else:
+        ksp.getPC().setType("bddc")
+    ksp.setComputeSingularValues(True)
     ksp.setTolerances(rtol=TOLERANCE, max_it=1000)
     ksp.setFromOptions()
     return ksp
+
+
+def coarse(ksp: PETSc.KSP) -> str:
+    """How many primal unknowns there are, as PETSc tells it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = MPI.COMM_WORLD.bcast(f"{folder}/view.txt")
+        viewer = PETSc.Viewer().createASCII(path, comm=PETSc.COMM_WORLD)
+        ksp.view(viewer)
+        viewer.flush()
+        viewer.destroy()
+        MPI.COMM_WORLD.barrier()
+        found = re.search(r"coarse (\d+)", Path(path).read_text())
+        MPI.COMM_WORLD.barrier()
+    return found.group(1) if found else "–"
+
+
+def megabytes() -> float:
+    """Resident memory of this rank."""
+    gc.collect()
+    return int(Path("/proc/self/statm").read_text().split()[1]) / PAGES_PER_MB
 
 
 def interface(q: NodalFrames) -> int:
@@ -182,15 +238,10 @@ def interface(q: NodalFrames) -> int:
     return 6 * int(MPI.COMM_WORLD.allreduce(int(shared.sum())))
 
 
-def run(asked: argparse.Namespace) -> str:
-    """One row."""
-    world = MPI.COMM_WORLD
-    q = NodalFrames(square(tuple(asked.cells), asked.curved), 2)
+def loaded(q: NodalFrames, A: PETSc.Mat, asked: Case) -> PETSc.Vec:
+    """A load; a clamped edge is taken out of the matrix and of it."""
     space = q.increment.function_space
     nodes, x = space.dofmap.index_map, space.tabulate_dof_coordinates()
-    if asked.curved:
-        tilt(q, x)
-    A = matrix(q, asked)
     load = np.zeros((nodes.size_local, 6))
     load[:, 2], load[:, 4] = 1 + x[: nodes.size_local, 0], 0.1
     if asked.static:
@@ -198,34 +249,53 @@ def run(asked: argparse.Namespace) -> str:
         held = 6 * (nodes.local_range[0] + edge)[:, None] + np.arange(6)
         A.zeroRowsColumns(held.ravel().astype(np.int32), diag=E * asked.thickness)
         load[edge] = 0.0
-    A.setNearNullSpace(rigid_motions(q, A, nodes.size_local))
-    b, found = A.createVecRight(), A.createVecRight()
+    b = A.createVecRight()
     b.array[:] = load.ravel()
-    ksp = solver(A, asked)
+    return b
+
+
+def run(name: str, cells: tuple[int, int]) -> str:
+    """One row."""
+    world, asked = MPI.COMM_WORLD, case(name)
+    q = NodalFrames(square(cells, asked.curved), 2)
+    nodes = q.increment.function_space.dofmap.index_map
+    if asked.curved:
+        tilt(q, q.increment.function_space.tabulate_dof_coordinates())
+    A = matrix(q, asked)
+    b, found = loaded(q, A, asked), A.createVecRight()
+    A.setNearNullSpace(rigid_motions(q, A, nodes.size_local))
+    ksp, before = solver(A, asked), megabytes()
     begin = process_time()
     ksp.setUp()
     middle = process_time()
     ksp.solve(b, found)
-    seconds = world.allreduce(np.array([middle - begin, process_time() - middle]))
-    most, least = ksp.computeExtremeSingularValues()
-    condition = f"{most / least:.3g}"
-    left = (A * found - b).norm() / b.norm()
-    took = f"{ksp.getIterationNumber()}" if ksp.getConvergedReason() > 0 else "fails"
-    row = (world.size, 6 * nodes.size_global, interface(q), took, condition, f"{left:.0e}")
-    return "| " + " | ".join(map(str, (*row, f"{seconds[0]:.2f}", f"{seconds[1]:.2f}"))) + " |"
+    used = np.array([middle - begin, process_time() - middle, megabytes() - before])
+    used = world.allreduce(used)
+    reason = ksp.getConvergedReason()
+    took = f"{ksp.getIterationNumber()}" if reason > 0 else f"fails ({reason})"
+    condition = "–"
+    if asked.solver != "feti" and reason > 0:
+        most, least = ksp.computeExtremeSingularValues()
+        condition = f"{most / least:.3g}"
+    left = f"{(A * found - b).norm() / b.norm():.0e}"
+    row = (world.size, name, 6 * nodes.size_global, interface(q), coarse(ksp), took, condition)
+    ksp.destroy()
+    A.destroy()
+    PETSc.garbage_cleanup(PETSc.COMM_WORLD)
+    given = (*row, left, f"{used[0]:.2f}", f"{used[1]:.2f}", f"{used[2]:.0f}")
+    return "| " + " | ".join(map(str, given)) + " |"
 
 
 def main() -> None:
-    """Print a row."""
+    """Print rows."""
     asking = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
     asking.add_argument("--cells", type=int, nargs=2, required=True)
-    asking.add_argument("--thickness", type=float, default=0.01)
-    asking.add_argument("--threshold", type=float, default=3.0)
-    for name in ("curved", "static", "plain"):
-        asking.add_argument(f"--{name}", action="store_true")
-    row = run(asking.parse_args())
-    if MPI.COMM_WORLD.rank == 0:
-        print(row, flush=True)
+    asking.add_argument("--cases", nargs="+", default=["flat-step-0.01-adaptive"])
+    asked = asking.parse_args()
+    for name in asked.cases:
+        row = run(name, tuple(asked.cells))
+        if MPI.COMM_WORLD.rank == 0:
+            print(row, flush=True)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,10 @@ import numpy as np
 
 import fem_lie as fl
 
-PREFIXES = ("fem_lie_statics_", "fem_lie_dynamics_", "fem_lie_vibrations_")
+PREFIXES = tuple(
+    f"fem_lie_{kind}_"
+    for kind in ("statics", "dynamics", "vibrations", "path", "path_modes", "buckling")
+)
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 
 
@@ -42,6 +45,31 @@ def pendulum():
     scene.add(lower)
     scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
     scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
+    return scene
+
+
+def column():
+    """A clamped column under twice the load at which it buckles."""
+    section = fl.Section.rectangle(0.02, 0.03, STEEL)
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4)
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.start))
+    stiffness = STEEL.E * 0.03 * 0.02**3 / 12
+    scene.add(fl.PointLoad(beam.end, force=(-2 * stiffness * np.pi**2 / 4, 0, 0)))
+    return scene
+
+
+def stopped(after):
+    """The pendulum, pushed until some time, where the push raises an error."""
+    scene = pendulum()
+
+    def push(t):
+        if t > after:
+            raise ArithmeticError("no push is known here")
+        return t
+
+    scene.add(fl.PointLoad(scene.bodies[1].end, force=(0, 0, 1.0), history=push))
     return scene
 
 

@@ -94,8 +94,9 @@ MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
 """For surfaces and trusses in time: umfpack solves twice as fast as mumps. The factors of klu grow
 faster than a truss whose bars are joined: from 2 to 8 cells of 28 bars 32 times as slow."""
 
-THREADS = (ByChains("lu", "mumps"), *MOTION)
-"""For large nets and trusses, most nodes of which are within threads and bars."""
+THREADS = (ByChains("lu", "mumps"), *reversed(MOTION))
+"""For large nets and trusses, most nodes of which are within threads and bars; then mumps, whose
+memory grows less than that of umfpack."""
 
 DEFAULTS: dict[str, dict[str, object]] = {
     # indefinite matrices are no news
@@ -150,7 +151,7 @@ class DirectSolver:
         self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
         self._own = Equilibrated(kkt)
         self._symmetric = all(method.kind == "cholesky" for method in methods)
-        self._shares = self._methods[0].spreads and shared(len(kkt.units), prefix)
+        self._shares = shared(len(kkt.units), prefix, spreads=self._methods[0].spreads)
         self._rescues = RESCUES
         if self._shares:
             self._methods = (Method("cholesky" if self._symmetric else "lu", "mumps"),)

@@ -18,19 +18,21 @@ FROM = 20_000
 _log = logging.getLogger(__name__)
 
 
-def shared(size: int, prefix: str) -> bool:
+def shared(size: int, prefix: str, *, spreads: bool = True) -> bool:
     """Whether all ranks factorise a matrix together; what is small each of them does by itself.
 
     Args:
         size: Unknowns.
         prefix: Of PETSc's options.
+        spreads: Whether that takes less time than what each would do.
     """
     if not several():
         return False
     end_together()
-    found = size >= int(PETSc.Options(prefix).getInt("shared_from", FROM))
+    found = spreads and size >= int(PETSc.Options(prefix).getInt("shared_from", FROM))
     if first():
-        how = "factors shared by" if found else "small, the same on each of"
+        why = "small, " if spreads else ""
+        how = "factors shared by" if found else f"{why}the same factors on each of"
         _log.info("%d unknowns: %s %d ranks", size, how, MPI.COMM_WORLD.size)
     return found
 

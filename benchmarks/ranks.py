@@ -1,0 +1,172 @@
+"""The same on any number of ranks: random scenes of all kinds, and fixed ones for all schemes.
+
+    tools/run python3 -m benchmarks.ranks --out 1.pickle
+    tools/run mpirun --oversubscribe -n 3 python3 -m benchmarks.ranks --out 3.pickle
+    tools/run python3 -m benchmarks.ranks --compare 1.pickle 3.pickle
+
+On several ranks all matrices of all sizes are factorised by all ranks together. Comparing
+prints a row for each study: scenes, the largest difference over what :mod:`.random_scenes` takes
+as the size of such numbers, and where it is. ``--interrupt FILE`` makes a run
+that ends amid its steps; ``--resume FILE --out OUT`` takes it to its end on any number of ranks.
+"""
+
+from __future__ import annotations
+
+import argparse
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from mpi4py import MPI
+
+import numpy as np
+
+import fem_lie as fl
+from benchmarks import conserving_contact
+from benchmarks.random_scenes import STUDIES, Numbers, Outcome, Values, Way, difference, outcome
+from fem_lie.solve.motion.integrator import Integrator
+from tests.parallel_scenes import column, pendulum, share_factors, sheet, stopped
+from tests.random_scenes import random_scene
+from tests.test_explicit_joints import net
+
+SEEDS = range(8)
+STEPS, STEP = 20, 1e-3
+
+
+def motion(
+    scene: fl.Scene, scheme: Integrator, step: float | fl.AdaptiveStep = STEP, steps: int = STEPS
+) -> Numbers:
+    """Frames, velocities, joint forces, energies and times of a run."""
+    result = scheme.run(scene, duration=steps * STEP, step=step, progress=False)
+    energies = np.array([result.kinetic, result.elastic, result.potential])
+    return {
+        "frames": Values(result.frames, "of 1"),
+        "velocities": Values(result.velocities, "velocity"),
+        "joint forces": Values(result.joint_forces, "force"),
+        "energies": Values(energies, "energy"),
+        "times": Values(result.times, "time"),
+    }
+
+
+def path() -> Numbers:
+    """Of a column that buckles, and the point where it does."""
+    found = fl.follow_path(column(), fl.PathEnds(critical_points=1))
+    critical = np.array([point.factor for point in found.bifurcations])
+    return {
+        "frames": Values(found.frames, "of 1"),
+        "factors": Values(found.factors, "factor"),
+        "critical": Values(critical, "factor"),
+    }
+
+
+def shell() -> Numbers:
+    """A sheet pulled at its corner, and its frequencies."""
+    scene, _ = sheet()
+    rest, modes = fl.statics(scene, load_steps=2), fl.vibrations(scene, 3)
+    return {
+        "frames": Values(rest.frames, "of 1"),
+        "frequencies": Values(modes.frequencies, "frequency"),
+    }
+
+
+def dropped(law: fl.Penalty | fl.Impact) -> fl.Scene:
+    """A ball just over the floor."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 0.1)))
+    ball.move((0.3, 0, -0.5))
+    floor = fl.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.1), floor, law))
+    return scene
+
+
+def balls_in_a_box() -> fl.Scene:
+    """Of the benchmark of contact in conserving steps."""
+    build, stiffness, _, _ = conserving_contact.CASES["box"]
+    return build(stiffness)[0]
+
+
+FIXED: dict[str, Callable[[], Numbers]] = {
+    "path, with its bifurcation": path,
+    "statics and vibrations of a shell": shell,
+    "generalised-α, adaptive steps": lambda: motion(
+        pendulum(), fl.GeneralisedAlpha(), fl.AdaptiveStep(1e-4)
+    ),
+    "generalised-α, net of cables": lambda: motion(net(), fl.GeneralisedAlpha()),
+    "generalised-α, contact by penalty": lambda: motion(
+        dropped(fl.Penalty(1e5)), fl.GeneralisedAlpha()
+    ),
+    "generalised-α, impacts": lambda: motion(dropped(fl.Impact()), fl.GeneralisedAlpha()),
+    "energy-momentum, contact": lambda: motion(balls_in_a_box(), fl.EnergyMomentum()),
+    "variational": lambda: motion(pendulum(), fl.Variational()),
+    "explicit, net of cables": lambda: motion(net(), fl.Explicit(), 1e-5, 1),
+}
+
+
+def interrupted(file: Path) -> None:
+    """Leave the file of a run that ends amid its steps."""
+    try:
+        fl.GeneralisedAlpha().run(
+            stopped(0.011), duration=0.02, step=STEP, file=file, checkpoint_every=2, progress=False
+        )
+    except ArithmeticError:
+        return
+    raise AssertionError("the run should have ended early")
+
+
+def to_the_end(file: Path) -> Numbers:
+    """From the last checkpoint."""
+    result = fl.GeneralisedAlpha().resume(stopped(np.inf), file, progress=False)
+    return {"frames": Values(result.frames, "of 1")}
+
+
+def all_of(file: Path | None) -> dict[str, list[Outcome]]:
+    """Outcomes of all scenes of each study."""
+    with TemporaryDirectory() as folder:
+        given = file or Path(MPI.COMM_WORLD.bcast(folder)) / "run.h5"
+        if file is None:
+            interrupted(given)
+        found = {"resumed": [Outcome(to_the_end(given))]}
+        MPI.COMM_WORLD.barrier()
+    if file is not None:
+        return found
+    for name, run in FIXED.items():
+        found[name] = [Outcome(run())]
+    for name, study in STUDIES.items():
+        scenes = (Way(random_scene(seed, study.wanted)) for seed in SEEDS)
+        found[f"random scenes: {name}"] = [outcome(study, scene) for scene in scenes]
+    return found
+
+
+def compare(one: Path, other: Path) -> None:
+    """Print a row for each study that both have."""
+    first, second = (pickle.loads(path.read_bytes()) for path in (one, other))
+    for name in first.keys() & second.keys():
+        both = zip(first[name], second[name], strict=True)
+        worst, where = max(difference(a, b) for a, b in both)
+        print(f"| {other.stem} | {name} | {len(first[name])} | {worst:.1e} | {where[:60]} |")
+
+
+def main() -> None:
+    """Compute and keep, or compare."""
+    asking = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    asking.add_argument("--out", type=Path)
+    asking.add_argument("--resume", type=Path)
+    asking.add_argument("--interrupt", type=Path)
+    asking.add_argument("--compare", type=Path, nargs=2)
+    asked = asking.parse_args()
+    if asked.compare:
+        compare(*asked.compare)
+        return
+    if MPI.COMM_WORLD.size > 1:
+        share_factors()
+    if asked.interrupt:
+        interrupted(asked.interrupt)
+        return
+    found = all_of(asked.resume)
+    if MPI.COMM_WORLD.rank == 0:
+        asked.out.write_bytes(pickle.dumps(found))
+
+
+if __name__ == "__main__":
+    main()
