@@ -383,7 +383,7 @@ def test_translation_is_exact_on_r3xso3_whatever_the_spin():
     assert np.abs(other.position(0) - path).max() > 1e-5
 
 
-@pytest.mark.parametrize("group", [fl.Group.SE3, fl.Group.R3xSO3])
+@pytest.mark.parametrize("group", [int(fl.Group.SE3), int(fl.Group.R3xSO3)])
 def test_matrix_is_the_derivative_of_the_residual(group):
     """By central differences along every increment, through the laws of the scheme."""
     rng = np.random.default_rng(2)
