@@ -106,6 +106,7 @@ from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.page import Page
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
+from fem_lie.ranks.together import end_together
 from fem_lie.reduce.axes import MeanAxes, NodeAxes
 from fem_lie.reduce.basis import Basis, Reduced, load_basis
 from fem_lie.reduce.craig_bampton import craig_bampton
@@ -424,3 +425,6 @@ __all__ = [
     "with_derivatives",
     "write_resultants",
 ]
+
+# before anything of a script can fail on one rank alone
+end_together()

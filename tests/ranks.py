@@ -18,8 +18,8 @@ def on_ranks(script: ModuleType, ranks: int, out: Path) -> None:
     assert code == 0, text
 
 
-def output_of_ranks(script: ModuleType, ranks: int, argument: str) -> tuple[int, str]:
-    """How ``mpirun -n ranks script argument`` ends, and all that it writes."""
+def output_of_ranks(script: ModuleType, ranks: int, *given: str) -> tuple[int, str]:
+    """How ``mpirun -n ranks script given…`` ends, and all that it writes."""
     command = shutil.which("mpirun")
     if command is None:
         pytest.skip("no mpirun here")
@@ -33,7 +33,7 @@ def output_of_ranks(script: ModuleType, ranks: int, argument: str) -> tuple[int,
         "OMP_NUM_THREADS": "1",
     }
     many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
-    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), argument]
+    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), *given]
     run = subprocess.run(
         [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=120
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import fcntl
 import os
 import shutil
 import tempfile
@@ -11,15 +12,34 @@ from functools import cache
 from pathlib import Path
 from zlib import crc32
 
-from fem_lie.ranks.together import end_together, first, from_first, meet, several
+from fem_lie.ranks.together import first, from_first, meet, several
+
+_PREFIX, _ALIVE = "fem_lie_rank_", "alive"
 
 
 @cache
 def _folder() -> Path:
     """Of a rank that is not the first, until it ends."""
-    made = Path(tempfile.mkdtemp(prefix="fem_lie_rank_"))
+    _remove_left_over()
+    made = Path(tempfile.mkdtemp(prefix=_PREFIX))
     atexit.register(shutil.rmtree, made, ignore_errors=True)
+    # it is open, and so locked, as long as the process lives, whatever ends that; before it is
+    # locked it has another name
+    begun = made / f"{_ALIVE}.part"
+    fcntl.flock(os.open(begun, os.O_CREAT | os.O_WRONLY), fcntl.LOCK_EX)
+    begun.rename(made / _ALIVE)
     return made
+
+
+def _remove_left_over() -> None:
+    """Remove folders of ranks that were ended before they could do so."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        try:
+            with (folder / _ALIVE).open("rb") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:  # it lives, is another user's, or is just being made
+            continue
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def place(path: str | os.PathLike[str]) -> Path:
@@ -39,7 +59,6 @@ def place_to_go_on(path: Path, beside: Path) -> Path:
     if not several():
         return path
     own = place(path)
-    end_together()
     if not first():
         for source in (path, beside):
             shutil.copyfile(source, own.with_name(source.name))
@@ -56,7 +75,6 @@ def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
     if not several():
         write()
         return
-    end_together()
     error: OSError | None = None
     if first():
         try:
@@ -69,5 +87,4 @@ def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
 def before_reading(path: str | os.PathLike[str]) -> None:
     """Wait until all ranks have done what comes before, such as the first one writing the file."""
     if several():
-        end_together()
         meet(f"reading {path}")

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.ranks.together import end_together, first, meet, several
+from fem_lie.ranks.together import first, meet, several
 
 FROM = 20_000
 """Unknowns from which on factors are shared, unless PETSc's option ``shared_from`` says another."""
@@ -28,7 +28,6 @@ def shared(size: int, prefix: str, *, spreads: bool = True) -> bool:
     """
     if not several():
         return False
-    end_together()
     found = spreads and size >= int(PETSc.Options(prefix).getInt("shared_from", FROM))
     if first():
         why = "small, " if spreads else ""

@@ -82,8 +82,10 @@ def from_first(work: str, error: OSError | None) -> None:
 def end_together() -> None:
     """See to it that an error on one rank is the end of all, with one message.
 
-    From then on what a rank does not catch ends all of them. A rank that comes to the end of its
-    script waits for the others there, and is told if they wait for it elsewhere.
+    The package calls it when it is imported: a rank that fails before its first scene would wait
+    for ever for the others at the end. From then on what a rank does not catch ends all of them. A
+    rank that comes to the end of its script waits for the others there, and is told if they wait
+    for it elsewhere.
     """
     if several():
         sys.excepthook = _end_all

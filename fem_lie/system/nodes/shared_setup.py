@@ -13,7 +13,6 @@ from typing import Any
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.told import Told, told_of_body
-from fem_lie.ranks.together import end_together
 from fem_lie.scene import Scene
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -26,7 +25,6 @@ def numbering_for(scene: Scene, user: object) -> Numbering:
     Raises:
         ValueError: Two bodies were given the same name after they were added.
     """
-    end_together()
     if scene.family is None:
         return numbered(scene)
     if scene.family.setup is None:
@@ -78,7 +76,6 @@ def numbered(scene: Scene) -> Numbering:
     Raises:
         ValueError: Two bodies were given the same name after they were added.
     """
-    end_together()
     twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
     if twice:
         raise ValueError(f"the scene has several bodies named {twice[0]!r}")

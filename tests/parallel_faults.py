@@ -1,0 +1,88 @@
+"""A run amid which a rank fails: ``mpirun -n N parallel_faults.py FAULT,RANK,SHARED FILE``."""
+
+import faulthandler
+import os
+import resource
+import signal
+import sys
+from pathlib import Path
+
+from mpi4py import MPI
+
+import parallel_scenes
+
+import fem_lie as fl
+
+FAILS_AT, END, STEP, EVERY = 0.013, 0.02, 1e-3, 2
+
+
+def error():
+    """As in a function of the user's, on this rank alone."""
+    raise ArithmeticError("no push is known here")
+
+
+def killed():
+    """As by a system that is short of memory."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def left():
+    """As by a library that ends the process."""
+    os._exit(3)
+
+
+def content():
+    """As by a script that goes another way on this rank."""
+    sys.exit(0)
+
+
+def full():
+    """From now on nothing longer than this can be written."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
+
+
+IN_TIME = {
+    "error": (error, "ArithmeticError: no push is known here"),
+    "killed": (killed, "signal 9 (Killed)"),
+    "left": (left, "exited with non-zero status"),
+    "content": (content, "at the end of the script"),
+    "full": (full, "File too large: the run has reached time 0.014"),
+}
+"""What happens on one rank amid a run, and what the message says."""
+
+AT_ONCE = {
+    "error at once": (error, "ArithmeticError: no push is known here"),
+    "full at once": (full, "File too large"),
+}
+"""Likewise, before there is a scene."""
+
+MESSAGES = {name: message for name, (_, message) in (IN_TIME | AT_ONCE).items()}
+
+
+def scene(fault="", rank=-1):
+    """The pendulum, pushed; after ``FAILS_AT`` the fault comes on one rank, if there is any."""
+    built = parallel_scenes.pendulum()
+
+    def push(t):
+        if t > FAILS_AT and fault in IN_TIME and MPI.COMM_WORLD.rank == rank:
+            IN_TIME[fault][0]()
+        return t
+
+    built.add(fl.PointLoad(built.bodies[1].end, force=(0, 0, 1.0), history=push))
+    return built
+
+
+def run(file, fault="", rank=-1):
+    """A run with results and checkpoints in a file."""
+    options = {"step": STEP, "file": file, "checkpoint_every": EVERY, "progress": False}
+    return fl.GeneralisedAlpha().run(scene(fault, rank), duration=END, **options)
+
+
+if __name__ == "__main__":
+    faulthandler.dump_traceback_later(60, exit=True)
+    name, where, shares = sys.argv[1].split(",")
+    if name in AT_ONCE and MPI.COMM_WORLD.rank == int(where):
+        AT_ONCE[name][0]()
+    if shares == "shared":
+        parallel_scenes.share_factors()
+    run(Path(sys.argv[2]), name, int(where))
