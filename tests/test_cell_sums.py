@@ -77,8 +77,8 @@ def test_any_stencil(cells):
     expected[:, :3] = dense @ x
     np.testing.assert_allclose(forces.reshape(-1, 6), expected, atol=1e-12)
     pattern = Pattern.of(cells, COUNT)
-    blocks = np.zeros((len(pattern.indices), 6, 6))
-    sums(cells, matrix_kernel).add_matrix(H, pattern, blocks)
+    sum_of_cells = sums(cells, matrix_kernel)
+    blocks = sum_of_cells.matrix(H, pattern)
     found = np.zeros((COUNT, 6, COUNT, 6))
     rows = np.repeat(np.arange(COUNT), np.diff(pattern.indptr))
     for row, column, block in zip(rows, pattern.indices, blocks, strict=True):

@@ -101,6 +101,14 @@ class Assembly(BodyTerm):
         """Blocks (nnz, 6, 6) of the tangent at frames ``H``, with the carried stress."""
         return self._blocks(H, self._tangent)
 
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        if self._unknowns == K.shape[1]:
+            self._tangent.pack()
+            self._tangent.add_matrix(H, self._pattern, place, K)
+        else:
+            super().add_tangent(H, kept, place, K)
+
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Blocks (nnz, 6, 6) of the derivative in the twists; that in frames is left out."""
         return self._blocks(H, self._viscous_tangent), None
@@ -108,9 +116,7 @@ class Assembly(BodyTerm):
     def _blocks(self, H: Array, form: CellForm) -> Array:
         """Sum of the cells' matrices, with what they carry now, shape (nnz, u, u)."""
         form.pack()
-        blocks = np.zeros((len(self.indices), self._unknowns, self._unknowns))
-        form.add_matrix(H, self._pattern, blocks)
-        return blocks
+        return form.matrix(H, self._pattern, self._unknowns)
 
     def set_eigenstrain(self, values: Array) -> None:
         """Strains without stress of the bodies' cells, one body after the other, shape (m, 6)."""

@@ -112,14 +112,20 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
 
 @compiled
 def add_blocks(
-    H: Array, table: tuple[Indices, Indices], place: Indices, unknowns: int, out: Array
+    H: Array,
+    table: tuple[Indices, Indices],
+    pair_of: Indices,
+    place: Indices,
+    unknowns: int,
+    out: Array,
 ) -> None:
     """Sum matrices of all forms over their cells, at nodal frames ``H``.
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
         table: See :class:`FormTable`.
-        place: Of each pair of nodes of each cell of each form, in ``out``.
+        pair_of: Of each two nodes of each cell of each form, its number among all pairs.
+        place: Of each pair in ``out``.
         unknowns: Of each node.
         out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
@@ -136,7 +142,7 @@ def add_blocks(
             _add_cell(H, rows[f], nodes, e, room)
             for i in range(count):
                 for j in range(count):
-                    block = out[place[pair]]
+                    block = out[place[pair_of[pair]]]
                     pair += 1
                     for a in range(unknowns):
                         for b in range(unknowns):

@@ -88,9 +88,16 @@ class CellSum:
         """Add six numbers for each node at rows ``H``, shape (6 count,)."""
         add_cells(H, self._plain, 6, out)
 
-    def add_matrix(self, H: Array, pattern: Pattern, out: Array) -> None:
-        """Add matrices to blocks (nnz, u, u) of the pattern, at rows ``H``."""
-        add_blocks(H, self._plain, pattern.place, out.shape[1], out)
+    def add_matrix(self, H: Array, pattern: Pattern, place: Indices, out: Array) -> None:
+        """Add matrices at rows ``H`` to blocks (any, u, u), at the places of the pattern's pairs."""
+        add_blocks(H, self._plain, pattern.place, place, out.shape[1], out)
+
+    def matrix(self, H: Array, pattern: Pattern, unknowns: int = 6) -> Array:
+        """Matrices at rows ``H`` in blocks of the pattern, shape (nnz, u, u)."""
+        count = len(pattern.indices)
+        blocks = np.zeros((count, unknowns, unknowns))
+        self.add_matrix(H, pattern, np.arange(count), blocks)
+        return blocks
 
     def scalar(self, H: Array) -> float:
         """The sum of a kernel that adds a number."""

@@ -12,10 +12,20 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
 from fem_lie.forms.cell_forms import FormTable
 
 Pairs: TypeAlias = tuple[Indices, Indices]
 """First and second node of each pair that a matrix couples."""
+
+
+@compiled
+def add_at(target: Array, place: Indices, blocks: Array) -> None:
+    """``target[place] += blocks``, of six rows and columns."""
+    for b in range(place.shape[0]):
+        for k in range(6):
+            for n in range(6):
+                target[place[b], k, n] += blocks[b, k, n]
 
 
 class PushedPieces(NamedTuple):
@@ -162,6 +172,17 @@ class Term(ABC):
             H: Frames.
             kept: What :meth:`add_forces` kept at these frames.
         """
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """Add :meth:`tangent` to blocks of a larger matrix.
+
+        Args:
+            H: Frames.
+            kept: As there.
+            place: Of each pair among the blocks, shape (pairs,).
+            K: Blocks, shape (any, 6, 6).
+        """
+        add_at(K, place, self.tangent(H, kept))
 
     def stiff_rows(self, H: Array) -> StiffRows:
         """What counts of the tangent, by few rows; asked of terms that are apart."""

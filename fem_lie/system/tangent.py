@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.forms.term import Ends, Pairs, Term
+from fem_lie.forms.term import Ends, Pairs, Term, add_at
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.inertia import Inertia
 from fem_lie.lie.motions import add_turnings
@@ -19,7 +19,7 @@ from fem_lie.system.constraints import Connections
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.lagging import let_lag
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.sums import add_blocks, combine, combine_rows, load_tangent, to_inertial
+from fem_lie.system.nodes.sums import combine, combine_rows, load_tangent, to_inertial
 from fem_lie.system.scales import Vectors
 from fem_lie.system.terms.all_terms import Terms
 
@@ -188,9 +188,9 @@ class Tangent:
         """
         for (term, place), forces in zip(self._parts, kept, strict=True):
             if ends is not None and term.secant:
-                add_blocks(self.K, place, term.tangent_over_step(ends, H))
+                add_at(self.K, place, term.tangent_over_step(ends, H))
             elif wanted(term):
-                add_blocks(self.K, place, term.tangent(H, forces))
+                term.add_tangent(H, forces, place, self.K)
 
     def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
         """Put stiff rows of terms that may be apart beside the KKT, in increments ``d``.
@@ -221,7 +221,7 @@ class Tangent:
         term.add_forces(H, np.zeros((self._count, 6)), kept)
         self.clear()
         (place,) = (place for other, place in self._parts if other is term)
-        add_blocks(self.K, place, term.tangent(H, kept))
+        term.add_tangent(H, kept, place, self.K)
         self.supports.turn_blocks(H, self.K)
         return sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()
 
@@ -235,7 +235,7 @@ class Tangent:
         for term, place in self._parts:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
-                add_blocks(self.K, place, blocks)
+                add_at(self.K, place, blocks)
 
     def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = every) -> None:
         """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
@@ -249,9 +249,9 @@ class Tangent:
         for term, place in self._parts:
             if term.viscous and wanted(term):
                 by_twists, by_frames = term.viscous_tangent(H, v)
-                add_blocks(self.A, place, factor * by_twists)
+                add_at(self.A, place, factor * by_twists)
                 if by_frames is not None:
-                    add_blocks(self.K, place, by_frames)
+                    add_at(self.K, place, by_frames)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
         """See :func:`~fem_lie.lie.motions.add_turnings`; to ``K``."""

@@ -94,9 +94,11 @@ class GradientAssembly(BodyTerm):
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
-        blocks = np.zeros((len(self.indices), 6, 6))
-        self._matrix.add_matrix(H, self._pattern, blocks)
-        return blocks
+        return self._matrix.matrix(H, self._pattern)
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        self._matrix.add_matrix(H, self._pattern, place, K)
 
     def strains(self, H: Array) -> Array:
         """All strains of each cell, shape (m, 18), see the element."""

@@ -67,9 +67,11 @@ class Springs(Term):
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Their derivative at frames ``H``."""
-        blocks = np.zeros((len(self._pattern.indices), 6, 6))
-        self._matrix.add_matrix(H, self._pattern, blocks)
-        return blocks
+        return self._matrix.matrix(H, self._pattern)
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        self._matrix.add_matrix(H, self._pattern, place, K)
 
     def energy(self, H: Array) -> float:
         """Of all springs."""

@@ -153,6 +153,4 @@ class ThinPushes(Term):
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         self._constants[0] = self.amplitude
-        blocks = np.zeros((len(self._pairs[0]), 6, 6))
-        self._matrix.add_matrix(H, self._pattern, blocks)
-        return blocks
+        return self._matrix.matrix(H, self._pattern)

@@ -14,11 +14,11 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
+from fem_lie.forms.term import add_at
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start
 from fem_lie.system.constraint_sets.rows import Rows, SystemRows
 from fem_lie.system.nodes.held_grips import HeldGrips
-from fem_lie.system.nodes.sums import add_blocks
 
 
 def on_grips(item: Numbered) -> bool:
@@ -181,7 +181,7 @@ class OnGrips(ConstraintSet):
     def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
         """Blocks of pairs of its rows, pulled back to pairs of nodes."""
         pulled = J[self._left].transpose(0, 2, 1) @ blocks[self._block] @ J[self._right]
-        add_blocks(K, place[: len(pulled)], pulled)
+        add_at(K, place[: len(pulled)], pulled)
 
     # --- equations ---
 
@@ -218,7 +218,7 @@ class OnGrips(ConstraintSet):
         self._add_pulled(J, blocks, place, K)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
         bent = self._grips.bend(H, forces[len(self.rows.moving) : self.rows.count])
-        add_blocks(K, place[len(self._left) :], bent)
+        add_at(K, place[len(self._left) :], bent)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Twists of grips change while those of nodes are constant."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.system.nodes.sums import add_times
 from fem_lie.system.system import System
 
 
@@ -27,7 +28,7 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
     tangent.add_terms(H, kept)
     tangent.add_viscosity(H, still, 0.5 * step, lambda term: not (term.of_bodies or term.in_space))
     tangent.add_mass(H, system.kinds)
-    tangent.A += 0.25 * step**2 * tangent.K
+    add_times(tangent.A, 0.25 * step**2, tangent.K)
     scale = tangent.constraint_scale(H)
     tangent.fill(tangent.A, H, scale)
     return scale

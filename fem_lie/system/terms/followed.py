@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
 from fem_lie.forms.term import (
     Done,
@@ -41,10 +41,11 @@ class Followed(Term):
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
         self.on_ground, self.rubs, self.apart = term.on_ground, term.rubs, term.apart
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
-        # Ad(C⁻¹): twist of a node from that of its leader
-        self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
         numbers = np.arange(len(attachment.leader))[where]
         self._direct = bool(np.isin(numbers, attachment.leaders).all())
+        if not self._direct:
+            # Ad(C⁻¹): twist of a node from that of its leader
+            self._turn = lie.se3_adjoint(lie.se3_inverse(self._offset))
         first = int(self._leader[0]) if len(self._leader) else 0
         self._where = slice(first, first + len(self._leader))
 
@@ -122,6 +123,13 @@ class Followed(Term):
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         return self._moved(self.term.tangent(self._frames(H), kept))
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        if self._direct:
+            self.term.add_tangent(H[self._where], kept, place, K)
+        else:
+            super().add_tangent(H, kept, place, K)
 
     def stiff_rows(self, H: Array) -> StiffRows:
         """See the base class."""
