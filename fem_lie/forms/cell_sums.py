@@ -89,7 +89,7 @@ class CellSum:
         add_cells(H, self._plain, 6, out)
 
     def add_matrix(self, H: Array, pattern: Pattern, place: Indices, out: Array) -> None:
-        """Add matrices at rows ``H`` to blocks (any, u, u), at the places of the pattern's pairs."""
+        """Add matrices at rows ``H`` to blocks (any, u, u), at places of the pattern's pairs."""
         add_blocks(H, self._plain, pattern.place, place, out.shape[1], out)
 
     def matrix(self, H: Array, pattern: Pattern, unknowns: int = 6) -> Array:
