@@ -93,11 +93,18 @@ class Contact:
         """
         self.a.check()
         self.b.check()
+        self._check_places()
         if self._lines:
             self._check_lines()
             return
         self._check_sorts()
         self._check_overlap()
+
+    def _check_places(self) -> None:
+        """Refuse friction on nodes that do not turn, whose anchors would have a lever there."""
+        for point in [*self.a.points, *self.b.points] if self.rubs else ():
+            if point.body is not None:
+                point.body.require_frames(f"{self.label}: friction")
 
     def _check_lines(self) -> None:
         if isinstance(self.law, Impact):

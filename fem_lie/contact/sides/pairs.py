@@ -58,7 +58,7 @@ class NearPairs:
     def update(self, H: Array) -> None:
         """Make the list that of frames ``H`` if places have moved too far since it was made."""
         if not self.fixed and self._moved(H) > self.patience:
-            self.see_again(self._at)
+            self._look(self._at)
 
     def cover(self, start: Array, end: Array) -> None:
         """Make the list have all that touch at either end of a step."""
@@ -66,7 +66,7 @@ class NearPairs:
         if not self.fixed and (moved := self._moved(end)) > self._skin:
             self._widen(2.0 * moved)
             self._moved(start)
-            self.see_again(self._at)
+            self._look(self._at)
 
     @property
     def skin(self) -> float:
@@ -93,12 +93,20 @@ class NearPairs:
 
     @property
     def seen(self) -> Array:
-        """Places for which the list was made, shape (n, 3)."""
-        return self._before[:0] if self.fixed else self._before
+        """Places for which the list was made, and how far it looked, shape (n + 1, 3)."""
+        if self.fixed:
+            return np.empty((0, 3))
+        return np.vstack([self._before, [self._skin, 0.0, 0.0]])
 
-    def see_again(self, at: Array) -> None:
-        """Make the list for other places, such as were :attr:`seen`."""
-        if not len(at) or not np.isfinite(at).all():
+    def see_again(self, seen: Array) -> None:
+        """Have the list again that there was when that was :attr:`seen`."""
+        if len(seen):
+            self._widen(float(seen[-1, 0]))
+            self._look(seen[:-1])
+
+    def _look(self, at: Array) -> None:
+        """Make the list for places."""
+        if not np.isfinite(at).all():
             return
         self._before[:] = at
         pairs = self._found()

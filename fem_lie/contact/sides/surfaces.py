@@ -19,6 +19,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, direction, flag, instance, number, numbers, positive, vector
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.points import require_node, require_point
+from fem_lie.lie.kinds import NodeKind
 
 MOST_NODES = 4
 """Nodes in whose rows a place is linear."""
@@ -142,8 +143,18 @@ class Surface(ABC):
         """
         for point in self.points:
             require_node(point, self.label)
-            if point.body is not None:
+            if point.body is not None and not (self.turns_alike and _is_place(point)):
                 point.body.require_frames(self.label)
+
+    @property
+    def turns_alike(self) -> bool:
+        """Whether it is the same however its points turn, so that these need no axes."""
+        return False
+
+
+def _is_place(point: Point) -> bool:
+    """Whether a point is a node that has a place and nothing else."""
+    return point.body is not None and int(point.body.node_kinds[point.node]) == NodeKind.POINT
 
 
 def _name(point: Point) -> str:
@@ -209,6 +220,11 @@ class Sphere(Surface):
         """One."""
         return [self.point]
 
+    @property
+    def turns_alike(self) -> bool:
+        """Yes: it is a ball about a point."""
+        return True
+
     def balls(self) -> list[Ball]:
         """Itself."""
         return [_fixed(self.point, -self.radius if self.hollow else self.radius)]
@@ -240,6 +256,11 @@ class Vertices(Surface):
     def points(self) -> Sequence[Point]:
         """All of them."""
         return self.of
+
+    @property
+    def turns_alike(self) -> bool:
+        """Yes: they are points, or balls about them."""
+        return True
 
     def balls(self) -> list[Ball]:
         """One about each."""

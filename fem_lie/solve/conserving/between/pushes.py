@@ -90,20 +90,38 @@ class Pushes:
                 own[:] = given[:n]
             else:
                 follow(given, self._leader, self._offset, own)
+        work = self._add_all(out)
+        if not self._trivial:
+            arms = ends.mean[:, 0] - mean[self._leader, 0]
+            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
+        self._settle_debt(work, leak, out)
+
+    def set_between(self, ends: Ends, out: Array) -> None:
+        """The same for nodes of any kind that all lead, between ends that are known.
+
+        On nodes that are no frames forces are along increments.
+        """
+        for given, own in zip(ends, self.ends, strict=True):
+            own[:] = given[: len(own)]
+        self._settle_debt(self._add_all(out), 0.0, out)
+
+    def _add_all(self, out: Array) -> float:
+        """Forces on leaders, without moments of followers, and on ground; the work that is kept."""
+        n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
         for term in self._terms:
-            done = term.add_over_step(ends, self._on_all, self._ground)
+            done = term.add_over_step(self.ends, self._on_all, self._ground)
             self.ahead += done.stored
             work += done.work
             out[n + LOSS, 0] += done.lost
         out[n + ON_GROUND] = self._ground
         np.add.at(out, self._leader, self._on_all)
-        if not self._trivial:
-            arms = ends.mean[:, 0] - mean[self._leader, 0]
-            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
-        # what is stored differs from the work by digits of places, and where places follow
-        work -= out[n + LOSS, 0]
+        return work - float(out[n + LOSS, 0])
+
+    def _settle_debt(self, work: float, leak: float, out: Array) -> None:
+        """Change forces by what is stored beyond the work on it."""
+        # by digits of places, and where places follow
         owed = self.debt + self.ahead - self.energy - work
         part = _part(owed + leak, work)
         out *= 1.0 + part

@@ -7,9 +7,11 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.cells import evaluate
+from fem_lie.forms.term import Ends
 from fem_lie.lie.kinds import SLOPE, inertia, push_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise, solve
+from fem_lie.solve.conserving.between.pushes import Pushes
 from fem_lie.solve.conserving.between.screws import half_way
 from fem_lie.solve.conserving.rows.cells import energies_at
 from fem_lie.solve.conserving.rows.changes import forces_at
@@ -110,6 +112,9 @@ class AnyState(Integration[Recorder]):
         self._found = equations.residual(at_rest, self.s.scale, self._work)
         self._viscous = viscous_terms(equations)
         self._twists, self._viscous_forces = z((2, n, 6))
+        known = equations.tables
+        self._pushes = Pushes(known.terms, known.leader, known.offset, n)
+        self._pushed = self._pushes.room(n)
         self._factors: Factors | None = None
         self._made = self._factorisations = 0
 
@@ -143,6 +148,7 @@ class AnyState(Integration[Recorder]):
         if self.framed.count:
             evaluate(self.framed.table, s.H, np.zeros_like(s.H), s.F, s.W[alone:])
         s.account[:] = s.W
+        self._pushes.at_rest(s.H)
         if len(s.lasting[0]):
             forces_at(self.model.cells, s.H, s.rest, s.lasting[0])
 
@@ -166,6 +172,10 @@ class AnyState(Integration[Recorder]):
             self._viscous_forces[:] = 0.0
             term.add_viscous_forces(this.middle, self._twists, self._viscous_forces)
             steps.add_viscous(model, this, self.size, self._twists, self._viscous_forces)
+        if self._pushes:
+            ends = Ends(s.H, this.end, this.mean, this.delta)
+            self._pushes.set_between(ends, self._pushed)
+            steps.add_pushed(this, self._pushed)
         steps.residual(model, s, this, self.size)
 
     def _solve(self) -> None:
@@ -183,6 +193,8 @@ class AnyState(Integration[Recorder]):
         plan = Plan(self._still, None, 4.0 / h**2, 2.0 / h, choices=self.choices)
         if len(self._frames):
             a, plan = self._of_frames(H, v, plan)
+        if self._pushes:
+            plan = plan._replace(ends=self._pushes.ends)
         now = Instant(H, v, a, s.weights)
         equations.residual(now, s.scale, self._work, self._found)
         s.scale[:] = equations.fill(now, self._found, plan._replace(stressed=H))

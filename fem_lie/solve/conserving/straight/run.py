@@ -138,6 +138,10 @@ class StraightRun(AnyState):
         self._sizes[1:], self._sizes[0] = self._sizes[:2].copy(), self.size
         self.equations.memory.accept(s.H)
         self.joints.accept(s.H, s.gap)
+        if self._pushes:
+            self._pushes.accept(s.H)
+            if not self._pushed.any():
+                self._pushes.overlap(s.H)
         self.equations.memory.turn_axes(s.H)
 
     def _set_step(self, start: float, end: float) -> None:
@@ -229,6 +233,7 @@ class StraightRun(AnyState):
             if self._changing:
                 self._set_time(time)
             moved, stored = (s.V, v, rates), float(s.W.sum()) + self.joints.energy(s.H)
+            stored += self._pushes.energy
             history.fill_rates(time, s.H, moved, stored, self._end_weights(), s.books)
         return wanted
 
@@ -253,6 +258,7 @@ class StraightRun(AnyState):
         """All that the next steps depend on."""
         kept: dict[str, Any] = {f"s.{name}": value for name, value in self.s._asdict().items()}
         kept |= {"middle": self.this.middle, "rates": self._rates}
+        kept |= {"pushes": self._pushes.saved}
         kept |= {"turned": self.joints.turned.copy(), "reached": self.joints.reached}
         counts = self._made, self._factorisations, self._iterations, self._divided
         kept |= {"counts": np.array(counts), "sizes": self._sizes}
@@ -266,6 +272,7 @@ class StraightRun(AnyState):
             array[:] = kept[f"s.{name}"]
         self.this.middle[:], self._rates[:] = kept["middle"], kept["rates"]
         self.joints.turned[:], self.joints.reached[:] = kept["turned"], kept["reached"]
+        self._pushes.restore(kept["pushes"])
         counts = (int(count) for count in kept["counts"])
         self._made, self._factorisations, self._iterations, self._divided = counts
         self._sizes[:], self.size = kept["sizes"], float(kept["sizes"][0])

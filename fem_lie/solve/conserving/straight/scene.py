@@ -51,7 +51,7 @@ def _is_known(term: Term, kinds: Indices) -> bool:
     if term.rates is not None or term.within_joints:
         return True
     if term.secant:
-        return False
+        return True
     if (kinds[term.pairs[0]] < SLOPE).all():
         return term.conserved and not term.load
     if term.tables is None or term.settles:

@@ -33,6 +33,7 @@ from fem_lie.lie.wrenches import add_dead, add_wrench
 from fem_lie.solve.conserving.between import discrete_gradient
 from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
+from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
 from fem_lie.solve.conserving.rows.cells import Energies, Nodes, add_elastic
 from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
 from fem_lie.solve.conserving.step.dissipation import (
@@ -72,6 +73,22 @@ def add_viscous(model: Model, this: Step, h: float, rates: Array, forces: Array)
             f = load(forces[i], at)
             this.losses[DAMPING] += h * dot(f, load(rates[i], at))
             store(this.outer[i], at, plus(load(this.outer[i], at), rotate(d1, d2, d3, f)))
+
+
+@compiled
+def add_pushed(this: Step, pushed: Array) -> None:
+    """Add forces that are given along increments, and book what they do to ground and lose.
+
+    Args:
+        this: Step, whose nodes have moved.
+        pushed: See :mod:`fem_lie.solve.conserving.between.pushes`, (n + 2, 6).
+    """
+    n = this.outer.shape[0]
+    for k in range(6):
+        for i in range(n):
+            this.outer[i, k] += pushed[i, k]
+        this.losses[BY_REACTIONS + k] += pushed[n + ON_GROUND, k]
+    this.losses[DAMPING] += pushed[n + LOSS, 0]
 
 
 @compiled
@@ -172,7 +189,9 @@ def _add_damping(model: Model, this: Step, h: float) -> None:
 @compiled
 def _add_elastic(model: Model, state: State, this: Step) -> None:
     count = max(this.W1.shape[0], 1)
-    unknown, squares_before = _ULP * state.told[ENERGY] / count, state.told[SQUARES]
+    # of the last step, or of the last iteration, where an impact deforms what was not deformed
+    squares_before = max(state.told[SQUARES], this.told[0])
+    unknown = _ULP * state.told[ENERGY] / count
     repay = 0.0
     if squares_before > 0.0:
         # a force of the whole size turns its sign with a deformation that is noise, and keeps it up

@@ -1,0 +1,89 @@
+"""Contact of nodes that are places: nets and discrete cables that meet what is round."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+THREAD = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
+RADIUS = 0.2
+
+
+def net(count: int = 9) -> fl.Net:
+    """A square one of 1 m, of straight threads."""
+    along = np.linspace(-0.5, 0.5, count)
+    x, y = np.meshgrid(along, along, indexing="ij")
+    places = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    numbers = np.arange(count**2).reshape(count, count)
+    return fl.Net(places, [*numbers, *numbers.T], THREAD)
+
+
+def caught(*, free: bool = True) -> fl.Scene:
+    """It meets a free ball, or one that is fixed."""
+    scene, threads = fl.Scene(), net()
+    scene.add(threads)
+    middle = np.array([0.03, 0.02, -RADIUS - 0.01]) if free else np.zeros(3)
+    if not free:
+        threads.frames[:, 0] += [-0.03, -0.02, RADIUS + 0.01]
+    threads.move((0.1, 0.0, -3.0))
+    point = fl.ground()
+    if free:
+        point = scene.add(fl.RigidBody(0.1, 1e-3 * np.eye(3), middle)).centre
+    nodes = fl.Vertices([fl.Point(threads, k) for k in range(len(threads.frames))], 1e-3)
+    scene.add(fl.Contact(nodes, fl.Sphere(point, RADIUS), fl.Penalty(1e3)))
+    return scene
+
+
+OPTIONS = {"duration": 0.03, "step": 5e-4, "progress": False}
+
+
+@pytest.mark.parametrize("free", [True, False], ids=["free ball", "fixed ball"])
+def test_energy_and_momenta_stay(free):
+    scene = caught(free=free)
+    result = fl.EnergyMomentum().run(scene, **OPTIONS)
+    assert result.balance_error < 1e-12
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
+    touches = fl.contact_forces(result, scene.contacts[0])
+    assert touches.touching.max() > 0
+    # it is wrapped about the ball
+    assert result.elastic.max() > 1e-2 * result.kinetic[0]
+
+
+def test_dissipation_takes_energy_alone():
+    result = fl.EnergyDecaying(radius=0.5).run(caught(), **OPTIONS)
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-11
+    assert np.diff(result.total_energy).max() < 1e-12 * result.kinetic[0]
+    assert result.total_energy[-1] < 0.9999 * result.total_energy[0]
+
+
+def test_schemes_agree():
+    """Until it has bounced often: of second order both."""
+    states = []
+    for scheme in (fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=1.0)):
+        result = scheme.run(caught(), duration=0.006, step=1e-4, progress=False)
+        states.append(result.frames[-1][:, 0])
+    moved = 3.0 * 0.006
+    assert np.abs(states[0] - states[1]).max() < 1e-2 * moved
+
+
+def test_a_run_goes_on_to_the_last_bit(tmp_path):
+    options = {**OPTIONS, "checkpoint_every": 25}
+    whole = fl.EnergyMomentum().run(caught(), **options, file=tmp_path / "whole.h5")
+    fl.EnergyMomentum().run(caught(), **options, file=tmp_path / "run.h5")
+    resumed = fl.EnergyMomentum().resume(caught(), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "elastic", "iterations"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+def test_what_turns_needs_axes():
+    threads, scene = net(3), fl.Scene()
+    scene.add(threads)
+    nodes = fl.Vertices([threads.node(0)], 1e-3)
+    with pytest.raises(ValueError, match=r"Plane on net.* needs nodes with frames"):
+        floor = fl.Plane(threads.node(8), (0, 0, 1))
+        scene.add(fl.Contact(fl.Sphere(threads.node(0), 0.01), floor, fl.Penalty(1e3)))
+    with pytest.raises(ValueError, match=r"friction needs nodes with frames"):
+        law = fl.Penalty(1e3, friction=0.1)
+        scene.add(fl.Contact(nodes, fl.Plane(fl.ground(), (0, 0, 1)), law))
