@@ -19,6 +19,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells
+from fem_lie.forms.term import Term
 
 
 class Pattern(NamedTuple):
@@ -104,6 +105,60 @@ class CellSum:
         value = np.zeros(1)
         add_cells(H, self._plain, 0, value)
         return float(value[0])
+
+
+class CellTerm(Term):
+    """A term that is three sums over cells: energy, forces, matrix; who makes it sets them."""
+
+    _energy: CellSum
+    _forces: CellSum
+    _matrix: CellSum
+    _pattern: Pattern
+
+    @property
+    def tables(self) -> tuple[FormTable, FormTable]:
+        """Of forces and of energy."""
+        return self._forces.table, self._energy.table
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """See the base class."""
+        self._forces.add_vector(H, out.reshape(-1))
+
+    def energy(self, H: Array) -> float:
+        """See the base class."""
+        return self._energy.scalar(H)
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
+        return self._matrix.matrix(H, self._pattern)
+
+    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+        """See the base class."""
+        self._matrix.add_matrix(H, self._pattern, place, K)
+
+
+class CarryingCellTerm(CellTerm):
+    """Such a term whose matrix has stress that is carried, ``_stress`` (m, any) of its cells."""
+
+    carries = True
+    _stress: Array
+
+    @property
+    def carried(self) -> Array:
+        """Stress of all cells, flat."""
+        return self._stress.ravel()
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        self._stress[:] = carried.reshape(self._stress.shape)
+
+    def clear_stress(self) -> None:
+        """See the base class."""
+        self._stress[:] = 0.0
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class."""
+        self.carry(H, np.zeros((len(self._pattern.indptr) - 1, 6)))
 
 
 class CellForm(CellSum):

@@ -13,8 +13,7 @@ from fem_lie.elements.gradients import cells as kernels
 from fem_lie.elements.gradients.ancf import AncfElement
 from fem_lie.elements.gradients.strains import NODES, STRAINS, STRESS_AT
 from fem_lie.forms.body_term import BodyTerm, NodalInertia
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum
+from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
 
 
 class GradientData(Protocol):
@@ -33,7 +32,7 @@ class GradientData(Protocol):
     has_mass: bool
 
 
-class GradientAssembly(BodyTerm):
+class GradientAssembly(CarryingCellTerm, BodyTerm):
     """Beams of one element; nodes and cells are as in the bodies, one after the other."""
 
     def __init__(self, bodies: Sequence[GradientData]) -> None:
@@ -62,7 +61,7 @@ class GradientAssembly(BodyTerm):
         self._energy = summed(kernels.energy_kernel.address)
         self._forces = summed(kernels.force_kernel.address)
         self._matrix = summed(kernels.tangent_kernel.address)
-        self._carried = self._values[:, STRESS_AT:]
+        self._stress = self._values[:, STRESS_AT:]
         self._place = cells, (self._values.ctypes.data, self._values.shape[1])
         if all(body.has_mass for body in bodies):
             elements = element.inertia(gathered("density"), lengths)
@@ -79,52 +78,12 @@ class GradientAssembly(BodyTerm):
         """What the energy is: its name, no tables, and the data of the cells."""
         return "beam of places and three slopes", [], [self._contents]
 
-    @property
-    def tables(self) -> tuple[FormTable, FormTable]:
-        """Of forces and of energy."""
-        return self._forces.table, self._energy.table
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
-        self._forces.add_vector(H, out.reshape(-1))
-
-    def energy(self, H: Array) -> float:
-        """See the base class."""
-        return self._energy.scalar(H)
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
-        return self._matrix.matrix(H, self._pattern)
-
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
-        self._matrix.add_matrix(H, self._pattern, place, K)
-
     def strains(self, H: Array) -> Array:
         """All strains of each cell, shape (m, 18), see the element."""
         found = self._new(STRAINS)
         kernels.all_strains(H, *self._place, found)
         return found
 
-    # --- what is carried ---
-
-    @property
-    def carried(self) -> Array:
-        """Forces on the strains, flat."""
-        return np.ascontiguousarray(self._carried).ravel()
-
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""
         kernels.carry_stress(H, h.reshape(-1, 6), *self._place)
-
-    def restore(self, carried: Array) -> None:
-        """See the base class."""
-        self._carried[:] = carried.reshape(self._carried.shape)
-
-    def clear_stress(self) -> None:
-        """See the base class."""
-        self._carried[:] = 0.0
-
-    def reset_stress(self, H: Array) -> None:
-        """See the base class."""
-        self.carry(H, np.zeros((self.count, 6)))

@@ -14,8 +14,7 @@ from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unload
 from fem_lie.elements.thin_shells.cell_tables import stress_at
 from fem_lie.elements.thin_shells.rows import NODES, VECTORS
 from fem_lie.forms.body_term import BodyTerm, NodalInertia
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum
+from fem_lie.forms.cell_sums import CarryingCellTerm, CellSum
 
 MEMBRANE_AND_BENDING = slice(0, 6)
 """Of the eight strains of a section those that a shell without shear has."""
@@ -40,7 +39,7 @@ class ThinShellData(Protocol):
         """Constant matrix of the rows of each cell's nodes, shape (m, 8, 4, 8, 4)."""
 
 
-class ThinShellAssembly(BodyTerm):
+class ThinShellAssembly(CarryingCellTerm, BodyTerm):
     """Thin shells of one element; nodes and cells are as in the bodies, one after the other.
 
     Attributes:
@@ -84,7 +83,7 @@ class ThinShellAssembly(BodyTerm):
         self._matrix = summed(kernels.tangent_kernel.address)
         self._points = strains.shape[1]
         at = stress_at(sampled.shape[1], self._points)
-        self._carried = self._values[:, at:]
+        self._stress = self._values[:, at:]
         place = self._values.ctypes.data, self._values.shape[1]
         self._place = cells, place, int(self._tables.ctypes.data)
         self._contents = np.concatenate([head, sampled, D.reshape(len(cells), -1)], axis=1)
@@ -105,55 +104,15 @@ class ThinShellAssembly(BodyTerm):
         """What the energy is: its name, the tables of the element, and the data of the cells."""
         return "bicubic Hermite thin shell", [self._tables.copy()], [self._contents]
 
-    @property
-    def tables(self) -> tuple[FormTable, FormTable]:
-        """Of forces and of energy."""
-        return self._forces.table, self._energy.table
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
-        self._forces.add_vector(H, out.reshape(-1))
-
-    def energy(self, H: Array) -> float:
-        """See the base class."""
-        return self._energy.scalar(H)
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
-        return self._matrix.matrix(H, self._pattern)
-
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
-        self._matrix.add_matrix(H, self._pattern, place, K)
-
     def strains(self, H: Array) -> Array:
         """Strains along the sections' axes at the points of integration, shape (m, g, 6)."""
         found = np.empty((len(self.cells), 6, self._points))
         kernels.all_strains(H, *self._place, found)
         return np.asarray(np.einsum("mgij,mjg->mgi", self.turned, found))
 
-    # --- what is carried ---
-
-    @property
-    def carried(self) -> Array:
-        """Stress at the points of integration, as forces on the covariant strains, flat."""
-        return np.ascontiguousarray(self._carried).ravel()
-
     def carry(self, H: Array, h: Array) -> None:
         """See the base class."""
         kernels.carry_stress(H, h.reshape(-1, 6), *self._place)
-
-    def restore(self, carried: Array) -> None:
-        """See the base class."""
-        self._carried[:] = carried.reshape(self._carried.shape)
-
-    def clear_stress(self) -> None:
-        """See the base class."""
-        self._carried[:] = 0.0
-
-    def reset_stress(self, H: Array) -> None:
-        """See the base class."""
-        self.carry(H, np.zeros((self.count, 6)))
 
 
 def mass_matrices(formulation: BicubicHermite, q: Array, density: Array) -> Array:

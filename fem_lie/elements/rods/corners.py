@@ -30,6 +30,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import callback, compiled, inlined
 from fem_lie._jit.stack import stack
 from fem_lie.elements.rods.springs import Springs
+from fem_lie.forms.cell_sums import CarryingCellTerm
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.tuples import (
     combined,
@@ -241,10 +242,10 @@ def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
         data[14], data[15], data[16] = _stress(data, end)
 
 
-class CornerSprings(Springs):
+class CornerSprings(CarryingCellTerm, Springs):
     """Springs between the edges of discrete rods, on the nodes of their assembly."""
 
-    label, carries = "corners", True
+    label = "corners"
 
     def __init__(self, corners: Corners, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""
@@ -253,28 +254,8 @@ class CornerSprings(Springs):
         kernels = energy_kernel, force_kernel, matrix_kernel
         values = np.hstack([np.zeros((b, _DATA)), *parts, np.zeros((b, 3))])
         super().__init__(kernels, values, corners, count)
+        self._stress = self._matrix.values[:, _DATA + 14 :]
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""
         _carry(H, self.springs.nodes, h.reshape(-1, 6), self._matrix.values)
-
-    @property
-    def carried(self) -> Array:
-        """The stress."""
-        return self._stress.ravel()
-
-    def restore(self, carried: Array) -> None:
-        """Carry again what was carried when it was copied."""
-        self._stress[:] = carried.reshape(-1, 3)
-
-    def clear_stress(self) -> None:
-        """Carry none."""
-        self._stress[:] = 0.0
-
-    def reset_stress(self, H: Array) -> None:
-        """Carry that of frames ``H``."""
-        self.carry(H, np.zeros((self._count, 6)))
-
-    @property
-    def _stress(self) -> Array:
-        return self._matrix.values[:, _DATA + 14 :]

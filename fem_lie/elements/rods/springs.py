@@ -8,9 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum, Pattern
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.cell_sums import CellSum, CellTerm, Pattern
+from fem_lie.forms.term import Pairs
 
 
 class _Data(Protocol):
@@ -19,7 +18,7 @@ class _Data(Protocol):
         """Of each spring, shape (b, 3)."""
 
 
-class Springs(Term):
+class Springs(CellTerm):
     """What kernels of energy, forces and matrix sum over nodes.
 
     Attributes:
@@ -37,10 +36,10 @@ class Springs(Term):
             springs: What they are.
             count: Number of nodes of the assembly.
         """
-        nodes = springs.nodes
+        nodes, data = springs.nodes, np.ascontiguousarray(values, dtype=np.float64)
         none = np.zeros(1), np.zeros((len(nodes), 1))
         self._energy, self._forces, self._matrix = (
-            CellSum(nodes, kernel.address, values.copy(), *none) for kernel in kernels
+            CellSum(nodes, kernel.address, data, *none) for kernel in kernels
         )
         self._pattern = Pattern.of(nodes, count)
         self.springs, self._count = springs, count
@@ -52,27 +51,6 @@ class Springs(Term):
         return rows, self._pattern.indices
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable]:
-        """Forces and energy."""
-        return self._forces.table, self._energy.table
-
-    @property
     def contents(self) -> _Data:
         """The springs."""
         return self.springs
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """Add the forces of all springs."""
-        self._forces.add_vector(H, out.reshape(-1))
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """Their derivative at frames ``H``."""
-        return self._matrix.matrix(H, self._pattern)
-
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
-        self._matrix.add_matrix(H, self._pattern, place, K)
-
-    def energy(self, H: Array) -> float:
-        """Of all springs."""
-        return self._energy.scalar(H)

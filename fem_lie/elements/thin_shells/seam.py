@@ -16,6 +16,7 @@ from fem_lie.elements.thin_shells.seam_kernels import (
     force_kernel,
     matrix_kernel,
 )
+from fem_lie.forms.cell_sums import CarryingCellTerm
 
 
 class SeamPoints(NamedTuple):
@@ -41,10 +42,10 @@ class SeamPoints(NamedTuple):
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-class SeamSprings(Springs):
+class SeamSprings(CarryingCellTerm, Springs):
     """Points along seams, on the nodes of their assembly."""
 
-    label, carries = "seams", True
+    label = "seams"
 
     def __init__(self, points: SeamPoints, count: int) -> None:
         """Pack the points, on the nodes of an assembly of so many."""
@@ -52,29 +53,9 @@ class SeamSprings(Springs):
         parts = points.sizes, points.shapes.reshape(b, -1), points.taken, points.stiffness
         values = np.hstack([np.zeros((b, DATA)), *parts, np.zeros((b, 6))])
         super().__init__((energy_kernel, force_kernel, matrix_kernel), values, points, count)
+        self._stress = self._matrix.values[:, DATA + STRESS :]
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""
         values = self._matrix.values
         carry_stress(H, h.reshape(-1, 6), self.springs.nodes, (values.ctypes.data, values.shape[1]))
-
-    @property
-    def carried(self) -> Array:
-        """The stress."""
-        return self._stress.ravel()
-
-    def restore(self, carried: Array) -> None:
-        """Carry again what was carried when it was copied."""
-        self._stress[:] = carried.reshape(-1, 6)
-
-    def clear_stress(self) -> None:
-        """Carry none."""
-        self._stress[:] = 0.0
-
-    def reset_stress(self, H: Array) -> None:
-        """Carry that of frames ``H``."""
-        self.carry(H, np.zeros((self._count, 6)))
-
-    @property
-    def _stress(self) -> Array:
-        return self._matrix.values[:, DATA + STRESS :]
