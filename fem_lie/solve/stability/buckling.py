@@ -28,6 +28,7 @@ from fem_lie.system.equations import Equations
 
 _TOLERANCE = 1e-10
 _TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
+_LINEAR, _NONE = 1e-6, 1e-300  # a tangent is in proportion to its stress; none has changed
 _TRIES = 4  # each asks for twice as many: load factors of the other sign come with them
 
 
@@ -98,11 +99,18 @@ def _matrices(model: StableEquilibrium) -> tuple[sp.csr_matrix, sp.csr_matrix, s
     _, load = model.forces()
     model.factorise(0.0)
     K, B = model.pencil()
-    model.stress(model.solve(load))
-    model.factorise(1.0)
-    total, _ = model.pencil()
-    K, G = (0.5 * (A + A.T) for A in (K, total - K))
-    return K.tocsr(), B, G.tocsr()
+    dx = model.solve_finely(load)
+
+    def geometric(times: float) -> sp.csr_matrix:
+        G = (model.stressed(dx, times) - K) / times
+        return (0.5 * (G + G.T)).tocsr()
+
+    G = geometric(1.0)
+    # in the difference of two tangents that are nearly the same, digits are lost
+    finer = geometric(2.0 ** np.floor(np.log2(abs(K).max() / max(abs(G).max(), _NONE))))
+    if abs(finer - G).max() <= _LINEAR * abs(G).max():
+        G = finer
+    return (0.5 * (K + K.T)).tocsr(), B, G
 
 
 def _positive(

@@ -27,6 +27,7 @@ from fem_lie.solve.statics.follow import SceneEquilibrium
 
 _SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
 _LOOSE = 1e-14  # of the largest stiffness
+_REFINED = 2  # times that a solution is, with residuals of more digits
 
 
 class StableEquilibrium(SceneEquilibrium):
@@ -157,11 +158,29 @@ class StableEquilibrium(SceneEquilibrium):
         self.equations.supports.turn_back(self._H, found)
         return found
 
-    def stress(self, dx: Array) -> None:
-        """Carry the stress on along an increment, and multipliers, but leave the nodes."""
+    def solve_finely(self, b: Array) -> Array:
+        """Solve with the last tangent, refined by residuals of more digits than double ones.
+
+        Slender members have small axial forces beside what their axial stiffness makes of their
+        displacements: so many digits of a plain solution are lost in them.
+        """
+        A, x = self._csr().astype(np.longdouble), np.zeros(len(b), dtype=np.longdouble)
+        for _ in range(1 + _REFINED):
+            x += self.solve_raw(np.asarray(b - A @ x, dtype=np.float64))
+        found = np.asarray(x, dtype=np.float64)
+        self.equations.supports.turn_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
+        return found
+
+    def stressed(self, dx: Array, factor: float) -> sp.csr_matrix:
+        """Tangent with ``factor`` times the stress and multipliers of linear theory along ``dx``.
+
+        The nodes stay where they are; loads are times ``factor``, too.
+        """
         self._forces_known = False
-        self.equations.memory.carry(self._H, dx[: 6 * self._moving])
-        self._multipliers += self._scale * dx[6 * self._moving :]
+        self.equations.memory.carry(self._H, factor * dx[: 6 * self._moving])
+        self._multipliers[:] = self._scale * factor * dx[6 * self._moving :]
+        self._fill(factor)
+        return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
         """Increments of leaders (k, n, 6) as scaled ones of all nodes, and which only turn."""
