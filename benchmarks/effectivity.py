@@ -19,14 +19,16 @@ import numpy as np
 
 import fem_lie as fl
 from demos import hemisphere, pulled_cylinder
-from fem_lie.adapt.space_error import fields_of
-from fem_lie.adapt.stress_fields import StressFields
+from fem_lie.adapt.estimates.recovery import fields_of
+from fem_lie.adapt.estimates.stress_fields import StressFields
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.shell_stress import integration
 from studies import linear_shells
 
 Row = tuple[str, int, float, float]
 """Mesh, unknowns, true relative error, effectivity."""
+
+ESTIMATES: tuple[fl.ErrorEstimate, ...] = (fl.Recovery(), fl.Residual())
 
 
 # --- shells ---------------------------------------------------------------------------------------
@@ -51,6 +53,8 @@ class ShellCase(NamedTuple):
 class Solved(NamedTuple):
     """Stress on a mesh; corners of cells in units of the mesh, shape (m, 4, 2)."""
 
+    scene: fl.Scene
+    result: fl.StaticResult
     shell: fl.Shell
     fields: StressFields
     corners: np.ndarray
@@ -60,8 +64,10 @@ class Solved(NamedTuple):
         """Solve a case on a mesh."""
         scene = case.build(count)
         (shell,) = scene.bodies
-        (fields,) = fields_of(case.solve(scene), shell, scene)
-        return cls(shell, fields, case.places(shell.mesh, count)[shell.mesh.cells])
+        result = case.solve(scene)
+        (fields,) = fields_of(result, shell, scene)
+        corners = case.places(shell.mesh, count)[shell.mesh.cells]
+        return cls(scene, result, shell, fields, corners)
 
 
 def _grid(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
@@ -73,19 +79,26 @@ def _plane(mesh: fl.SurfaceMesh, count: int) -> np.ndarray:
     return np.rint(mesh.points[:, :2] * count).astype(int)
 
 
-def shell_rows(case: ShellCase) -> list[Row]:
-    """Errors on all meshes but the finest."""
+def shell_rows(case: ShellCase, estimate: fl.ErrorEstimate = ESTIMATES[0]) -> list[Row]:
+    """Errors on all meshes but the finest, of one estimate."""
+    return all_shell_rows(case, [estimate])[0]
+
+
+def all_shell_rows(case: ShellCase, estimates: Sequence[fl.ErrorEstimate]) -> list[list[Row]]:
+    """Errors on all meshes but the finest, of each estimate."""
     *meshes, finest = case.meshes
     fine = Solved.of(case, finest)
     norm = fine.fields.energy(fine.fields.recovered).sum()
-    rows = []
+    rows: list[list[Row]] = [[] for _ in estimates]
     for count in meshes:
         coarse = Solved.of(case, count)
         true = fine.fields.recovered - _own(coarse, fine, finest // count)
         error = fine.fields.energy(true).sum()
-        estimate = coarse.fields.energy(coarse.fields.missing).sum()
         unknowns = 6 * len(coarse.shell.frames)
-        rows.append((f"{count}", unknowns, np.sqrt(error / norm), np.sqrt(estimate / error)))
+        for row, estimate in zip(rows, estimates, strict=True):
+            found = fl.space_error(coarse.result, coarse.shell, coarse.scene, estimate=estimate)
+            ratio = found.effectivity(np.sqrt(error))
+            row.append((f"{count}", unknowns, np.sqrt(error / norm), ratio))
     return rows
 
 
@@ -196,7 +209,10 @@ FORMULATIONS = {
 CELLS, FINEST = (8, 16, 32, 64), 1024
 
 
-def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> StressFields:
+Arc = tuple[fl.StaticResult, fl.Beam, fl.Scene]
+
+
+def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> Arc:
     """An eighth of a circle of radius 100, clamped, under a force at its tip."""
     section = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e7 / 12, 1e7 / 12, 1e7 / 12])
     scene = fl.Scene()
@@ -210,33 +226,37 @@ def arc(cells: int, formulation: fl.Formulation, force: Sequence[float]) -> Stre
     )
     scene.add(fl.Clamp(beam["start"]))
     scene.add(fl.PointLoad(beam["end"], force=force))
-    (fields,) = fields_of(fl.statics(scene, load_steps=3), beam, scene)
-    return fields
+    return fl.statics(scene, load_steps=3), beam, scene
 
 
 BEAMS = {"curved cantilever": (0.0, 20.0, 0.0), "45 degree bend": (0.0, 0.0, 600.0)}
 
 
-def beam_rows(formulation: fl.Formulation, force: Sequence[float]) -> list[Row]:
-    """Errors on all meshes but the finest."""
-    fine = arc(FINEST, formulation, force)
+def beam_rows(
+    formulation: fl.Formulation,
+    force: Sequence[float],
+    estimate: fl.ErrorEstimate = ESTIMATES[0],
+) -> list[Row]:
+    """Errors on all meshes but the finest, of one estimate."""
+    (fine,) = fields_of(*arc(FINEST, formulation, force))
     norm = fine.energy(fine.recovered).sum()
     rows = []
     for cells in CELLS:
-        coarse, ratio = arc(cells, formulation, force), FINEST // cells
+        solved, ratio = arc(cells, formulation, force), FINEST // cells
+        (coarse,) = fields_of(*solved)
         q = fine.own.shape[1]
         x, _ = np.polynomial.legendre.leggauss(q)
         at = (0.5 * (1 + x) + np.arange(ratio)[:, np.newaxis]).ravel() / ratio
         own = np.vander(at, q) @ np.linalg.inv(np.vander(0.5 * (1 + x), q))
         true = fine.recovered - np.einsum("aq,mqb->mab", own, coarse.own).reshape(fine.own.shape)
         error = fine.energy(true).sum()
-        estimate = coarse.energy(coarse.missing).sum()
+        found = fl.space_error(*solved, estimate=estimate).effectivity(np.sqrt(error))
         unknowns = 6 * cells * (1 if q == 2 else 2)
-        rows.append((f"{cells}", unknowns, np.sqrt(error / norm), np.sqrt(estimate / error)))
+        rows.append((f"{cells}", unknowns, np.sqrt(error / norm), found))
     return rows
 
 
-def cost(repeats: int = 200) -> float:
+def cost(estimate: fl.ErrorEstimate, repeats: int = 100) -> float:
     """Time of an estimate over that of the elastic forces, 32 x 32 cells, in turns; the median."""
     scene = hemisphere.pinched(0.04, hemisphere.quarter(32))
     result = fl.follow_loads(scene, [0.1])
@@ -249,10 +269,18 @@ def cost(repeats: int = 200) -> float:
         row[0] = perf_counter()
         assembly.add_forces(frames, out)
         row[1] = perf_counter()
-        fl.space_error(result, shell, scene)
+        fl.space_error(result, shell, scene, estimate=estimate)
         row[2] = perf_counter()
-    forces, estimate = np.median(np.diff(seconds, axis=1), axis=0)
-    return float(estimate / forces)
+    forces, seconds_of_it = np.median(np.diff(seconds, axis=1), axis=0)
+    return float(seconds_of_it / forces)
+
+
+def tables(name: str) -> dict[str, list[list[Row]]]:
+    """Rows of each estimate, for each element of a scene."""
+    if name not in BEAMS:
+        return {"HR": all_shell_rows(SHELLS[name], ESTIMATES)}
+    force = BEAMS[name]
+    return {k: [beam_rows(f, force, e) for e in ESTIMATES] for k, f in FORMULATIONS.items()}
 
 
 def main() -> None:
@@ -263,22 +291,21 @@ def main() -> None:
     parser.add_argument("--cost", action="store_true", help="of an estimate, in forces of a shell")
     given = parser.parse_args()
     if given.cost:
-        print(f"an estimate costs {cost():.2f} times the elastic forces of 32 x 32 cells")
+        for estimate in ESTIMATES:
+            print(
+                f"{estimate} costs {cost(estimate):.2f} times the elastic forces of 32 x 32 cells"
+            )
         return
-    print("| scene | element | cells | unknowns | true error | estimated over true |")
-    print("| --- | --- | --- | --- | --- | --- |")
+    heads = " | ".join(type(estimate).__name__ for estimate in ESTIMATES)
+    print(f"| scene | element | cells | unknowns | true error | {heads} |")
+    print("| --- | --- | --- | --- | --- |" + " --- |" * len(ESTIMATES))
     for name in given.case:
-        if name in BEAMS:
-            tables = {k: beam_rows(f, BEAMS[name]) for k, f in FORMULATIONS.items()}
-        else:
-            tables = {"HR": shell_rows(SHELLS[name])}
-        for element, rows in tables.items():
-            for cells, unknowns, error, ratio in rows:
-                print(
-                    f"| {name} | {element} | {cells} | {unknowns} | {100 * error:.3g} % | "
-                    f"{ratio:.3f} |",
-                    flush=True,
-                )
+        for element, each in tables(name).items():
+            for rows in zip(*each, strict=True):
+                cells, unknowns, error, _ = rows[0]
+                ratios = " | ".join(f"{ratio:.3f}" for *_, ratio in rows)
+                size = f"{cells} | {unknowns} | {100 * error:.3g} %"
+                print(f"| {name} | {element} | {size} | {ratios} |", flush=True)
 
 
 if __name__ == "__main__":

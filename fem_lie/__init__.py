@@ -1,6 +1,9 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
 from fem_lie.adapt.critical_load import CriticalLoad
+from fem_lie.adapt.estimates.estimate import ErrorEstimate
+from fem_lie.adapt.estimates.recovery import Recovery
+from fem_lie.adapt.estimates.residual import Residual
 from fem_lie.adapt.frequency import Frequency
 from fem_lie.adapt.goals import GoalError, goal_error
 from fem_lie.adapt.loop import Adapted, adapt
@@ -246,6 +249,7 @@ __all__ = [
     "EnergyDecaying",
     "EnergyMomentum",
     "EquilibriumPath",
+    "ErrorEstimate",
     "ErrorInTime",
     "EveryIteration",
     "Explicit",
@@ -320,9 +324,11 @@ __all__ = [
     "Prismatic",
     "RandomImperfection",
     "Record",
+    "Recovery",
     "Reduced",
     "ReducedEquilibrium",
     "Redundant",
+    "Residual",
     "Result",
     "Resultants",
     "Revolute",

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_lie._arrays import Array, whole
+from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.goals import Goal, fields_along
-from fem_lie.adapt.space_error import Estimated
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.path import CriticalPoint, EquilibriumPath
 from fem_lie.scene import Scene

@@ -16,8 +16,10 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.adapt.error_picture import draw_error
-from fem_lie.adapt.space_error import Estimated, fields_of, worst
-from fem_lie.adapt.stress_fields import StressFields
+from fem_lie.adapt.estimates.estimate import Estimated
+from fem_lie.adapt.estimates.recovery import fields_of
+from fem_lie.adapt.estimates.stress_fields import StressFields
+from fem_lie.adapt.space_error import worst
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import nodes_in

@@ -27,9 +27,10 @@ from typing import Generic
 import numpy as np
 
 from fem_lie._arrays import Array, instance, positive, whole
+from fem_lie.adapt.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adapt.goals import Goal, GoalError, goal_error
 from fem_lie.adapt.refinement import Onto, Refinable, refine
-from fem_lie.adapt.space_error import Estimated, SpaceError, space_error
+from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
@@ -110,6 +111,7 @@ def adapt(
     part: float = 0.5,
     most: int = 200_000,
     onto: Onto | None = None,
+    estimate: ErrorEstimate | None = None,
 ) -> Adapted[Refinable]:
     """Refine a mesh where the error is made, until it is below a tolerance.
 
@@ -134,14 +136,19 @@ def adapt(
         part: Of the square of the error that the elements to be cut have.
         most: Unknowns; more are not solved for.
         onto: The true line or surface, for new points.
+        estimate: How the error in the energy norm is found; default:
+            :class:`~fem_lie.adapt.estimates.recovery.Recovery`, which goals always take.
 
     Raises:
-        ValueError: Bad arguments, a mesh that cannot be refined, or a scene without a beam or shell
-            on it, before anything is solved.
+        ValueError: Bad arguments, a goal beside an estimate, a mesh that cannot be refined, or a
+            scene without a beam or shell on it, before anything is solved.
         ConvergenceError: The tolerance was not reached with so many unknowns, or not in statics;
             its ``result`` is the :class:`Adapted` of the last mesh that was solved, if any.
     """
     _check(build, mesh, tolerance, goal, solve, part, onto)
+    instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
+    if goal is not None and estimate is not None:
+        raise ValueError(f"a goal is estimated by recovered stress: leave out {estimate!r}")
     whole(most, "most")
     refine(mesh, np.arange(0), onto=onto)
     history: list[tuple[int, float, float]] = []
@@ -166,7 +173,7 @@ def adapt(
             goal.check(scene)
         result = _solved(scene, goal, solve)
         error: Estimate = (
-            space_error(result, chosen, scene)
+            space_error(result, chosen, scene, estimate=estimate)
             if goal is None
             else goal_error(result, [chosen], scene, goal)
         )

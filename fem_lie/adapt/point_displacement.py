@@ -21,8 +21,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._arrays import Array, direction
+from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.goals import Goal, fields_along
-from fem_lie.adapt.space_error import Estimated
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene

@@ -8,85 +8,56 @@ Of a shell, say::
     found.worst(0.5)                       # the fewest elements with half of the error
     found.picture("error.png")
 
-The estimate is ``η² = ∫ (σ* − σ)·D⁻¹(σ* − σ)``: how far the stress resultants σ of the elements are
-from recovered ones σ*, which are nearer to the truth by an order (O. C. Zienkiewicz & J. Z. Zhu,
-IJNME 24 (1987) 337). Both are in local frames, where neighbours can be compared however far the
-body has turned; so it holds at any state of statics, of a path and of dynamics.
+By default it is ``η² = ∫ (σ* − σ)·D⁻¹(σ* − σ)``: how far the stress resultants σ of the elements
+are from recovered ones σ*, which are nearer to the truth by an order (O. C. Zienkiewicz & J. Z.
+Zhu, IJNME 24 (1987) 337). Both are in local frames, where neighbours can be compared however far
+the body has turned; so it holds at any state of statics, of a path and of dynamics. Others are
+:class:`~fem_lie.adapt.estimates.estimate.ErrorEstimate` objects, too.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, number, positive
-from fem_lie.adapt.beam_recovery import beam_fields
+from fem_lie._arrays import Array, Indices, instance, number, positive
 from fem_lie.adapt.error_picture import draw_error
-from fem_lie.adapt.shell_recovery import shell_fields
-from fem_lie.adapt.stress_fields import StressFields
-from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.shells.shell import Shell
+from fem_lie.adapt.estimates.estimate import ErrorEstimate, Estimated
+from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
-from fem_lie.results.states import nodes_in, require_states, state_number
+from fem_lie.results.states import nodes_in
 from fem_lie.scene import Scene
-from fem_lie.scene.scene import require_scene
-
-Estimated = Beam | Shell
-"""Bodies whose error can be estimated."""
-
-_RECOVERIES: dict[type, Callable[..., list[StressFields]]] = {
-    Beam: beam_fields,
-    Shell: shell_fields,
-}
-
-
-def fields_of(
-    result: Result | StaticResult, body: Estimated, scene: Scene, steps: Sequence[int] = (-1,)
-) -> list[StressFields]:
-    """Stress of the elements of a body and the one recovered from it, in some states.
-
-    Raises:
-        ValueError: See :func:`space_error`.
-    """
-    require_states(result)
-    require_scene(scene)
-    for kind, recovery in _RECOVERIES.items():
-        if isinstance(body, kind):
-            if body not in scene.bodies:
-                raise ValueError(f"{body.label} is not in the scene")
-            count = len(result.frames)
-            return recovery(result, body, scene, [state_number(step, count) for step in steps])
-    known = " and ".join(f"{kind.__name__}s" for kind in _RECOVERIES)
-    raise ValueError(f"the error in space is estimated for {known}, got {body!r}")
 
 
 def space_error(
-    result: Result | StaticResult, body: Estimated, scene: Scene, step: int = -1
+    result: Result | StaticResult,
+    body: Estimated,
+    scene: Scene,
+    step: int = -1,
+    *,
+    estimate: ErrorEstimate | None = None,
 ) -> SpaceError:
-    """Estimate the error in space of one state of a beam or a shell.
+    """ErrorEstimate the error in space of one state of a beam or a shell.
 
     Args:
         result: Of dynamics, of statics or of a path, in which the body was.
         body: The beam or the shell.
         scene: What was solved.
         step: Which state; default: the last.
+        estimate: How; default: :class:`~fem_lie.adapt.estimates.recovery.Recovery`.
 
     Raises:
         ValueError: The body is not in that scene or result, is no beam or shell, has elements
-            without stress, or there is no such step.
+            without stress or others than the estimate is for, or there is no such step.
     """
-    (fields,) = fields_of(result, body, scene, [step])
-    return SpaceError(
-        body,
-        result.frames[step][nodes_in(result.info, body)],
-        fields.energy(fields.missing),
-        float(fields.energy(fields.own).sum()),
-    )
+    instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
+    (found,) = (estimate or Recovery()).errors(result, body, scene, [step])
+    frames = result.frames[step][nodes_in(result.info, body)]
+    return SpaceError(body, frames, found.squares, found.energy)
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,7 +145,7 @@ def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
         ends: Shape (T, m, 2, 6).
         single: Nodes at which values may jump.
     """
-    before, behind = _neighbours(beam.elements, single)
+    before, behind = neighbours(beam.elements, single)
     lengths, found = beam.lengths, ends.copy()
     share = (lengths[before] / (lengths[before] + lengths[behind]))[:, np.newaxis]
     jump = ends[:, before, 1] - ends[:, behind, 0]
@@ -165,7 +165,7 @@ def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
     return found
 
 
-def _neighbours(elements: Indices, single: Indices) -> tuple[Indices, Indices]:
+def neighbours(elements: Indices, single: Indices) -> tuple[Indices, Indices]:
     """Pairs of elements that go on from one to the next: two at a node, head to tail."""
     count = elements.max() + 1
     meeting = np.bincount(elements[:, :2].ravel(), minlength=count) == 2

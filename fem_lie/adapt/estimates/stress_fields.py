@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.adapt.estimates.estimate import ElementErrors
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,3 +39,8 @@ class StressFields:
     def missing(self) -> Array:
         """Recovered stress less that of the elements, shape (m, q, b)."""
         return self.recovered - self.own
+
+    @property
+    def errors(self) -> ElementErrors:
+        """Energy of what is missing."""
+        return ElementErrors(self.energy(self.missing), float(self.energy(self.own).sum()))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fem_lie._arrays import Array
-from fem_lie.adapt.stress_fields import StressFields
+from fem_lie.adapt.estimates.stress_fields import StressFields
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.adapt.stress_fields import StressFields
+from fem_lie.adapt.estimates.stress_fields import StressFields
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result

@@ -1,0 +1,208 @@
+"""Estimates of the error in space beside recovered stress: laws that all of them keep."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks import effectivity
+from fem_lie import lie
+
+SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
+MATERIAL = fl.Material(1e6, 0.3, 1.0)
+ESTIMATES = list(effectivity.ESTIMATES)
+CELLS = ["triangle", "quadrilateral"]
+each_estimate = pytest.mark.parametrize("estimate", ESTIMATES, ids=repr)
+each_cell = pytest.mark.parametrize("cell", CELLS)
+
+
+def sheet(cell, force, cells=4, turn=None):
+    """A square held at one side, with a load along the other, turned as a whole."""
+    R = np.eye(3) if turn is None else turn
+    mesh = fl.surface(lambda a, b: R @ (a, b, 0.1 * a * b), (cells, cells), cell=cell)
+    scene = fl.Scene()
+    shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), name="sheet"))
+    shell.clamp("a=0")
+    scene.add(fl.EdgeLoad(shell, "a=1", force=R @ force))
+    return scene
+
+
+def cantilever(formulation, turn=None, force=(0, 2e3, 3e4)):
+    """Clamped at its start, bent far, turned as a whole."""
+    R = np.eye(3) if turn is None else turn
+    mesh = fl.straight((0, 0, 0), R @ (10.0, 0, 0), 6)
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, SECTION, up=R[:, 2], formulation=formulation, name="beam"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], force=R @ np.array(force, dtype=float)))
+    return scene
+
+
+def errors(scene, estimate, **options):
+    found = fl.statics(scene, **options)
+    return fl.space_error(found, scene.bodies[0], scene, estimate=estimate)
+
+
+# --- zero where the solution is in the space ------------------------------------------------------
+
+
+@each_estimate
+@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=repr)
+def test_pure_bending_has_no_error(estimate, formulation):
+    scene = fl.Scene()
+    beam = scene.add(
+        fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=5, formulation=formulation, name="b")
+    )
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], moment=(0, 2e4, 0), following=True))
+    scale = 1.0 if formulation == fl.Director(2) else 1e-7
+    assert errors(scene, estimate, load_steps=2).relative < 1e-3 * scale + 1e-8
+
+
+@each_estimate
+@each_cell
+def test_constant_stress_has_no_error(estimate, cell):
+    """A sheet of cells of any shape, pulled along one side."""
+
+    def place(a, b):
+        return a + 0.1 * np.sin(np.pi * a) * (b - 0.3), b + 0.1 * np.sin(np.pi * b) * a, 0.0
+
+    mesh = fl.surface(place, (4, 4), cell=cell)
+    scene = fl.Scene()
+    shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), name="sheet"))
+    shell.symmetry("a=0", (1, 0, 0))
+    shell.symmetry("b=0", (0, 1, 0))
+    scene.add(fl.EdgeLoad(shell, "a=1", force=(1e-3, 0, 0)))
+    assert errors(scene, estimate).relative < 1e-3  # of the strain of large displacements
+
+
+@each_estimate
+@each_cell
+def test_rigid_motion_adds_nothing(estimate, cell):
+    """States of a shell moved rigidly have the same errors."""
+    scene = sheet(cell, (0.0, 0.0, 0.05))
+    result, shell = fl.statics(scene), scene.bodies[0]
+    rng = np.random.default_rng(2)
+    H = lie.se3_exp(np.array([3.0, -2.0, 5.0, *rng.normal(size=3)]))
+    moved = np.array(result.frames)
+    moved[-1] = lie.se3_compose(np.broadcast_to(H, moved[-1].shape), moved[-1])
+    there = replace(result, frames=moved)
+    a, b = (fl.space_error(r, shell, scene, estimate=estimate) for r in (result, there))
+    np.testing.assert_allclose(b.squares, a.squares, rtol=1e-6, atol=1e-9 * a.squares.max())
+
+
+# --- objectivity ----------------------------------------------------------------------------------
+
+
+@each_estimate
+@each_cell
+def test_shells_turned_as_a_whole(estimate, cell):
+    turn = lie.so3_exp(np.array([0.5, -1.0, 0.8]))
+    a, b = (errors(sheet(cell, (0.0, 0.01, 0.05), turn=R), estimate) for R in (None, turn))
+    np.testing.assert_allclose(b.squares, a.squares, rtol=1e-4, atol=1e-7 * a.squares.max())
+
+
+@each_estimate
+def test_beams_turned_as_a_whole(estimate):
+    turn = lie.so3_exp(np.array([0.5, -1.0, 0.8]))
+    a, b = (errors(cantilever(fl.Geodesic(), R), estimate, load_steps=2) for R in (None, turn))
+    np.testing.assert_allclose(b.squares, a.squares, rtol=1e-6)
+
+
+# --- order and size -------------------------------------------------------------------------------
+
+
+@each_estimate
+@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=repr)
+@pytest.mark.parametrize("force", effectivity.BEAMS.values(), ids=list(effectivity.BEAMS))
+def test_of_beams_it_is_the_error(estimate, formulation, force, monkeypatch):
+    monkeypatch.setattr(effectivity, "FINEST", 128)
+    monkeypatch.setattr(effectivity, "CELLS", (16, 32))
+    rows = effectivity.beam_rows(formulation, force, estimate)
+    assert all(0.93 < ratio < 1.05 for *_, ratio in rows)
+
+
+@each_estimate
+def test_line_loads_are_seen(estimate):
+    """A span between hinges under a constant load: ``EI w⁗ = q``, M misses ``q s (ℓ − s) / 2``."""
+    load, length, cells = 50.0, 10.0, 40
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), SECTION, cells=cells, name="b"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.LineLoad(beam, force=(0, 0, load)))
+    # the moment is q (L − x)²/2, its slope q (L − x), and it misses that over each element
+    h = length / cells
+    expected = np.sqrt(load**2 * length**3 / 3 * h**2 / 12 / 2e6)
+    assert errors(scene, estimate).total == pytest.approx(expected, rel=0.01)
+
+
+@each_estimate
+def test_of_shells_it_is_near_the_error(estimate):
+    case = effectivity.SHELLS["plate with a hole"]._replace(meshes=(8, 16, 48))
+    rows = effectivity.shell_rows(case, estimate)
+    assert 0.75 < rows[0][3] < 1.25
+    assert 0.8 < rows[1][3] < 1.25
+
+
+@each_estimate
+@each_cell
+def test_it_falls_with_the_cells(estimate, cell):
+    found = [errors(sheet(cell, (0.0, 0.0, 1e-3), cells), estimate).relative for cells in (8, 16)]
+    assert 0.4 < found[1] / found[0] < 0.7
+
+
+# --- in the loop, and bad input -------------------------------------------------------------------
+
+
+def test_a_line_is_refined_by_residuals():
+    def build(mesh):
+        scene = fl.Scene()
+        beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
+        scene.add(fl.Clamp(beam["start"]))
+        scene.add(fl.PointLoad(beam["end"], force=(0, 0, 3e3)))
+        return scene
+
+    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    found = fl.adapt(build, line, tolerance=0.03, estimate=fl.Residual())
+    assert found.relative[-1] <= 0.03
+    assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
+
+
+def never(mesh):
+    pytest.fail("something was solved")
+
+
+def test_estimates_that_are_none():
+    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    with pytest.raises(TypeError, match="estimate"):
+        fl.adapt(never, line, tolerance=0.1, estimate="residual")
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    with pytest.raises(ValueError, match="leave out Residual"):
+        fl.adapt(never, line, tolerance=0.1, goal=goal, estimate=fl.Residual())
+    scene = cantilever(fl.Geodesic())
+    result = fl.statics(scene, load_steps=2)
+    with pytest.raises(TypeError, match="estimate"):
+        fl.space_error(result, scene.bodies[0], scene, estimate=fl.Residual)
+    other = cantilever(fl.Geodesic()).bodies[0]
+    with pytest.raises(ValueError, match="not in the scene"):
+        fl.space_error(result, other, scene, estimate=fl.Residual())
+
+
+def test_cells_without_residual_errors():
+    scene = fl.Scene()
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+    shell = scene.add(
+        fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), formulation=fl.Displacement())
+    )
+    shell.clamp("a=0")
+    result = fl.statics(scene)
+    with pytest.raises(ValueError, match=r"degree 1, .* degree 2"):
+        fl.space_error(result, shell, scene, estimate=fl.Residual())
+    scene = fl.Scene()
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (1, 1))
+    shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL)))
+    shell.clamp("a=0")
+    result = fl.statics(scene)
+    with pytest.raises(ValueError, match="smooth neighbours, cell 0"):
+        fl.space_error(result, shell, scene, estimate=fl.Residual())
