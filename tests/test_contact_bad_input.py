@@ -60,12 +60,6 @@ def unsettled() -> None:
     raise fl.ConvergenceError(one._failure(1, 1, np.zeros(3)))
 
 
-def held(law) -> fl.Scene:
-    body = ball((0, 0, 1))
-    body.held[0, 0] = True
-    return falling(law, [body])
-
-
 ONE = [ball((0, 0, 1))]
 VALUES = {
     "negative friction": (lambda: fl.Impact(-0.1), r"friction must not be negative, got -0\.1"),
@@ -120,7 +114,6 @@ SCHEMES = {
         lambda: run(falling(fl.Impact(), ONE), step=fl.AdaptiveStep(1e-4)),
         "GeneralisedAlpha with constant steps",
     ),
-    "what is held": (lambda: run(held(fl.Impact())), "support or motion holds"),
     "damping in conserving steps": (
         lambda: run(falling(fl.Penalty(1e3, damping=1.0), ONE), fl.EnergyMomentum()),
         "no contacts by penalty with damping: use GeneralisedAlpha",

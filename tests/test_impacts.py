@@ -312,18 +312,6 @@ def impacted(law=None, **options) -> fl.Scene:
     return on_slope(0.0, ball, fl.Sphere(ball.centre, RADIUS), law)
 
 
-def hinged() -> fl.Scene:
-    scene = impacted()
-    scene.add(fl.Spherical(fl.ground(), scene.bodies[0].centre))
-    return scene
-
-
-def on_se3() -> fl.Scene:
-    scene = impacted()
-    scene.bodies[0].on(fl.Group.SE3)
-    return scene
-
-
 REFUSED = {
     "friction": (lambda: fl.Impact(friction=-0.1), "friction must not be negative"),
     "restitution": (lambda: fl.Impact(restitution=1.1), r"restitution must be in \[0, 1\]"),
@@ -337,8 +325,6 @@ REFUSED = {
         lambda: run(impacted(), 1.0, fl.AdaptiveStep(1e-4)),
         "Impact is for GeneralisedAlpha with constant steps",
     ),
-    "joints": (lambda: run(hinged(), 1.0, 0.1), "that no joint, spring, support or motion holds"),
-    "group": (lambda: run(on_se3(), 1.0, 0.1), "rigid bodies on R³×SO"),
 }
 
 

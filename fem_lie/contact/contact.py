@@ -172,9 +172,8 @@ class Contact:
         """
         if not isinstance(self.law, Penalty):
             raise ValueError(
-                f"{self.label}: Impact is for GeneralisedAlpha with constant steps, and "
-                "for rigid bodies on R³×SO(3) that no joint, spring, support or motion "
-                "holds; give Penalty elsewhere"
+                f"{self.label}: Impact is for GeneralisedAlpha with constant steps; give Penalty "
+                "elsewhere"
             )
         sides, friction = self._meeting(nodes), None
         if self.law.friction > 0.0:

@@ -33,7 +33,7 @@ def _set_matrix(problem: Cones, k: int) -> None:
 
 
 @uncounted
-def _set_function(problem: Cones, k: int, r: Array) -> float:
+def set_function(problem: Cones, k: int, r: Array) -> float:
     """The function ``F``, whose zeros are solutions, and velocities ``u``; returns ``F·F``."""
     A, u, F, q = problem.dense.A, problem.dense.u, problem.dense.F, problem.q
     square = 0.0
@@ -59,7 +59,7 @@ def _set_function(problem: Cones, k: int, r: Array) -> float:
 
 
 @uncounted
-def _set_derivative(problem: Cones, k: int, r: Array) -> None:
+def set_derivative(problem: Cones, k: int, r: Array) -> None:
     """The derivative ``J`` of the function, at the impulses of which ``u`` are the velocities."""
     A, J, u = problem.dense.A, problem.dense.J, problem.dense.u
     for c in range(k):
@@ -130,8 +130,8 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         r[i] = room.kept[i] = problem.r[i // 3, i % 3]
     _set_matrix(problem, k)
     for iteration in range(1, _ITERATIONS + 1):
-        square = _set_function(problem, k, r)
-        _set_derivative(problem, k, r)
+        square = set_function(problem, k, r)
+        set_derivative(problem, k, r)
         for i in range(n):
             d[i] = F[i]
         eliminate(room.J, d, n)
@@ -139,7 +139,7 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         for _ in range(_HALVES):
             for i in range(n):
                 tried[i] = r[i] - size * d[i]
-            now = _set_function(problem, k, tried)
+            now = set_function(problem, k, tried)
             if now < least:
                 least, best = now, size
             if now < (1.0 - 1e-4 * size) * square:

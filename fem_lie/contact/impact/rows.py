@@ -74,7 +74,7 @@ def axis_of(H: Array, touch: Touch, c: int) -> int:
 
 
 @inlined_uncounted
-def _tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector, Vector]:
+def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector, Vector]:
     """Two directions across a normal, of which the first is across an axis of the second body."""
     node = touch.b.nodes[j, 0]
     axis = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
@@ -91,7 +91,7 @@ def set_rows(H: Array, touch: Touch, c: int, axis: int, bodies: Indices, rows: A
     at = minus(P, scaled(touch.a.radii[i], n))
     first, second = n, n
     if rows.shape[1] > 1:
-        first, second = _tangents(H, touch, j, n, axis)
+        first, second = tangents(H, touch, j, n, axis)
     for side in range(2):
         body = touch.a.nodes[i, 0] if side == 0 else touch.b.nodes[j, 0]
         bodies[side] = body

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -36,10 +36,18 @@ class Touching:
 
     Attributes:
         touch: The pairs.
+        of: To which contact each belongs, shape (m,).
         work: Of these.
     """
 
-    def __init__(self, contacts: Sequence[Contact], nodes: Nodes, sizes: Array, H: Array) -> None:
+    def __init__(
+        self,
+        contacts: Sequence[Contact],
+        nodes: Nodes,
+        sizes: Array,
+        H: Array,
+        on_leaders: Callable[[Side], Side] | None = None,
+    ) -> None:
         """Join the contacts.
 
         Args:
@@ -47,8 +55,11 @@ class Touching:
             nodes: Numbers of a body's nodes.
             sizes: Lengths of the bodies, shape (n,).
             H: Frames in the beginning, shape (n, 4, 3).
+            on_leaders: A side by the nodes that its nodes follow; default: none follows another.
         """
         sides = [contact.sides(nodes) for contact in contacts]
+        if on_leaders is not None:
+            sides = [each._replace(a=on_leaders(each.a), b=on_leaders(each.b)) for each in sides]
         self._a, self._b = _joined([each.a for each in sides]), _joined([each.b for each in sides])
         self._near = [NearPairs(a, b, flat=flat, same=same) for a, b, flat, same in sides]
         self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
@@ -86,7 +97,8 @@ class Touching:
     def _set(self) -> None:
         lists = [each.now + first for each, first in zip(self._near, self._first, strict=False)]
         pairs = np.concatenate(lists)
-        of = np.repeat(np.arange(len(lists)), [len(each) for each in lists])
+        self.of: Indices = np.repeat(np.arange(len(lists)), [len(each) for each in lists])
+        of = self.of
         self.touch = Touch(
             self._a,
             self._b,

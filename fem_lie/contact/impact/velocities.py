@@ -16,7 +16,7 @@ _REACH = 4.0
 
 
 @inlined_uncounted
-def _time(g0: float, moved: float, g1: float) -> float:
+def time_of(g0: float, moved: float, g1: float) -> float:
     """Part of a step up to ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1."""
     bend = g1 - g0 - moved
     if abs(bend) < 1e-14 * abs(moved):
@@ -82,7 +82,7 @@ def _bound(h: float, touch: Touch, w: Work, c: int, i: int, factor: float) -> fl
         w.part[c], w.incoming[c] = 1.0, free
     elif g1 <= 0.0:
         if g0 > touch.closed[c]:
-            w.part[c] = _time(g0, moved, g1)
+            w.part[c] = time_of(g0, moved, g1)
         w.incoming[c] += 2.0 * (g1 - g0 - moved) * w.part[c] / h
     elif g1 > 0.0:
         w.incoming[c] = free

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.alpha import free_bodies, impacts, variable
+from fem_lie.solve.alpha import coupled_impacts, free_bodies, impacts, variable
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
-from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.solve.motion.integrator import Alone, Integrator
 from fem_lie.solve.motion.step_control import StepChoice
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
@@ -77,19 +77,21 @@ class GeneralisedAlpha(Options, Integrator):
     def _compiled(
         self, scene: Scene, steps: int, step: float, saving: Saving, progress: bool | None
     ) -> Result | None:
-        if self.parametrisation != Parametrisation.EXPONENTIAL:
-            return None
-        if impacts.applies(scene, self.policy):
+        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
+        if exponential and impacts.applies(scene, self.policy):
             return impacts.Run(self, scene, step).integrate(steps, saving, progress)
-        if not free_bodies.applies(scene, self.policy):
+        if coupled_impacts.applies(scene):
+            return coupled_impacts.CoupledRun(self, scene, step).whole(steps, saving, progress)
+        if not exponential or not free_bodies.applies(scene, self.policy):
             return None
         _log.info("free rigid bodies only (%d): no matrix of the scene", len(scene.bodies))
         return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)
 
-    def _alone(self, scene: Scene) -> impacts.Alone | None:
-        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
-        return (
-            impacts.Alone(self, scene)
-            if exponential and impacts.applies(scene, self.policy)
-            else None
-        )
+    def _alone(self, scene: Scene) -> Alone | None:
+        if self.parametrisation == Parametrisation.EXPONENTIAL and impacts.applies(
+            scene, self.policy
+        ):
+            return impacts.Alone(self, scene)
+        if coupled_impacts.applies(scene):
+            return coupled_impacts.CoupledAlone(self, scene)
+        return None

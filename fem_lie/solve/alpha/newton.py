@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_lie.lie.kinds import twists
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.solve.alpha.projection import project
+from fem_lie.solve.alpha.ends.projection import project
 from fem_lie.solve.alpha.run_state import RunState
 from fem_lie.solve.alpha.step.loop import allowed, settled_ratio
 from fem_lie.solve.alpha.step.nodes import accept, correct, predict

@@ -12,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.balances import BY_REACTIONS, TOTAL
+from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.system.balance.acting import Acting
+from fem_lie.system.instant import Instant
 from fem_lie.system.outer_forces import POWER, SIZE, Seen, look_and_sum_up, sum_up
 from fem_lie.system.system import System
 
@@ -144,6 +145,28 @@ class Books:
         self.look(time, H, v, a, weights)
         self.total[POWER] += after[0] - before[0] + float(self._stored[0]) - stored
         self.total[BY_REACTIONS:] += after[1:] - before[1:]
+
+    def collide(self, time: float, before: Instant, after: Instant) -> float:
+        """Book what impacts have done at the end of a step that was made and booked without them.
+
+        Args:
+            time: The end of the step.
+            before: The state without them.
+            after: The state that there is now.
+
+        Returns:
+            Energy that they took, which is booked as damping's.
+        """
+        system, seen = self._system, (np.empty(7), np.empty(7))
+        energies = [
+            system.report(state.H, state.v, told) + system.terms.energy(state.H)
+            for state, told in zip((before, after), seen, strict=True)
+        ]
+        lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1])
+        self.total[DAMPING] += lost
+        self.total[BY_REACTIONS:] += seen[1][1:] - seen[0][1:]
+        self.look(time, *after)
+        return lost
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

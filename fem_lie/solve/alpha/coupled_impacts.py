@@ -1,0 +1,168 @@
+"""Generalised-α for bodies of whatever sort that touch by impacts: in joints, and flexible ones.
+
+Each step is made as without contacts, and these change its end
+(:mod:`fem_lie.solve.alpha.ends.coupled_contacts`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, PENETRATION, RESIDUAL, SWEEPS
+from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.contact.laws import Impact
+from fem_lie.lie.kinds.kind import SLOPE
+from fem_lie.results import Result
+from fem_lie.results.steps import ContactSteps
+from fem_lie.scene import Scene
+from fem_lie.solve.alpha.ends.coupled_contacts import CoupledContacts, Kept
+from fem_lie.solve.alpha.options import Options
+from fem_lie.solve.alpha.run import Run
+from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.saving import Saving
+from fem_lie.system.equations import Equations
+
+LARGEST = 1e-3
+"""Residual of the cones with which a step has failed."""
+
+
+def applies(scene: Scene) -> bool:
+    """Whether there are contacts by impacts."""
+    return any(isinstance(contact.law, Impact) for contact in scene.contacts)
+
+
+class CoupledRun(Run):
+    """One integration."""
+
+    def __init__(self, options: Options, scene: Scene, step: float) -> None:
+        """Collect bodies, joints and contacts.
+
+        Args:
+            options: Of the scheme.
+            scene: One that :func:`applies`.
+            step: Step size.
+
+        Raises:
+            ValueError: Something in it is not for impacts.
+        """
+        equations = equations_of(options, scene)
+        super().__init__(options, equations, step)
+        unknowns, kept = equations.unknowns, None
+        if not unknowns.rigid or len(equations.tables.terms):
+            kept = Kept(self._solve, self.r, self.dx, self.scale)
+        by_impacts = [each for each in scene.contacts if isinstance(each.law, Impact)]
+        self._contacts = CoupledContacts(by_impacts, equations, self.p, kept)
+        self._told = np.zeros((0, SIZE))
+
+    def whole(
+        self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
+    ) -> Result:
+        """All steps, or those after a checkpoint."""
+        self._told = np.zeros((steps, SIZE))
+        history = self.history(steps, saving, progress, store)
+        if store is not None and store.memory:
+            self.restore(store.memory)
+        result = self.integrate(history)
+        if store is not None and result.contacts is not None:
+            store.add_contacts(result.contacts)
+        return result
+
+    def _advance(self, history: Recorder) -> bool:
+        s, contacts = self.s, self._contacts
+        contacts.begin(s.H, s.twist1, self.index * self.h)
+        self._end = (self.index + 1) * self.h
+        self._go_to_time(self._end)
+        iterations = self._step()
+        history.count += iterations
+        if not iterations:
+            return False
+        self.books.add(self.h, self._end, *self._accepted)
+        told = self._told[self.index - 1]
+        before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())
+        if contacts.settle(s, self.weights, self._end):
+            contacts.told[IMPACT] = -self.books.collide(self._end, before, self._accepted)
+            contacts.told[IMPACT] -= contacts.told[FRICTION]
+        told[:] = contacts.told
+        if not told[RESIDUAL] <= LARGEST:
+            self.reason = (
+                f"{int(told[CONTACTS])} contacts did not settle (residual {told[RESIDUAL]:.0e}); "
+                "are bodies wedged? Try smaller steps, or Penalty"
+            )
+            return False
+        self.equations.memory.accept(s.H)
+        return True
+
+    def _result(self, history: Recorder) -> Result:
+        told, made = self._told, len(self._told)
+        found = ContactSteps(
+            times=self.h * np.arange(1, made + 1, dtype=np.float64),
+            contacts=told[:, CONTACTS].copy(),
+            sweeps=told[:, SWEEPS].copy(),
+            cone_residual=told[:, RESIDUAL].copy(),
+            penetration=told[:, PENETRATION].copy(),
+            impact_loss=-told[:, IMPACT],
+            friction_loss=-told[:, FRICTION],
+        )
+        return Result(**vars(super()._result(history)) | {"contacts": found})
+
+    def memory(self) -> dict[str, Array]:
+        """See the base class."""
+        own = {f"contacts.{k}": x for k, x in self._contacts.memory().items()}
+        return super().memory() | own | {"contacts.told": self._told}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """See the base class."""
+        super().restore(kept)
+        near = {k.partition(".")[2]: x for k, x in kept.items() if k.startswith("contacts.")}
+        self._contacts.restore(near)
+        self._told[:] = near["told"]
+
+
+class CoupledAlone:
+    """Runs whose results go to files.
+
+    Attributes:
+        fingerprint: Of the scene and its contacts.
+    """
+
+    def __init__(self, options: Options, scene: Scene) -> None:
+        """Of a scene that :func:`applies`."""
+        self._options, self._scene = options, scene
+        equations = equations_of(options, scene)
+        nodes = equations.unknowns.bodies.__getitem__
+        also = [
+            (each.contents(nodes), each.label)
+            for each in scene.contacts
+            if isinstance(each.law, Impact)
+        ]
+        self.fingerprint = Fingerprint(equations, options, also)
+
+    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
+        """All steps that a file and its checkpoint leave to be made."""
+        steps, step, saving = store.plan
+        return CoupledRun(self._options, self._scene, step).whole(steps, saving, progress, store)
+
+
+def equations_of(options: Options, scene: Scene) -> Equations:
+    """Those of a scene without contacts by impacts.
+
+    Raises:
+        ValueError: Nodes are no frames, or held along fixed axes, or constraints are of velocities.
+    """
+    rest = scene.without_contacts()
+    rest.contacts = [each for each in scene.contacts if not isinstance(each.law, Impact)]
+    equations = Equations(rest, dynamics=True, parametrisation=options.parametrisation)
+    unknowns = equations.unknowns
+    wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
+    if (unknowns.kinds >= SLOPE).any():
+        raise ValueError(f"{wanted}, not for cables, nets, solids and thin shells; give Penalty")
+    if equations.supports:
+        raise ValueError(f"{wanted} and are not held along fixed axes (Shell.guide); give Penalty")
+    if unknowns.of_velocities:
+        raise ValueError(f"{wanted}, without joints that roll; give Penalty")
+    return equations

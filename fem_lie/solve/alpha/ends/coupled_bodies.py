@@ -1,0 +1,173 @@
+"""What contacts need of bodies in joints and of flexible ones, and do to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.touching import Touching
+from fem_lie.lie.kinds import all_to_group, move_all
+from fem_lie.lie.kinds import to_local as twist_of
+from fem_lie.solve.alpha.ends.coupled_rows import on_leaders, set_rows
+from fem_lie.solve.alpha.ends.impulses import Impulses
+from fem_lie.solve.alpha.step.node import Scheme
+from fem_lie.solve.alpha.step.nodes import State
+from fem_lie.system.equations import Equations, Instant
+
+
+class Kept(NamedTuple):
+    """The kept factors of a run.
+
+    Attributes:
+        solve: Solves with ``right_hand_side`` and leaves ``solution``.
+        right_hand_side: Shape (6 n + m,).
+        solution: Likewise.
+        scale: Of the constraints in the matrix, shape (m,).
+    """
+
+    solve: Callable[[], None]
+    right_hand_side: Array
+    solution: Array
+    scale: Array
+
+
+class CoupledBodies:
+    """Bodies of a run, as contacts by impacts see them.
+
+    Attributes:
+        near: Which pairs may touch.
+    """
+
+    def __init__(
+        self,
+        contacts: Sequence[Contact],
+        equations: Equations,
+        scheme: Scheme,
+        kept: Kept | None,
+    ) -> None:
+        """Collect them.
+
+        Args:
+            contacts: By impacts, all of them.
+            equations: Of the scene without them; their matrix is overwritten.
+            scheme: Parameters of the run.
+            kept: Factors; none for scenes without elements.
+        """
+        unknowns, tables, start = equations.unknowns, equations.tables, equations.start
+        self._equations, self._p, self._kept = equations, scheme, kept
+        self._n, self._m, self._h = unknowns.moving, unknowns.m, scheme.h
+        self._rows, self._length = len(start.frames), unknowns.length
+        self._free = ~unknowns.held.ravel()
+        self.near = Touching(
+            contacts,
+            unknowns.bodies.__getitem__,
+            np.full(self._rows, unknowns.length),
+            start.frames,
+            partial(on_leaders, leader=tables.leader, offset=tables.offset),
+        )
+        self._impulses = Impulses(equations, scheme.h)
+        self._r = np.zeros(unknowns.size)
+        none = self._still = np.zeros((self._n, 6))
+        self._forces = equations.residual(
+            Instant(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
+        )
+
+    def _all_rows(self, v: Array, time: float) -> Array:
+        """Twists of all rows, with those of ground and of prescribed motions, shape (rows, 6)."""
+        found = np.zeros((self._rows, 6))
+        found[: self._n] = v
+        if self._rows > self._n + 1:
+            found[self._n + 1 :] = self._equations.prescribed(time, self._h).velocities
+        return found
+
+    def _gaps(self, H: Array) -> Array:
+        g = np.empty(len(self.near.touch.pairs))
+        set_gaps(self.near.touch, H, g)
+        return g
+
+    def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> Array:
+        B = np.empty((len(pairs), 3, self._rows, 6))
+        set_rows(H, self.near.touch, pairs, axis, B)
+        return B.reshape(3 * len(pairs), -1)
+
+    def _own(self, B: Array) -> Array:
+        """Of rows the part of the unknowns that are free."""
+        return np.asarray(B[:, : 6 * self._n] * self._free)
+
+    def _turned(self, B: Array, of: Array, to: Array) -> Array:
+        """Rows whose forces are along axes of frames ``of``, along those of others."""
+        rows = B.reshape(-1, self._rows, 6).copy()
+        nodes = np.flatnonzero(rows.any(axis=(0, 2)))
+        turn = np.swapaxes(lie.rotation(to[nodes]), 1, 2) @ lie.rotation(of[nodes])
+        rows[:, nodes, :3] = (turn @ rows[:, nodes, :3, np.newaxis])[..., 0]
+        return rows.reshape(B.shape)
+
+    def _moved_by(self, s: State, end: Array, d: Array) -> Array:
+        """Frames ``end`` moved by an increment in the nodes' axes."""
+        H, by = end.copy(), d.reshape(-1, 6).copy()
+        all_to_group(s.kinds, end, by)
+        move_all(s.kinds, end, by, H)
+        return H
+
+    def _pushed(self, f: Array) -> Array:
+        """``S⁻¹ f`` with joints closed, of forces (6 n, k)."""
+        if self._kept is None:
+            return np.asarray(self._impulses.solve(f)[0] / self._p.mass, dtype=np.float64)
+        found, kept = np.empty_like(f), self._kept
+        for k in range(f.shape[1]):
+            kept.right_hand_side[: len(f)], kept.right_hand_side[len(f) :] = f[:, k], 0.0
+            kept.solve()
+            found[:, k] = kept.solution[: len(f)]
+        return found
+
+    def _closed(self, H: Array) -> Array:
+        """The increment that closes the joints, to first order, shape (6 n,)."""
+        n, none = 6 * self._n, np.zeros(self._m)
+        state = Instant(H, self._still, self._still, none)
+        self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
+        violation = self._r[n:]
+        if self._kept is None:
+            return -self._impulses.solve(np.zeros(n), violation)[0]
+        kept = self._kept
+        kept.right_hand_side[:n] = 0.0
+        kept.right_hand_side[n:] = kept.scale * violation
+        kept.solve()
+        return -kept.solution[:n]
+
+    def _rates(self, H: Array, V: Array, time: float) -> Array:
+        """Of the constraints, less those of their targets, shape (m,)."""
+        if not self._m:
+            return np.zeros(0)
+        rates, _ = self._equations.constraints(H).rates(V)
+        return np.asarray(rates - self._equations.prescribed(time, self._h).target_rates[0])
+
+    def _accelerations(self, H: Array, V: Array, time: float) -> tuple[Array, Array]:
+        """Rates of twists (n, 6) and multipliers without contacts."""
+        n = 6 * self._n
+        state = Instant(H, V[: self._n], self._still, np.zeros(self._m))
+        self._forces = self._equations.residual(state, np.ones(self._m), self._r, self._forces)
+        second: Array = np.zeros(self._m)
+        if self._m:
+            constraints = self._equations.constraints(H)
+            motions, rate = self._equations.prescribed(time, self._h), np.zeros((self._rows, 6))
+            rate[self._n + 1 :] = motions.accelerations
+            second = constraints.rates(V)[1] + constraints.rates(rate)[0]
+            second = second - motions.target_rates[1]
+        self._impulses.go_to(H)
+        f: Array = self._r[:n] * self._free
+        x, weights = self._impulses.solve(-f, -second)
+        return x.reshape(-1, 6), weights
+
+
+def to_twists(kinds: Indices, H: Array, v: Array, out: Array) -> None:
+    """Twists in the nodes' axes of velocities of the group, shape (n, 6)."""
+    rate, still = np.empty(6), np.zeros(6)
+    for i in range(len(kinds)):
+        twist_of(kinds[i], H[i], v[i], still, out[i], rate)

@@ -1,0 +1,76 @@
+"""When contacts meet within a step, and which velocities and gaps they are to have at its end."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.contact.impact.velocities import time_of
+
+
+class Chosen(NamedTuple):
+    """Contacts that take part in a step, k of them.
+
+    Attributes:
+        pairs: Which of all pairs, shape (k,).
+        axis: By which tangents are chosen.
+        closed: Whether they were closed at the start.
+        before: Rows at the start, shape (3 k, 6 rows).
+        speed: Along the normal at the start.
+        gaps: At the start.
+        smooth: At the end without contacts.
+        friction: μ.
+        restitution: e.
+    """
+
+    pairs: Indices
+    axis: Indices
+    closed: Flags
+    before: Array
+    speed: Array
+    gaps: Array
+    smooth: Array
+    friction: Array
+    restitution: Array
+
+
+class Bounds(NamedTuple):
+    """What impacts ask for.
+
+    Attributes:
+        velocity: Least normal velocity at the end, shape (k,).
+        incoming: That at the impact.
+        rest: Part of the step after it.
+    """
+
+    velocity: Array
+    incoming: Array
+    rest: Array
+
+    def gaps(self, h: float, velocity: Array, chosen: Chosen) -> Array:
+        """Least gaps at the end of a step of size ``h``, with a normal velocity there."""
+        away = 0.5 * (velocity - chosen.restitution * self.incoming)
+        return np.where(chosen.closed, 0.0, np.maximum(0.0, away * self.rest * h))
+
+
+def bounds_of(h: float, chosen: Chosen, free: Array, factor: float) -> Bounds:
+    """Bounds of all contacts.
+
+    Args:
+        h: Size of the step.
+        chosen: The contacts.
+        free: Normal velocities at the end without contacts, shape (k,).
+        factor: Of the restitution.
+    """
+    g0, g1, moved = np.maximum(chosen.gaps, 0.0), chosen.smooth, chosen.speed * h
+    meets = (g1 <= 0.0) & ~chosen.closed
+    part = np.where(chosen.closed | meets, 0.0, 1.0)
+    for i in np.flatnonzero(meets):
+        part[i] = time_of(g0[i], moved[i], g1[i])
+    at_impact = chosen.speed + 2.0 * (g1 - g0 - moved) * part / h
+    incoming = np.minimum(0.0, np.where(g1 <= 0.0, at_impact, free))
+    wanted = free - (1.0 + factor * chosen.restitution) * incoming
+    velocity = np.where(incoming == 0.0, 0.0, np.maximum(0.0, wanted))
+    return Bounds(velocity, incoming, 1.0 - part)

@@ -1,0 +1,345 @@
+"""Impacts and friction of bodies in joints, and of flexible ones: what comes after the smooth step.
+
+As :mod:`fem_lie.contact.impact.settle`, but contacts see each other through joints and elements, so
+that there is one dense matrix for all of them. What differs:
+
+- positions come first. Forces ``r`` of a step, with Coulomb's law for what slides *in the step*,
+  move the nodes by ``Z r``, ``Z = S⁻¹ B̄ᵀ`` with the kept factors of the iteration matrix, whose
+  border are the joints: what stiff elements do is in it, so that no single node is pushed. Scenes
+  without elements take ``S = m M``. Joints are closed by the same factors in the same iteration;
+- velocities follow ``v + γ/(βh) Z r`` as in the scheme where there are elements, and then get
+  impulses by mass and joints (:mod:`.impulses`), whose cones are for the sum of both. Errors of
+  order h² that index 3 leaves in rates of the constraints stay as they were;
+- accelerations and multipliers change by as much as those that satisfy the equations of motion
+  without contacts.
+
+Restitution is by Newton's law at the times of impacts; forces of closed contacts are along the mean
+of their rows at both ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags
+from fem_lie.contact.contact import Contact
+from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
+from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.lie.kinds import all_from_local, all_to_group
+from fem_lie.solve.alpha.ends import coupled_cones
+from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies, Kept, to_twists
+from fem_lie.solve.alpha.ends.coupled_bounds import Bounds, Chosen, bounds_of
+from fem_lie.solve.alpha.ends.coupled_rows import choose_axes
+from fem_lie.solve.alpha.step.node import Scheme
+from fem_lie.solve.alpha.step.nodes import State
+from fem_lie.system.equations import Equations
+
+_TOLERANCE, _ROUGH = 1e-9, 1e-6
+"""Residual of the cones, and that with which positions begin."""
+
+_EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
+"""Part of the model's length by which places still change at the end; iterations at most, and in
+how many of the first ones rows of forces are taken anew."""
+
+_PASSES, _GROWING = 2, 8
+"""Passes, in the second of which velocities after impacts are known; times contacts may join."""
+
+_SMALL = 1e-12
+"""Part of the model's length below which places are known to round-off alone."""
+
+_TINY = 1e-6
+"""Part of speeds below which they are known to round-off alone."""
+
+
+class Moved(NamedTuple):
+    """Where contacts move the end of a step.
+
+    Attributes:
+        H: Frames of all rows.
+        d: By which increments, in the nodes' axes, shape (6 n,).
+        r: Forces of contacts, shape (k, 3).
+        rows: There, shape (3 k, 6 rows).
+        pushes: Rows of forces, shape (3 k, 6 n).
+    """
+
+    H: Array
+    d: Array
+    r: Array
+    rows: Array
+    pushes: Array
+
+
+class CoupledContacts(CoupledBodies):
+    """All contacts by impacts of a run.
+
+    Attributes:
+        told: What they did in the last step, see :data:`~fem_lie.contact.impact.records.TOLD`.
+        reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
+    """
+
+    def __init__(
+        self, contacts: Sequence[Contact], equations: Equations, scheme: Scheme, kept: Kept | None
+    ) -> None:
+        """As the base class."""
+        super().__init__(contacts, equations, scheme, kept)
+        self.told, self.reactions = np.zeros(SIZE), np.zeros(self._m)
+
+    def begin(self, H: Array, v: Array, time: float) -> None:
+        """Remember where a step begins.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists of the moving nodes, shape (n, 6).
+            time: Of the start.
+        """
+        self._H0, self._V0 = H.copy(), self._all_rows(v, time)
+        speeds = np.linalg.norm(self._V0.reshape(-1, 2, 3), axis=2)
+        far = self._h * float(speeds[:, 0].max() + self.near.arm * speeds[:, 1].max())
+        self.near.update(H, far)
+
+    # --- which contacts take part ---
+
+    def _choose(self, smooth: Array, joined: Flags) -> Chosen:
+        """Those that overlap at the end, were closed and do not open, or have joined."""
+        touch, before = self.near.touch, self._gaps(self._H0)
+        closed = before <= touch.closed
+        pairs = np.flatnonzero((smooth <= 0.0) | closed | joined)
+        axis = np.zeros(len(pairs), dtype=np.int64)
+        choose_axes(self._H0, touch, pairs, axis)
+        B = self._rows_of(self._H0, pairs, axis)
+        speed = B[::3] @ self._V0.ravel()
+        slow = speed <= touch.closed[pairs] / self._h
+        keep = (smooth[pairs] <= 0.0) | joined[pairs] | slow
+        pairs = pairs[keep]
+        return Chosen(
+            pairs,
+            axis[keep],
+            closed[pairs],
+            B[np.repeat(keep, 3)],
+            speed[keep],
+            before[pairs],
+            smooth[pairs],
+            touch.friction[pairs],
+            touch.restitution[pairs],
+        )
+
+    def settle(self, s: State, weights: Array, time: float) -> bool:
+        """Change the end of a step that was accepted without contacts; whether there are any.
+
+        Args:
+            s: Whose frames, velocities and accelerations are changed.
+            weights: Multipliers, changed.
+            time: Of the end.
+        """
+        self.told[:], self.reactions[:] = 0.0, 0.0
+        smooth = self._gaps(s.H)
+        if not (smooth <= 0.0).any():
+            self.near.work.impulses[:] = 0.0
+            return False
+        end, V = s.H.copy(), self._all_rows(s.twist1, time)
+        defect = self._rates(end, V, time)
+        old = self._accelerations(end, V, time)
+        joined = np.zeros(len(smooth), dtype=np.bool_)
+        for _ in range(_GROWING):
+            chosen = self._choose(smooth, joined)
+            moved, v, impulses = self._passes(chosen, s, end, V, defect, time)
+            gaps = self._gaps(moved.H)
+            more = gaps < -self.near.touch.closed
+            more[chosen.pairs] = False
+            if not more.any():
+                break
+            joined |= more
+        self._take_over(s, weights, moved.H, v, old, time)
+        self._tell(chosen, gaps, impulses)
+        return True
+
+    def _passes(
+        self, chosen: Chosen, s: State, end: Array, V: Array, defect: Array, time: float
+    ) -> tuple[Moved, Array, Array]:
+        """Places, twists of the nodes, and impulses of contacts at the end of a step."""
+        h = self._h
+        r = np.asarray(self.near.work.impulses[chosen.pairs] / h, dtype=np.float64)
+        moved = Moved(end, np.zeros(6 * self._n), r, chosen.before, self._own(chosen.before))
+        rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, h * r
+        open_ = not chosen.closed.all()
+        for _ in range(_PASSES if open_ else 1):
+            free = rows @ V.ravel()
+            bounds = bounds_of(h, chosen, free[::3], 1.0)
+            after = bounds.velocity if normal is None else normal
+            moved = self._part(chosen, s, end, free, bounds.gaps(h, after, chosen), bounds, moved.r)
+            rows = moved.rows
+            v, impulses = self._throw(chosen, s, moved, end, V, defect, impulses, time)
+            normal = rows[::3] @ self._all_rows(v, time).ravel()
+        return moved, v, impulses
+
+    # --- positions ---
+
+    def _slips(self, chosen: Chosen, H: Array, B: Array, glide: Array) -> Array:
+        """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
+        nodes = np.flatnonzero(chosen.before.reshape(-1, self._rows, 6).any(axis=(0, 2)))
+        first, last = (lie.rotation(each[nodes]) for each in (self._H0, H))
+        apart = (H[nodes, 0] - self._H0[nodes, 0])[:, :, np.newaxis]
+        turned = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
+        total = np.zeros((3 * len(chosen.pairs),))
+        for rows, R in ((chosen.before, first), (B, last)):
+            d = np.zeros((self._rows, 6))
+            d[nodes, :3] = (np.swapaxes(R, 1, 2) @ apart)[:, :, 0]
+            d[nodes, 3:] = turned
+            total += 0.5 * rows @ d.ravel()
+        return np.where(chosen.closed[:, np.newaxis], total.reshape(-1, 3)[:, 1:], glide)
+
+    def _part(
+        self,
+        chosen: Chosen,
+        s: State,
+        end: Array,
+        free: Array,
+        least: Array,
+        bounds: Bounds,
+        r: Array,
+    ) -> Moved:
+        """Forces that part what overlaps, and hold what sticks; see :class:`Moved`."""
+        n, k = 6 * self._n, len(chosen.pairs)
+        if self._kept is None:
+            self._impulses.go_to(end)
+        H, exact = end, _EXACT * self._length
+        d: Array = np.zeros(n)
+        joints: Array = np.zeros(n)
+        pull: Array = np.zeros(3 * k)
+        forces: Array = np.zeros(3 * k)
+        slid = bounds.rest[:, np.newaxis] * self._h * free.reshape(-1, 3)[:, 1:]
+        guess, before = r, np.inf
+        first = self._turned(chosen.before, self._H0, end)
+        closed = np.repeat(chosen.closed, 3)[:, np.newaxis]
+        for iteration in range(_ITERATIONS):
+            B = self._rows_of(H, chosen.pairs, chosen.axis)
+            here = self._turned(B, H, end)
+            own = self._own(here)
+            if iteration < _ANEW:
+                pushes = self._own(np.where(closed, 0.5 * (first + here), here))
+                Z = self._pushed(pushes.T)
+            problem = coupled_cones.cones_of(own @ Z, chosen.friction)
+            if self._m:
+                more = self._closed(H)
+                joints += more
+                pull = own @ more
+            glide = slid + (own @ d).reshape(-1, 3)[:, 1:]
+            problem.q[:, 0] = self._gaps(H)[chosen.pairs] - least
+            problem.q[:, 1:] = self._slips(chosen, H, B, glide)
+            problem.q[:] += (pull - problem.dense.A @ forces).reshape(-1, 3)
+            problem.r[:], problem.speed[0] = guess, _SMALL * self._length
+            rough = _ROUGH if iteration == 0 else _TOLERANCE
+            sweeps, self.told[RESIDUAL] = coupled_cones.solve(problem, rough)
+            self.told[SWEEPS] += sweeps
+            forces = problem.r.ravel().copy()
+            guess, last = problem.r, d
+            d = Z @ forces + joints
+            H = self._moved_by(s, end, d)
+            change = float(np.abs((d - last).reshape(-1, 6)[:, :3]).max())
+            change = max(
+                change, self._length * float(np.abs((d - last).reshape(-1, 6)[:, 3:]).max())
+            )
+            if change <= exact or (
+                iteration > 5 and change > 0.5 * before and change < 1e3 * exact
+            ):
+                break
+            before = change
+        whole = np.zeros((3 * k, 6 * self._rows))
+        whole[:, :n] = pushes
+        pushes = self._own(self._turned(whole, end, H))
+        return Moved(H, d, guess, self._rows_of(H, chosen.pairs, chosen.axis), pushes)
+
+    # --- velocities ---
+
+    def _throw(
+        self,
+        chosen: Chosen,
+        s: State,
+        moved: Moved,
+        end: Array,
+        V: Array,
+        defect: Array,
+        impulses: Array,
+        time: float,
+    ) -> tuple[Array, Array]:
+        """Twists of the nodes at the end, and impulses of contacts (k, 3)."""
+        B = moved.rows
+        own, zero = self._own(B), np.zeros(6 * self._n)
+        v: Array = s.v.copy()
+        given: Array = np.zeros(moved.r.size)
+        if self._kept is not None:
+            by = moved.d.reshape(-1, 6).copy()
+            all_to_group(s.kinds, end, by)
+            v += self._p.damping * by
+            given = self._p.damping / self._p.mass * moved.r.ravel()
+        smooth, twist = np.empty_like(v), np.empty_like(v)
+        to_twists(s.kinds, moved.H, s.v, smooth)
+        to_twists(s.kinds, moved.H, v, twist)
+        self._impulses.go_to(moved.H)
+        off = defect - self._rates(moved.H, self._all_rows(twist, time), time)
+        x, first = self._impulses.solve(zero, off)
+        Z, reactions = self._impulses.solve(moved.pushes.T)
+        bounds = bounds_of(self._h, chosen, B[::3] @ self._all_rows(smooth, time).ravel(), 1.0)
+        problem = coupled_cones.cones_of(own @ Z, chosen.friction)
+        twist += x.reshape(-1, 6)
+        u = B @ self._all_rows(twist, time).ravel()
+        problem.q[:] = (u - own @ (Z @ given)).reshape(-1, 3)
+        problem.q[:, 0] -= bounds.velocity
+        gaps = self._gaps(moved.H)[chosen.pairs]
+        opens = (moved.r[:, 0] == 0.0) & (gaps > self.near.touch.closed[chosen.pairs])
+        opens &= chosen.smooth > 0.0
+        problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
+        problem.r[:], problem.speed[0] = impulses, _TINY * float(np.abs(V).max())
+        sweeps, residual = coupled_cones.solve_exactly(problem, own @ Z, _TOLERANCE)
+        self.told[SWEEPS] += sweeps
+        self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
+        P = problem.r.ravel()
+        change = P - given
+        end_twist = twist + (Z @ change).reshape(-1, 6)
+        self.reactions[:] = first + reactions @ change
+        # by the mean velocities of its rows
+        mean = 0.5 * (u + B @ self._all_rows(end_twist, time).ravel()).reshape(-1, 3)
+        self.told[FRICTION] = float((mean * problem.r)[:, 1:].sum())
+        return end_twist, problem.r.copy()
+
+    # --- the end of the step ---
+
+    def _take_over(
+        self,
+        s: State,
+        weights: Array,
+        H: Array,
+        v: Array,
+        old: tuple[Array, Array],
+        time: float,
+    ) -> None:
+        """Make that the end of the step."""
+        new = self._accelerations(H, self._all_rows(v, time), time)
+        vdot, before, velocity = np.empty_like(v), np.empty_like(v), np.empty_like(v)
+        all_from_local(s.kinds, s.H, s.twist1, old[0], velocity, before)
+        all_from_local(s.kinds, H, v, new[0], velocity, vdot)
+        s.motion[0], s.motion[4] = velocity, velocity
+        for k in (1, 2, 5):
+            s.motion[k] += vdot - before
+        s.twist1[:], s.rate1[:] = v, s.rate1 + new[0] - old[0]
+        s.H[: self._n] = H[: self._n]
+        s.H1[: self._n] = H[: self._n]
+        weights += new[1] - old[1]
+
+    def _tell(self, chosen: Chosen, gaps: Array, impulses: Array) -> None:
+        self.told[CONTACTS] = len(chosen.pairs)
+        self.told[PENETRATION] = max(0.0, float(-gaps.min()))
+        self.near.work.impulses[:] = 0.0
+        self.near.work.impulses[chosen.pairs] = impulses
+
+    def memory(self) -> dict[str, Array]:
+        """All that the next steps depend on."""
+        return self.near.memory()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Be as when :meth:`memory` was called."""
+        self.near.restore(kept)

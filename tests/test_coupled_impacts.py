@@ -1,0 +1,323 @@
+"""Impacts and friction of bodies in joints and of flexible ones, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import fem_lie as fl
+
+GRAVITY = 9.81
+
+
+def run(scene, duration, step, radius=0.8, **options) -> fl.Result:
+    scheme = fl.GeneralisedAlpha(radius=radius)
+    return scheme.run(scene, duration=duration, step=step, progress=False, **options)
+
+
+def cuboid(mass: float, edges) -> np.ndarray:
+    squares = np.asarray(edges, dtype=float) ** 2
+    return mass / 12 * (squares.sum() - squares)
+
+
+def hung_up(scene: fl.Scene) -> fl.Scene:
+    """With a pendulum far away, for whose sake contacts go through one matrix of all bodies."""
+    bob = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (50.0, 0, 0)))
+    scene.add(fl.Spherical(fl.ground(), bob.at((50.0, 0, 1.0))))
+    return scene
+
+
+def floored(body: fl.RigidBody, surface: fl.Surface, law: fl.Impact, angle=0.0) -> fl.Scene:
+    scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
+    scene.add(body)
+    scene.add(fl.Contact(surface, fl.Plane(fl.ground(), (0, 0, 1)), law))
+    return hung_up(scene)
+
+
+# --- what a joint elsewhere must not change ---
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.8])
+def test_a_ball_bounces_as_without_joints(restitution):
+    ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
+    law = fl.Impact(restitution=restitution)
+    result = run(floored(ball, fl.Sphere(ball.centre, 0.1), law), 1.0, 1e-2)
+    fall = np.sqrt(2 / GRAVITY)
+    after = np.maximum(0.0, result.times - fall)
+    expected = np.where(
+        result.times < fall,
+        1 - 0.5 * GRAVITY * result.times**2,
+        restitution * np.sqrt(2 * GRAVITY) * after - 0.5 * GRAVITY * after**2,
+    )
+    height = result.position(ball.centre)[:, 2] - 0.1
+    np.testing.assert_allclose(height, expected, rtol=0, atol=1e-13)
+    assert result.contacts.penetration.max() < 1e-13
+    assert result.contacts.impact_loss.sum() == pytest.approx(
+        GRAVITY * (1 - restitution**2), abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("angle", [20.0, 26.56, 26.57, 40.0])
+def test_a_block_sticks_or_slides_on_a_slope(angle):
+    edges, down = (0.2, 0.2, 0.1), np.radians(angle)
+    block = fl.RigidBody(1.0, cuboid(1.0, edges), (0, 0, 0.05))
+    scene = floored(block, fl.Box(block.centre, edges), fl.Impact(friction=0.5), down)
+    result = run(scene, 0.5, 1e-2)
+    pull = GRAVITY * (np.sin(down) - 0.5 * np.cos(down))
+    assert result.position(block.centre)[-1, 0] == pytest.approx(max(0.0, pull) / 8, abs=1e-9)
+    assert result.contacts.cone_residual.max() < 1e-6
+
+
+def test_a_ladder_slides_with_second_order():
+    errors = []
+    fall = solve_ivp(
+        lambda t, y: [y[1], 1.5 * GRAVITY * np.sin(y[0])],
+        (0, 0.4),
+        [0.3, 0.0],
+        rtol=1e-12,
+        atol=1e-13,
+    ).y[0, -1]
+    c, s = np.cos(0.3), np.sin(0.3)
+    for step in (2e-2, 1e-2):
+        axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+        rod = fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), (s / 2, 0, c / 2), axes)
+        top, foot = rod.at((0, 0, c)), rod.at((s, 0, 0))
+        law = fl.Impact()
+        scene = floored(rod, fl.Vertices([foot]), law)
+        wall = fl.Plane(fl.ground(), (1, 0, 0))
+        scene.add(fl.Contact(fl.Vertices([top]), wall, law))
+        result = run(scene, 0.4, step)
+        up = result.position(top)[-1] - result.position(foot)[-1]
+        errors.append(np.arctan2(abs(up[0]), up[2]) - fall)
+    assert abs(errors[1]) < 1.3e-4
+    assert 3.6 < errors[0] / errors[1] < 4.6
+
+
+# --- joints ---
+
+
+def pendulum(angles, rates, law: fl.Impact, gap: float):
+    """Two rods of 1 kg and 1 m hang on each other in x-z; the lower end is before a wall."""
+    scene, before, rods = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.ground(), []
+    top, speed = np.zeros((2, 3))
+    for angle, rate in zip(angles, rates, strict=True):
+        c, s = np.cos(angle), np.sin(angle)
+        down = np.array([s, 0, -c])
+        axes = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+        rod = scene.add(fl.RigidBody(1.0, (1 / 12, 1 / 12, 1e-3), top + 0.5 * down, axes))
+        rod.move(speed)
+        rod.turn((0, -rate, 0), about=top)
+        scene.add(fl.Revolute(before, rod.at(top), axis=(0, 1, 0)))
+        speed = speed + rate * np.array([c, 0, s])
+        top = top + down
+        before = rod.at(top)
+        rods.append(rod)
+    away = np.sign(gap)
+    wall = fl.Plane(fl.ground(), (-away, 0, 0), at=(top[0] + gap, 0, 0))
+    scene.add(fl.Contact(fl.Vertices([before]), wall, law))
+    return scene, rods, before
+
+
+def thrown(M, n, t, rates, friction: float, restitution: float) -> np.ndarray:
+    """Rates after an impact along ``n`` with friction along ``t``: it slides on, sticks or back."""
+    G = np.stack([n, t])
+    own, wanted = G @ np.linalg.solve(M, G.T), np.array([-(1 + restitution), -1.0]) * (G @ rates)
+    p = np.linalg.solve(own, wanted)
+    if abs(p[1]) > friction * p[0]:
+        for sign in (1.0, -1.0):
+            way = np.array([1.0, -sign * friction])
+            p = way * wanted[0] / (own[0] @ way)
+            if sign * (t @ rates + own[1] @ p) > 0.0:
+                break
+    return rates + np.linalg.solve(M, G.T @ p)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
+    """``M (ω⁺ − ω⁻) = Jᵀ p`` with the normal velocity reversed, in the first step."""
+    angles, rates, step = np.array([0.3, 0.7]), np.array([1.0, 2.0]), 1e-6
+    law = fl.Impact(friction, restitution)
+    scene, rods, _ = pendulum(angles, rates, law, 0.5 * step * (rates @ np.cos(angles)))
+    result = run(scene, step, step)
+    turned = [
+        -(result.rotation(rod.centre)[-1] @ result.velocity(rod.centre)[-1, 3:])[1] for rod in rods
+    ]
+    coupling = 0.5 * np.cos(angles[0] - angles[1])
+    M = np.array([[4 / 3, coupling], [coupling, 1 / 3]])
+    expected = thrown(M, -np.cos(angles), np.sin(angles), rates, friction, restitution)
+    np.testing.assert_allclose(turned, expected, rtol=5e-5, atol=2e-5)
+    lost = 0.5 * rates @ M @ rates - 0.5 * expected @ M @ expected
+    told = result.contacts
+    assert told.impact_loss[0] + told.friction_loss[0] == pytest.approx(lost, rel=1e-4, abs=1e-4)
+    assert result.joint_violations.max() < 1e-12
+
+
+def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing():
+    scene, _, _ = pendulum((1.2, 1.0), (0, 0), fl.Impact(0.2, 0.5), -1.6)
+    result = run(scene, 2.0, 1e-3)
+    told = result.contacts
+    assert (told.contacts > 0).sum() >= 2
+    assert told.penetration.max() < 1e-12
+    assert result.joint_violations.max() < 1e-9
+    # what steps of 1e-3 s make of the swing after the impact
+    assert np.diff(result.total_energy).max() < 4e-5
+    assert result.energy_error < 1e-4
+
+
+@pytest.mark.parametrize("pull", [3.0, 7.0])
+def test_a_block_on_a_driven_platform_is_taken_along_by_friction(pull):
+    """μ g = 4.905 m/s²: with less it sticks, with more it slides at that acceleration."""
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
+    block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
+    rail = scene.add(fl.Prismatic(fl.ground(), platform.centre, axis=(1, 0, 0)))
+    scene.add(fl.Drive(rail.displacement, lambda t: 0.5 * pull * t * t))
+    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    result = run(scene, 0.5, 5e-3)
+    expected = 0.5 * min(pull, 0.5 * GRAVITY) * 0.25
+    assert result.position(platform.centre)[-1, 0] == pytest.approx(0.125 * pull, abs=1e-9)
+    assert result.position(block.centre)[-1, 0] == pytest.approx(expected, abs=1e-8)
+    assert np.abs(result.position(block.centre)[:, 2] - 0.05).max() < 1e-11
+
+
+def test_a_platform_that_a_joint_holds_is_ground():
+    """A block rocks on either in the same way."""
+    half, tall, paths = 0.05, 0.25, []
+    corner = np.arctan(half / tall)
+    c, s = np.cos(0.5 * corner), np.sin(0.5 * corner)
+    axes = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    edges = (2 * half, 0.2, 2 * tall)
+    for held in (True, False):
+        scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+        block = scene.add(fl.RigidBody(1.0, cuboid(1.0, edges), -axes @ (half, 0, -tall), axes))
+        under = fl.ground()
+        if held:
+            platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0.2, 0.1, -1.0)))
+            scene.add(fl.Fixed(fl.ground(), platform.centre))
+            under = platform.at((0, 0, 0))
+        floor = fl.Plane(under, (0, 0, 1))
+        scene.add(fl.Contact(fl.Box(block.centre, edges), floor, fl.Impact(1.0)))
+        result = run(scene, 0.6, 1e-3)
+        paths.append(result.rotation(block.centre)[:, 0, 2])
+    np.testing.assert_allclose(paths[0][::50], paths[1][::50], rtol=0, atol=2e-3)
+
+
+# --- flexible bodies ---
+
+STEEL = fl.Material(2e9, 0.0, 1000.0)
+WAVE = np.sqrt(2e9 / 1000.0)
+
+
+@pytest.mark.parametrize("courant", [0.5, 1.0, 2.0])
+def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant):
+    """ρ c v A while the wave goes and comes back; the energy never grows."""
+    cells, gap, area = 50, 1e-3, np.pi * 0.02**2
+    beam = fl.Beam.straight((0, 0, 0), (-1, 0, 0), fl.Section.circle(0.02, STEEL), cells=cells)
+    beam.move((1, 0, 0))
+    scene = fl.Scene()
+    scene.add(beam)
+    wall = fl.Plane(fl.ground(), (-1, 0, 0), at=(gap, 0, 0))
+    scene.add(fl.Contact(fl.Vertices([beam.start]), wall, fl.Impact()))
+    step, back = courant / cells / WAVE, 2 / WAVE
+    result = run(scene, np.ceil((gap + 1.3 * back) / step) * step, step)
+    force = -np.diff(result.impulses[:, 1, 0]) / step / (1000.0 * WAVE * area)
+    since = (result.times[1:] - 0.5 * step - gap) / back
+    inside = force[(since > 0.1) & (since < 0.9)]
+    assert inside.mean() == pytest.approx(1.0, abs=2e-3)
+    assert inside.std() < 5e-3
+    assert result.total_energy.max() <= (1 + 1e-12) * result.total_energy[0]
+    assert -result.momentum[-1, 0] / result.momentum[0, 0] > 0.95
+    assert result.contacts.penetration.max() < 1e-13
+
+
+def bouncing_beam(friction=0.2):
+    """It falls askew on the floor, and slides."""
+    section = fl.Section.circle(0.02, fl.Material(1e8, 0.3, 1000.0))
+    beam = fl.Beam.straight((0, 0, 0.05), (1, 0, 0.15), section, cells=8)
+    beam.move((0.5, 0, 0))
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    scene.add(beam)
+    nodes = fl.Vertices([fl.Point(beam, k) for k in range(9)], 0.02)
+    floor = fl.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.Contact(nodes, floor, fl.Impact(friction=friction)))
+    return scene
+
+
+def test_a_beam_that_bounces_never_gains_energy():
+    result = run(bouncing_beam(), 0.4, 1e-3)
+    told = result.contacts
+    assert told.contacts.max() >= 4
+    assert told.penetration.max() < 1e-11
+    assert told.cone_residual.max() < 1e-6
+    assert np.diff(result.total_energy).max() < 1e-6 * result.total_energy[0]
+    assert result.total_energy[-1] < 0.8 * result.total_energy[0]
+
+
+# --- runs that go on ---
+
+
+def stick_and_slip() -> fl.Scene:
+    """A block on a platform that is driven to and fro: it sticks and slides in turns."""
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    platform = scene.add(fl.RigidBody(5.0, np.ones(3), (0, 0, -0.1)))
+    block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
+    rail = scene.add(fl.Prismatic(fl.ground(), platform.centre, axis=(1, 0, 0)))
+    scene.add(fl.Drive(rail.displacement, lambda t: 0.02 * (1 - np.cos(20 * t))))
+    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    return scene
+
+
+@pytest.mark.parametrize("make", [stick_and_slip, bouncing_beam])
+@pytest.mark.parametrize("every", [37, 80])
+def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every):
+    options, file = {"duration": 0.3, "step": 2.5e-3, "progress": False}, tmp_path / "run.h5"
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    whole = scheme.run(make(), **options)
+    scheme.run(make(), **options, file=file, checkpoint_every=every)
+    resumed = scheme.resume(make(), file, progress=False)
+    loaded = fl.Result.load(file)
+    assert whole.contacts.contacts[every:].max() > 0
+    for name in ("frames", "velocities", "balance", "impulses", "iterations"):
+        for other in (resumed, loaded):
+            np.testing.assert_array_equal(getattr(other, name), getattr(whole, name))
+    for name, values in vars(whole.contacts).items():
+        np.testing.assert_array_equal(getattr(resumed.contacts, name), values)
+        np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
+
+
+# --- bad input ---
+
+
+def with_cable() -> fl.Scene:
+    cable = fl.Cable.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4)
+    ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
+    scene = floored(ball, fl.Sphere(ball.centre, 0.1), fl.Impact())
+    scene.add(cable)
+    return scene
+
+
+def with_disc() -> fl.Scene:
+    disc = fl.RigidBody(1.0, (0.1, 0.1, 0.2), (0, 0, 0.3))
+    scene = fl.Scene()
+    scene.add(disc)
+    scene.add(fl.RollingDisc(fl.ground(), disc.centre, axis=(0, 1, 0), radius=0.3))
+    floor = fl.Plane(fl.ground(), (0, 0, 1))
+    scene.add(fl.Contact(fl.Sphere(disc.centre, 0.05), floor, fl.Impact()))
+    return scene
+
+
+REFUSED = {
+    "cable": (with_cable, "nodes are frames, not for cables"),
+    "rolls": (with_disc, "without joints that roll"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused(name):
+    make, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        run(make(), 0.1, 0.01)
