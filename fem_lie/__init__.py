@@ -4,6 +4,7 @@ from fem_lie.adapt.critical_load import CriticalLoad
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.adapt.estimates.residual import Residual
+from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.frequency import Frequency
 from fem_lie.adapt.goals import GoalError, goal_error
 from fem_lie.adapt.loop import Adapted, adapt
@@ -372,6 +373,7 @@ __all__ = [
     "Temperature",
     "ThinResultants",
     "ThinShell",
+    "Transferred",
     "TripleJump",
     "Twisted",
     "Units",
@@ -426,6 +428,7 @@ __all__ = [
     "surface",
     "surface_from_dolfinx",
     "thin_resultants",
+    "transfer",
     "vibrations",
     "volume_from_dolfinx",
     "with_derivatives",

@@ -79,6 +79,7 @@ MAY_IMPORT = {
     "solve.recording": {"solve"},
     "adapt.estimates": {"results.stresses"},
     "adapt": {"solve.stability", "adapt.estimates"},
+    "adapt.following": {"adapt", "solve.alpha"},
     "reduce": {"solve.statics"},
     "solve.motion": {"solve.recording"},
     "solve.alpha.step": {"solve.motion", "contact.impact"},

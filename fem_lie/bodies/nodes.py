@@ -35,6 +35,8 @@ class Nodes(Loadable):
         uncoupled: Whether statics moves its nodes, and those that follow them or that they follow,
             by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)``, and not by ``H exp(h)``.
         compound: Whether a point of it is several nodes.
+        begins_at: Frames from which solvers go on, if not from ``frames``, where nothing is
+            strained; shape (n, 4, 3).
     """
 
     uncoupled: ClassVar[bool] = False
@@ -48,6 +50,7 @@ class Nodes(Loadable):
         self.leaders: Indices = np.arange(count) if leaders is None else leaders
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
+        self.begins_at: Array | None = None
 
     @property
     def node_kind(self) -> NodeKind:
@@ -99,6 +102,14 @@ class Nodes(Loadable):
     def check(self) -> None:
         """Raise ``ValueError`` if frames or velocities of nodes have been set to what is none."""
         check_nodes(self.label, self.node_kinds, self.frames, self.velocities)
+        if self.begins_at is None:
+            return
+        if self.begins_at.shape != self.frames.shape:
+            raise ValueError(
+                f"{self.label} begins at frames of shape {self.begins_at.shape}, wanted "
+                f"{self.frames.shape}"
+            )
+        check_nodes(self.label, self.node_kinds, self.begins_at, self.velocities)
 
     def require_frames(self, what: str) -> None:
         """Refuse what takes hold of frames if the nodes have none.

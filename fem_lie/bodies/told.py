@@ -13,6 +13,7 @@ from fem_lie.bodies.body import Body, Point
 
 _OF_A_BODY = (
     "frames",
+    "begins_at",
     "velocities",
     "leaders",
     "elements",

@@ -6,7 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +41,20 @@ class Family:
         self.setup: Any = None
 
 
+class Began(NamedTuple):
+    """From when on a scene goes on that was solved before, perhaps on other meshes.
+
+    Attributes:
+        time: At which runs begin: histories are asked for times from there on.
+        factor: Load factor of the equilibrium in which bodies are.
+        turned: What frames do not tell of joints, such as full turns; default: nothing happened.
+    """
+
+    time: float = 0.0
+    factor: float = 0.0
+    turned: Array | None = None
+
+
 def require_scene(value: object) -> None:
     """Raise ``TypeError`` if it is no scene."""
     instance(value, Scene, "what is solved", "a Scene")
@@ -60,6 +74,7 @@ class Scene:
         loads: What acts from outside, but for gravity.
         clamps: Points that are held.
         motions: Points that are moved as prescribed.
+        began: From when on solvers go on; :func:`~fem_lie.transfer` sets it.
         family: Of the scenes made from it by :meth:`with_loads` and :meth:`with_drives`, if any.
 
     Example:
@@ -95,6 +110,7 @@ class Scene:
         self._known: set[Body] = set()
         self._names: set[str] = set()
         self._kinds: Counter[type[Body]] = Counter()
+        self.began = Began()
         self.family: Family | None = None
 
     @property
@@ -228,6 +244,7 @@ class Scene:
         scene.connections, scene.links = list(connections), list(self.links)
         scene.contacts = list(self.contacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
+        scene.began = self.began
         self.family = self.family or Family()
         scene.family = self.family
         return scene

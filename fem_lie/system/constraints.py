@@ -238,6 +238,22 @@ class Connections:
         ):
             part[:] = value
 
+    def remember(self, values: Array | None) -> None:
+        """Set :attr:`memory` to that of a run that this one goes on from, if there is one.
+
+        Raises:
+            ValueError: It is none of these joints.
+        """
+        if values is None:
+            return
+        wanted = self.memory.shape
+        if values.shape != wanted:
+            raise ValueError(
+                f"a scene that goes on must have the joints of the one before: it remembers "
+                f"{values.shape} angles of joints, wanted {wanted}"
+            )
+        self.memory = values
+
     def _remembered(self) -> list[Array]:
         return [part for each in self.sets for part in each.memory]
 

@@ -19,6 +19,7 @@ class FrameRows:
     Attributes:
         kinds: What each moving node is, shape (n,), see :mod:`fem_lie.lie.kinds`.
         frames: Initial frames, shape (n + 1 + p, 4, 3).
+        begins_at: Those from which solvers go on, at the scene's time.
         velocities: Initial local velocities, same rows, (…, 6).
         held: Which unknowns of the moving nodes are zero, shape (n, 6).
         turning: Which unknowns have forces that turn with the node, as reactions of others do.
@@ -45,6 +46,8 @@ class FrameRows:
         self._breaks = declared([motion.motion for motion in scene.motions], kinks=True)
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3)), *self.prescribed(0.0)])
         self.frames = np.concatenate([numbering.frames, fixed])
+        now = np.concatenate([fixed[:1], self.prescribed(scene.began.time)])
+        self.begins_at = np.concatenate([numbering.begins_at, now])
         self.velocities = np.concatenate([numbering.velocities, np.zeros((len(fixed), 6))])
         # what is held along fixed axes is held exactly where translations are along fixed axes
         guided = np.isfinite(numbering.supports[:, 0, 0])

@@ -144,7 +144,7 @@ class System:
         self.in_one_sum = not (apart or self._viscous or self._guided or settles)
         self._found = self.room()
         self._plain_inertia = self.inertia.plain
-        self.set_time(0.0, 1.0)
+        self.set_time(scene.began.time, 1.0)
 
     def _check_redundant(self) -> None:
         B = self.tangent.jacobian(self.frames)

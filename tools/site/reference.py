@@ -20,7 +20,7 @@ CHAPTERS = {
     "Forms": ("forms", "lie"),
     "Equilibrium and stability": ("solve.statics", "solve.stability", "linear"),
     "Integrators": ("solve",),
-    "Error in space and refinement": ("adapt",),
+    "Error in space and refinement": ("adapt", "adapt.following"),
     "Reduction": ("reduce",),
     "Results": ("results", "pictures", "system"),
 }

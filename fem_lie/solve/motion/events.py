@@ -8,10 +8,10 @@ from fem_lie.solve.motion.step_control import SAME
 
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
-    """Times within a run at which loads, drives or motions of a scene say that they jump."""
+    """When loads, drives or motions say that they jump in a run, from its beginning on."""
     moves: list[object] = [item.history for item in (*scene.joints, *scene.connections)]
     moves += [motion.motion for motion in scene.motions]
     times = declared((load.history for load in scene.loads), kinks=False)
     times += declared(moves, kinks=True)
-    slack = SAME * duration
-    return tuple(t for t in sorted(set(times)) if slack < t < duration - slack)
+    slack, began = SAME * duration, scene.began.time
+    return tuple(t - began for t in sorted(set(times)) if slack < t - began < duration - slack)

@@ -48,7 +48,9 @@ def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene],
 
 
 def _empty(scene: Scene) -> Scene:
-    return Scene(scene.gravity, choices=scene.choices, redundant=scene.redundant)
+    part = Scene(scene.gravity, choices=scene.choices, redundant=scene.redundant)
+    part.began = scene.began._replace(turned=None)
+    return part
 
 
 def _items(scene: Scene) -> Iterable[tuple[Any, Iterable[Body | None]]]:

@@ -65,9 +65,9 @@ class Pursuit:
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
-        self.initial, self.info = self.all_frames(equations.start.frames), equations.info
+        self.initial, self.info = self.all_frames(equations.unloaded), equations.info
         placed = self.model.placed
-        self._places = equations.start.frames[: unknowns.moving, 0][placed]
+        self._places = equations.unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to = inf
@@ -125,8 +125,9 @@ class Pursuit:
     def _begin(self, start: Station | None, backwards: bool) -> Station:
         model, ends = self.model, self._ends
         if start is None:
-            model.check_start(0.0)
-            first = self._walker.start(0.0, -1.0 if (ends.factor or 1.0) < 0 else 1.0)
+            factor = model.begin()
+            model.check_start(factor)
+            first = self._walker.start(factor, -1.0 if (ends.factor or 1.0) < factor else 1.0)
         else:
             model.restore(start.state)
             model.check_start(start.factor)

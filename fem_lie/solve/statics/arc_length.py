@@ -141,18 +141,21 @@ class ArcLength:
     good_iterations: int = 5
     smallest_step: float = 1e-6
 
-    def follow(self, model: Equilibrium, levels: Sequence[float] = (1.0,)) -> Path:
-        """Go from the present state, at λ = 0, through the wanted load factors.
+    def follow(
+        self, model: Equilibrium, levels: Sequence[float] = (1.0,), begin: float = 0.0
+    ) -> Path:
+        """Go from the present state through the wanted load factors.
 
         Args:
             model: The structure; it is left in the last state.
             levels: Increasing positive load factors.
+            begin: Load factor of the present state.
 
         Raises:
             ValueError: The levels do not increase.
             ConvergenceError: Steps became too small; its ``result`` is the path so far.
         """
-        return _Follower(self, model).run(increasing(levels))
+        return _Follower(self, model, begin).run(increasing(levels))
 
 
 def increasing(levels: Sequence[float]) -> list[float]:
@@ -172,9 +175,9 @@ def increasing(levels: Sequence[float]) -> list[float]:
 class _Follower:
     """One run: the present load factor and step length."""
 
-    def __init__(self, options: ArcLength, model: Equilibrium) -> None:
+    def __init__(self, options: ArcLength, model: Equilibrium, begin: float) -> None:
         self._options, self._model = options, model
-        self._factor, self._length = 0.0, options.first_step * model.diameter
+        self._factor, self._length = begin, options.first_step * model.diameter
         self._twist: Array | None = None  # of the last step
         self._moved: Array
         self._path, self._folded = Path(), ""

@@ -55,15 +55,30 @@ def follow_loads(
 def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str) -> PathResult:
     """As :func:`follow_loads`, without a word on stability."""
     check_proportion(scene)
-    levels = increasing(levels)
+    levels = beyond(scene, levels)
     model = SceneEquilibrium(scene, prefix)
     watch = Stopwatch()
     try:
-        path = options.follow(model, levels)
+        path = options.follow(model, levels, model.begin())
     except ConvergenceError as error:
         result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None
     return _result(model, path, levels, watch.seconds)
+
+
+def beyond(scene: Scene, levels: Sequence[float]) -> list[float]:
+    """Load factors at which states are wanted, at or beyond that of a scene that goes on.
+
+    Raises:
+        ValueError: See :func:`~fem_lie.solve.statics.arc_length.increasing`, or one is below.
+    """
+    wanted, factor = increasing(levels), scene.began.factor
+    if wanted[0] < factor:
+        raise ValueError(
+            f"the scene goes on from the load factor {factor:g}; levels must not be below, got "
+            f"{wanted[0]:g}"
+        )
+    return wanted
 
 
 def in_proportion(scene: Scene) -> bool:
@@ -93,6 +108,10 @@ def check_proportion(scene: Scene) -> None:
             f"an arc length needs loads in proportion to the load factor, got {label}: use load "
             "steps"
         )
+
+
+_MOST = 30  # iterations from a state that was carried on
+_SETTLED = 1e-11  # of the model
 
 
 class _State(NamedTuple):
@@ -159,6 +178,26 @@ class SceneEquilibrium:
     def factorisations(self) -> int:
         """How many there were."""
         return self._solver.factorisations
+
+    def begin(self) -> float:
+        """Make a state that is carried on one of equilibrium; returns its load factor.
+
+        Raises:
+            ConvergenceError: There is none near it.
+        """
+        factor, scale = self.equations.scene.began.factor, self.diameter
+        if not factor:
+            return 0.0
+        for _ in range(_MOST):
+            internal, load = self.forces()
+            self.factorise(factor)
+            dx = self.solve(factor * load - internal)
+            self.move(dx)
+            if np.abs(self.translations(dx)).max(initial=0.0) < _SETTLED * scale:
+                return factor
+        raise ConvergenceError(
+            f"no equilibrium at load factor {factor:g} near the state that was carried on", Path()
+        )
 
     def factorise(self, factor: float) -> None:
         """Make the tangent at a load factor, with the carried stress, ready to solve."""
@@ -245,7 +284,7 @@ def _result(
 ) -> PathResult:
     equations, reached = model.equations, list(levels[: len(path.states)])
     unknowns, counts = equations.unknowns, np.cumsum([0, *path.iterations])
-    ends = [0] + [1 + path.factors.index(level) for level in reached]
+    ends = [0] + [1 + path.factors.index(f) if f in path.factors else 0 for f in reached]
     states: list[_State] = path.states
     frames = [equations.report(state.frames).frames.copy() for state in states]
     forces = [model.joint_forces(state) for state in states]
@@ -257,7 +296,7 @@ def _result(
         iterations=np.diff(counts[ends]),
         failed_iterations=path.failed_iterations,
         info=equations.info,
-        initial=equations.report(equations.start.frames).frames.copy(),
+        initial=equations.report(equations.unloaded).frames.copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         reactions=np.array(reactions).reshape(len(states), len(unknowns.supported), 6),
         load_steps=len(path.iterations),

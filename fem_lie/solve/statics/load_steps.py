@@ -77,7 +77,7 @@ class LoadSteps:
             np.array(self._counts, dtype=np.int64),
             self._failed,
             equations.info,
-            equations.report(equations.start.frames).frames.copy(),
+            equations.report(equations.unloaded).frames.copy(),
             self._rotation,
             self._watch.seconds,
             np.array(self._reactions).reshape(k, len(unknowns.supported), 6),
@@ -96,7 +96,9 @@ class LoadSteps:
         Raises:
             ConvergenceError: The smallest step failed; its ``result`` holds the states before.
         """
-        reached, now = 0.0, step
+        reached, now = self.equations.scene.began.factor, step
+        if reached and not self.solve(reached):
+            raise ConvergenceError(self._failure(reached, reached), self.result())
         for level in levels:
             while reached < level:
                 target = min(level, reached + now)

@@ -14,8 +14,8 @@ from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.statics.arc_length import ArcLength, increasing
-from fem_lie.solve.statics.follow import followed, in_proportion
+from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.follow import beyond, followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, SingularStartError
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.unstable import warn_if_unstable
@@ -75,7 +75,7 @@ def statics(
     instance(newton, Newton | None, "newton", "options of fl.Newton or None")
     options = Newton() if newton is None else newton
     steps = 1 if load_steps is None else whole(load_steps, "load_steps")
-    levels = increasing(levels)
+    levels = beyond(scene, levels)
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
 

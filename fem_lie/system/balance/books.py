@@ -126,9 +126,10 @@ class Books:
         system, elastic = self._system, self._system.elastic
         ahead = elastic.energy(self._seen.H) - self._stored[0]
         behind = elastic.energy(H)
-        system.set_time(float(self._time[0]))
+        began = system.scene.began.time
+        system.set_time(began + float(self._time[0]))
         behind -= elastic.energy(H)
-        system.set_time(time)
+        system.set_time(began + time)
         return float(0.5 * (ahead + behind))
 
     def jump(self, time: float, H: Array, v: Array, a: Array, weights: Array) -> None:

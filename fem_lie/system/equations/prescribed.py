@@ -24,10 +24,11 @@ class Prescribed:
 
         Args:
             system: The equations.
-            time: When.
+            time: When, from the time on at which the scene began.
             step: Over which rates are differences.
         """
-        self._system, self._time, self._step = system, time, step
+        self._system, self._step = system, step
+        self._time = system.scene.began.time + time
 
     def act(self, factor: float = 1.0) -> None:
         """Let loads and targets of this time act from now on.

@@ -30,6 +30,8 @@ class Numbering:
         drills: Whether the nodes of each body turn about their third directors.
         attachment: Which node follows which.
         frames: Initial frames of the leaders, shape (count, 4, 3).
+        begins_at: Frames from which solvers go on, of the leaders; the initial ones but of bodies
+            that begin elsewhere.
         velocities: Initial local velocities of the leaders, shape (count, 6).
         groups: The group of each leader, shape (count,).
         kinds: The :class:`~fem_lie.lie.kinds.NodeKind` of each leader, shape (count,).
@@ -83,6 +85,7 @@ class Numbering:
 
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
+        begins_at = np.empty_like(frames)
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
@@ -90,6 +93,7 @@ class Numbering:
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
+            begins_at[nodes] = body.frames if body.begins_at is None else body.begins_at
             groups[nodes], kinds[nodes] = body.group, body.node_kinds
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
@@ -101,6 +105,7 @@ class Numbering:
         self.attachment = Attachment(frames, pairs)
         self.count = self.attachment.count
         self.frames = frames[self.attachment.leaders]
+        self.begins_at = begins_at[self.attachment.leaders]
         # lengths beside rotations: of one node anything will do
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.attachment.leaders]

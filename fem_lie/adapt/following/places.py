@@ -1,0 +1,205 @@
+"""Where the nodes of one mesh of a body are on another mesh of it, and how they go along there.
+
+Both meshes are compared unloaded. A node is on an element of the other, at the place next to it,
+and keeps the small motion from there: ``H = H_place C`` with a constant ``C``. So rigid motions are
+carried exactly, and what is constant along elements, as the strain of geodesic beams, is.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.shell import Shell
+from fem_lie.grips.grip import Grip, GripKind, locate
+from fem_lie.grips.interpolated import interpolated
+from fem_lie.lie.kinds import NodeKind
+
+_NEAR = 4  # elements that are looked at
+_AT_NODE = 1e-9  # of an element
+_OFF = 0.2  # of an element: a mesh of the same body is not farther away
+_ROUNDS = 20  # of Newton's method along an element
+_AROUND = 24  # triangles whose centres are next to a node
+_BLOCK = 256  # nodes whose distances from all elements are found at once
+
+
+class Places(NamedTuple):
+    """Places on a mesh, one for each node of another.
+
+    Attributes:
+        nodes: Those on which a place is, −1 where it is between nodes, shape (n,).
+        grips: Of those between, in their order.
+        offset: From the place to the node, shape (n, 4, 3).
+    """
+
+    nodes: Indices
+    grips: list[Grip]
+    offset: Array
+
+    @property
+    def between(self) -> Flags:
+        """Which of them are between nodes."""
+        return self.nodes < 0
+
+    def motion(self, frames: Array, velocities: Array) -> tuple[Array, Array]:
+        """Frames (n, 4, 3) and twists (n, 6) from those of the nodes that they are on."""
+        own, H, v = self.nodes, np.empty_like(self.offset), np.empty((len(self.nodes), 6))
+        at = ~self.between
+        H[at], v[at] = frames[own[at]], velocities[own[at]]
+        between = np.flatnonzero(self.between)
+        sorts: dict[tuple[GripKind, int], list[int]] = {}
+        for k, grip in enumerate(self.grips):
+            sorts.setdefault((grip.kind, len(grip.nodes)), []).append(k)
+        for (kind, _), members in sorts.items():
+            nodes = np.array([self.grips[k].nodes for k in members])
+            data = np.array([self.grips[k].data for k in members], dtype=np.float64)
+            found, J = locate(kind, np.ascontiguousarray(frames[nodes]), data)
+            H[between[members]] = found
+            v[between[members]] = np.einsum("gkij,gkj->gi", J, velocities[nodes])
+        back = lie.se3_adjoint(lie.se3_inverse(self.offset))
+        return lie.se3_compose(H, self.offset), np.einsum("nij,nj->ni", back, v)
+
+
+def places(old: Body, new: Body) -> Places:
+    """Where the nodes of one body are on another mesh of it.
+
+    Raises:
+        ValueError: They are no two meshes of one body.
+    """
+    if type(old) is not type(new):
+        raise ValueError(
+            f"{new.label} was a {type(old).__name__}, now it is a {type(new).__name__}"
+        )
+    if _same(old, new):
+        nodes: Indices = np.arange(len(new.frames))
+        grips: list[Grip] = []
+    else:
+        _require_frames(old, new)
+        if isinstance(old, Beam):
+            nodes, grips = _on_lines(old, new.frames)
+        elif isinstance(old, Shell):
+            nodes, grips = _on_triangles(old, new.frames)
+        else:
+            raise ValueError(
+                f"Beams, Rods and Shells can get other meshes, {new.label} is a "
+                f"{type(new).__name__}"
+            )
+    found = Places(nodes, grips, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
+    at, _ = found.motion(old.frames, np.zeros((len(old.frames), 6)))
+    return found._replace(offset=lie.se3_compose(lie.se3_inverse(at), new.frames))
+
+
+def _same(old: Body, new: Body) -> bool:
+    """Whether the nodes are the same, in one order."""
+    if old.frames.shape != new.frames.shape:
+        return False
+    return bool(np.abs(old.frames - new.frames).max() <= _AT_NODE * old.size)
+
+
+def _require_frames(*bodies: Body) -> None:
+    for body in bodies:
+        if (body.node_kinds != NodeKind.FRAME).any():
+            raise ValueError(
+                f"meshes change of bodies whose nodes have frames; those of {body.label} are others"
+            )
+
+
+def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[Grip]]:
+    """Next to each node, on the geodesics from end to end of all elements."""
+    ends = old.frames[old.elements[:, :2]]
+    d = lie.se3_relative(ends[:, 0], ends[:, 1])
+    near = _near_chords(ends[:, :, 0], frames[:, 0])
+    part = np.full(near.shape, 0.5)
+    x = frames[:, np.newaxis, 0]
+    for _ in range(_ROUNDS):
+        here = lie.se3_retract(ends[near, 0], part[..., np.newaxis] * d[near])
+        along = np.einsum("nkji,nkj->nki", here[..., 1:, :], d[near, :3])
+        step = np.einsum("nki,nki->nk", x - here[..., 0, :], along)
+        moved = np.clip(part + step / np.einsum("nki,nki->nk", along, along), 0.0, 1.0)
+        done = np.abs(moved - part).max() < 1e-14
+        part = moved
+        if done:
+            break
+    here = lie.se3_retract(ends[near, 0], part[..., np.newaxis] * d[near])
+    away = np.linalg.norm(here[..., 0, :] - x, axis=2) / old.lengths[near]
+    turned = np.linalg.norm(lie.se3_relative(here, frames[:, np.newaxis])[..., 3:], axis=2)
+    # lines that cross without being joined differ in direction alone
+    best = np.lexsort((turned, np.round(away, 9)), axis=1)[:, 0]
+    rows = np.arange(len(frames))
+    _check_near(old, frames, away[rows, best])
+    nodes, grips = np.full(len(frames), -1), []
+    for i, (element, at) in enumerate(zip(near[rows, best], part[rows, best], strict=True)):
+        point = old.within(int(element), float(at))
+        if point.grip is None:
+            nodes[i] = point.node
+        else:
+            grips.append(point.grip)
+    return nodes, grips
+
+
+def _near_chords(ends: Array, x: Array) -> Indices:
+    """The elements whose chords (m, 2, 3) are next to places (n, 3), shape (n, ≤ 4)."""
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    squares, count = (along**2).sum(axis=1), min(_NEAR, len(ends))
+    found = []
+    for first in range(0, len(x), _BLOCK):
+        off = x[first : first + _BLOCK, np.newaxis] - start
+        part = np.clip(np.einsum("nmi,mi->nm", off, along) / squares, 0.0, 1.0)
+        away = np.linalg.norm(off - part[..., np.newaxis] * along, axis=2)
+        found.append(np.argpartition(away, count - 1, axis=1)[:, :count])
+    return np.asarray(np.concatenate(found), dtype=np.int64)
+
+
+def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[Grip]]:
+    """Next to each node, on triangles of first degree."""
+    if old.mesh.cell != "triangle" or old.mesh.degree != 1:
+        raise ValueError(
+            f"meshes of triangles of degree 1 change, that of {old.label} has {old.mesh.cell}s of "
+            f"degree {old.mesh.degree}"
+        )
+    corners, x = old.frames[old.connectivity, 0], frames[:, 0]
+    _, near = cKDTree(corners.mean(axis=1)).query(x, k=min(_AROUND, len(corners)))
+    near = np.asarray(near, dtype=np.int64).reshape(len(x), -1)
+    # places beside a cell are on none of its edges: their smallest coordinate is the largest there
+    a, b, c = (corners[near, k] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    doubled = (normal**2).sum(axis=2)
+    at = x[:, np.newaxis]
+    weights = np.stack(
+        [
+            np.einsum("nki,nki->nk", np.cross(q - p, at - p), normal) / doubled
+            for p, q in ((b, c), (c, a), (a, b))
+        ],
+        axis=2,
+    )
+    height = np.abs(np.einsum("nki,nki->nk", at - a, normal)) / doubled**0.75
+    outside = np.maximum(-weights.min(axis=2), 0.0) + height
+    side = np.einsum("nki,ni->nk", normal, frames[:, 3]) / np.sqrt(doubled)
+    best = np.lexsort((-side, np.round(outside, 9)), axis=1)[:, 0]
+    rows = np.arange(len(x))
+    _check_near(old, frames, outside[rows, best])
+    shares = np.clip(weights[rows, best], 0.0, 1.0)
+    shares[shares < _AT_NODE] = 0.0
+    shares /= shares.sum(axis=1, keepdims=True)
+    nodes, grips = np.full(len(x), -1), []
+    for i, (cell, share) in enumerate(zip(old.connectivity[near[rows, best]], shares, strict=True)):
+        if share.max() > 1.0 - _AT_NODE:
+            nodes[i] = cell[share.argmax()]
+        else:
+            grips.append(interpolated([int(node) for node in cell], share))
+    return nodes, grips
+
+
+def _check_near(old: Body, frames: Array, away: Array) -> None:
+    if away.max() > _OFF:
+        node = int(away.argmax())
+        raise ValueError(
+            f"{old.label} has no element at {frames[node, 0]}, where node {node} of the other mesh "
+            "is: they must be meshes of the same line or surface"
+        )

@@ -1,0 +1,240 @@
+"""A state on other meshes of the same bodies, from which every solver goes on.
+
+::
+
+    finer = build(fl.refine(mesh, error.worst()))
+    told = fl.transfer(result, scene, finer)   # bodies of finer are where those of scene are
+    print(told)                                # energy before and after; momenta are the same
+    fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
+
+Frames between nodes are those of the element there, of beams on the geodesic of SE(3). Velocities
+are those that the elements have there, changed by as little as gives the same momenta. Stress is
+that of the frames on the new mesh; accelerations and joint forces are solved anew by the solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie.adapt.following.momenta import invariants_of, with_momenta
+from fem_lie.adapt.following.places import Places, places
+from fem_lie.bodies.body import Body
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
+from fem_lie.results.record import Record
+from fem_lie.results.states import require_states, state_number
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import Began, require_scene
+from fem_lie.system.equations import Equations
+
+_ENOUGH = 4  # new nodes that take what momenta need all by themselves
+_VIOLATED = 1e-6  # of the model, or an angle
+
+
+@dataclass(frozen=True, eq=False)
+class Transferred:
+    """What a change of meshes has done to a state; made by :func:`transfer`.
+
+    Attributes:
+        kinetic: Energy before and after.
+        elastic: Likewise.
+        momentum: Linear momentum before and after, shape (2, 3).
+        angular_momentum: About the origin, before and after, shape (2, 3).
+    """
+
+    kinetic: tuple[float, float]
+    elastic: tuple[float, float]
+    momentum: Array
+    angular_momentum: Array
+
+    @property
+    def energy_change(self) -> float:
+        """Of kinetic and elastic energy."""
+        return self.kinetic[1] + self.elastic[1] - self.kinetic[0] - self.elastic[0]
+
+    @property
+    def momentum_error(self) -> float:
+        """Largest relative change of both momenta."""
+        pairs = self.momentum, self.angular_momentum
+        sizes = [float(np.linalg.norm(before)) for before, _ in pairs]
+        gaps = [float(np.linalg.norm(after - before)) for before, after in pairs]
+        return max((g / s for g, s in zip(gaps, sizes, strict=True) if s > 0.0), default=0.0)
+
+    def __str__(self) -> str:
+        """One line."""
+        before = self.kinetic[0] + self.elastic[0]
+        share = f" ({100 * self.energy_change / before:.2g} %)" if before else ""
+        return (
+            f"energy changed by {self.energy_change:.3g}{share}, momenta by "
+            f"{self.momentum_error:.1g} of theirs"
+        )
+
+
+def transfer(
+    result: Result | StaticResult, scene: Scene, onto: Scene, step: int = -1
+) -> Transferred:
+    """Let a scene go on where another one has come to, whose bodies have other meshes.
+
+    Bodies are matched by their names. Those of ``onto`` get frames at which solvers begin
+    (``begins_at``) and velocities, and ``onto`` the time from which its histories are asked for, or
+    the load factor, and full turns of joints. Times of its results count from there.
+
+    Args:
+        result: Of dynamics, of statics or of a path of ``scene``.
+        scene: What was solved.
+        onto: With the same bodies, joints and supports on other meshes: Beams, Rods with frames,
+            and Shells of triangles. It is changed.
+        step: Which state; default: the last.
+
+    Raises:
+        ValueError: Bodies that are others, or meshes of other lines or surfaces; joints of places
+            that the new mesh has elsewhere; a result without velocities or momenta.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> def build(mesh):
+        ...     scene = fl.Scene()
+        ...     beam = scene.add(fl.Beam(mesh, fl.Section.circle(0.01, steel), name="beam"))
+        ...     beam.turn((0, 0, 1), about=(0, 0, 0))
+        ...     return scene
+        >>> mesh = fl.straight((0, 0, 0), (1, 0, 0), 4)
+        >>> coarse, fine = build(mesh), build(fl.refine(mesh, range(4)))
+        >>> result = fl.GeneralisedAlpha().run(coarse, duration=0.1, step=0.02)
+        >>> told = fl.transfer(result, coarse, fine)
+        >>> bool(told.momentum_error < 1e-12), fine.bodies[0].begins_at.shape
+        (True, (9, 4, 3))
+    """
+    require_states(result)
+    require_scene(scene)
+    require_scene(onto)
+    moving = isinstance(result, Result)
+    if (
+        isinstance(result, Result)
+        and Record.VELOCITIES | Record.MOMENTA | Record.ENERGIES not in result.recorded
+    ):
+        raise ValueError("a state goes on with velocities, energies and momenta: record them")
+    before, after = _bodies(scene), _bodies(onto)
+    if set(before) != set(after):
+        raise ValueError(f"bodies were {sorted(before)}, now there are {sorted(after)}")
+    at = state_number(step, len(result.frames))
+    found = {name: places(body, after[name]) for name, body in before.items()}
+    equations = Equations(onto, dynamics=moving)
+    H, v = _gathered(result, at, found, equations, after)
+    if isinstance(result, Result) and result.velocities[at].any():
+        v = _kept(result, at, found, equations, after, H, v)
+    turned = _turned(result, at, scene) if equations.tables.turns else None
+    equations.system.connections.remember(turned)
+    told = equations.report(H, v[: equations.unknowns.moving])
+    _check_joints(told.joints.violations, equations)
+    frames, twists = told.frames.copy(), told.twists.copy()
+    for body, own in equations.unknowns.bodies.items():
+        nodes = np.asarray(own)
+        body.begins_at, body.velocities = frames[nodes].copy(), twists[nodes].copy()
+    onto.began = (
+        Began(scene.began.time + float(result.times[at]), 0.0, turned)
+        if isinstance(result, Result)
+        else Began(0.0, float(result.factors[at]), turned)
+    )
+    return _told(result, at, scene, equations, H, v)
+
+
+def _bodies(scene: Scene) -> dict[str, Body]:
+    return {body.name: body for body in scene.bodies}
+
+
+def _gathered(
+    result: Result | StaticResult,
+    at: int,
+    found: Mapping[str, Places],
+    equations: Equations,
+    after: Mapping[str, Body],
+) -> tuple[Array, Array]:
+    """Frames and twists of all rows, as the elements of the old meshes have them."""
+    unknowns = equations.unknowns
+    frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
+    for name, place in found.items():
+        own, nodes = result.info.body(name).nodes, unknowns.bodies[after[name]]
+        v = result.velocities[at, own] if isinstance(result, Result) else np.zeros((len(own), 6))
+        frames[nodes], twists[nodes] = place.motion(result.frames[at, own], v)
+    H, v = equations.start.frames.copy(), equations.start.velocities.copy()
+    H[: unknowns.moving] = frames[unknowns.leaders]
+    v[: unknowns.moving] = twists[unknowns.leaders]
+    return H, v
+
+
+def _kept(
+    result: Result,
+    at: int,
+    found: Mapping[str, Places],
+    equations: Equations,
+    after: Mapping[str, Body],
+    H: Array,
+    v: Array,
+) -> Array:
+    """Twists with the momenta of before, changed at new nodes alone if there are enough."""
+    unknowns, leader = equations.unknowns, equations.tables.leader
+    new, changed = np.zeros((2, unknowns.moving), dtype=bool)
+    for name, place in found.items():
+        nodes = leader[unknowns.bodies[after[name]]]
+        new[nodes[place.between]] = True
+        gone = len(place.nodes) != len(result.info.body(name).nodes)
+        changed[nodes] |= gone or bool(place.between.any())
+    free = new if np.count_nonzero(new) >= _ENOUGH else changed
+    if not free.any():
+        return v
+    momenta = np.concatenate([result.momentum[at], result.angular_momentum[at]])
+    wanted, _ = equations.constraints(H).rates(v)
+    return with_momenta(equations, H, v, momenta, free, wanted)
+
+
+def _check_joints(violations: Array, equations: Equations) -> None:
+    """Refuse joints that the change of meshes has torn."""
+    worst = float(violations.max(initial=0.0))
+    if worst > _VIOLATED * max(equations.unknowns.length, 1.0):
+        joint = equations.info.joints[int(violations.argmax())]
+        raise ValueError(
+            f"{joint.name} is violated by {worst:.1e} on the new mesh: it holds a place that was "
+            "no node; give it a named point of the mesh"
+        )
+
+
+def _turned(result: Result | StaticResult, at: int, scene: Scene) -> Array:
+    """Turns that joints have made up to a state, by going through those before."""
+    equations = Equations(scene, dynamics=isinstance(result, Result))
+    H = equations.start.frames.copy()
+    for frames in result.frames[: at + 1]:
+        H[: equations.unknowns.moving] = frames[equations.unknowns.leaders]
+        equations.memory.accept(H)
+    return equations.memory.saved()["joints"]
+
+
+def _told(
+    result: Result | StaticResult,
+    at: int,
+    scene: Scene,
+    equations: Equations,
+    H: Array,
+    v: Array,
+) -> Transferred:
+    """Energies and momenta on both sides."""
+    elastic = _elastic(equations, H)
+    if not isinstance(result, Result):
+        old = Equations(scene, dynamics=False)
+        rows = old.start.frames.copy()
+        rows[: old.unknowns.moving] = result.frames[at][old.unknowns.leaders]
+        return Transferred((0.0, 0.0), (_elastic(old, rows), elastic), *np.zeros((2, 2, 3)))
+    kinetic, both = invariants_of(equations, H, v)
+    momentum = np.array([result.momentum[at], both[:3]])
+    angular = np.array([result.angular_momentum[at], both[3:]])
+    energies = (float(result.kinetic[at]), kinetic), (float(result.elastic[at]), elastic)
+    return Transferred(*energies, momentum, angular)
+
+
+def _elastic(equations: Equations, H: Array) -> float:
+    """Energy of elements and springs."""
+    equations.memory.carry(H)
+    return equations.report(H).elastic + equations.system.connections.sets[0].spring_energy(H)

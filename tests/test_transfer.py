@@ -1,0 +1,207 @@
+"""States on other meshes of the same bodies: momenta, energy, what is carried exactly."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+
+STEEL = fl.Material(E=2.1e9, nu=0.3, density=7800.0)
+SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)
+ARC = fl.curve(lambda s: (np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)), 8)
+LINE = fl.straight((0, 0, 0), (1, 0, 0), 4)
+
+
+def free(mesh, formulation=None, kind=fl.Beam):
+    """A free beam, thrown, spinning and pushed across at one end."""
+    scene = fl.Scene()
+    beam = scene.add(kind(mesh, SECTION, formulation=formulation, name="beam"))
+    beam.turn((3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
+    beam.move((1.0, 2.0, -3.0))
+    scene.add(fl.PointLoad(beam["end"], force=(0, 40.0, 0)))
+    return scene
+
+
+def thrown(scene, steps=8):
+    return fl.GeneralisedAlpha().run(scene, duration=steps * 1e-3, step=1e-3)
+
+
+def beside(mesh, cells):
+    return fl.refine(mesh, cells)
+
+
+@pytest.mark.parametrize(
+    ("kind", "formulation"),
+    [(fl.Beam, None), (fl.Beam, fl.Director(1)), (fl.Beam, fl.Director(2)), (fl.Rod, None)],
+)
+@pytest.mark.parametrize("mesh", [ARC, LINE])
+def test_momenta(kind, formulation, mesh):
+    """Refined in part, and made coarse again."""
+    coarse, fine = free(mesh, formulation, kind), free(beside(mesh, [0, 1, 3]), formulation, kind)
+    result = thrown(coarse)
+    told = fl.transfer(result, coarse, fine)
+    assert told.momentum_error < 1e-12
+    again = thrown(fine, 2)
+    np.testing.assert_allclose(again.momentum[0], result.momentum[-1], rtol=1e-12)
+    np.testing.assert_allclose(again.angular_momentum[0], result.angular_momentum[-1], rtol=1e-12)
+    total = result.kinetic[-1] + result.elastic[-1]
+    assert abs(told.energy_change) < 5e-3 * total
+    back = fl.transfer(again, fine, free(mesh, formulation, kind))
+    assert back.momentum_error < 1e-12
+    assert abs(back.energy_change) < 5e-3 * total
+
+
+# --- what is carried exactly ----------------------------------------------------------------------
+
+
+def rigid_motion(x):
+    """Far from the unloaded state: turned by more than a right angle."""
+    turn = lie.frame((0.3, -0.2, 0.5), lie.so3_exp((1.0, -1.5, 0.7)))
+    return lie.se3_compose(turn, x)
+
+
+def at_rest(scene):
+    """One state of a scene, as it begins."""
+    return fl.GeneralisedAlpha().run(scene, duration=1e-9, step=1e-9)
+
+
+def begun(scene, frames, velocities):
+    beam = scene.bodies[0]
+    beam.begins_at, beam.velocities = frames, velocities
+    return at_rest(scene)
+
+
+@pytest.mark.parametrize("mesh", [ARC, LINE])
+def test_rigid_motions_are_carried_exactly(mesh):
+    coarse, fine = free(mesh), free(beside(mesh, [1, 2]))
+    beam, finer = coarse.bodies[0], fine.bodies[0]
+    spin = np.array([0.4, 0.1, -0.3, 2.0, -1.0, 0.5])
+    moved = rigid_motion(beam.frames)
+    twists = lie.se3_adjoint(lie.se3_inverse(moved)) @ spin
+    fl.transfer(begun(coarse, moved, twists), coarse, fine, step=0)
+    np.testing.assert_allclose(finer.begins_at, rigid_motion(finer.frames), atol=1e-13)
+    wanted = lie.se3_adjoint(lie.se3_inverse(finer.begins_at)) @ spin
+    # the inertia of curved lines is that of their meshes, and momenta are kept
+    allowed = 1e-12 if mesh is LINE else 5e-3
+    np.testing.assert_allclose(finer.velocities, wanted, atol=allowed * np.abs(wanted).max())
+
+
+def test_constant_strain_is_carried_exactly():
+    """A stretched and twisted circle: a screw, with the energy that it has."""
+    strain = np.array([1.03, 0.01, -0.02, 0.4, 1.5, -0.7])
+    plain = fl.Geodesic(bending_flexibility=False)
+    coarse, fine = free(LINE, plain), free(beside(LINE, [0, 3]), plain)
+
+    def screw(body):
+        return lie.se3_exp(np.outer(body.frames[:, 0, 0], strain))
+
+    beam, finer = coarse.bodies[0], fine.bodies[0]
+    still = np.zeros((len(beam.frames), 6))
+    told = fl.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
+    np.testing.assert_allclose(finer.begins_at, screw(finer), atol=1e-13)
+    assert told.elastic[1] == pytest.approx(told.elastic[0], rel=1e-11)
+
+
+@pytest.mark.parametrize("kind", [fl.Beam, fl.Rod])
+def test_refined_and_made_coarse_again(kind):
+    """What was there comes back; new nodes take what momenta need."""
+    coarse, fine, again = (free(m, None, kind) for m in (ARC, beside(ARC, [0, 2, 3, 5]), ARC))
+    result = thrown(coarse)
+    fl.transfer(result, coarse, fine)
+    fl.transfer(at_rest(fine), fine, again, step=0)
+    body = again.bodies[0]
+    np.testing.assert_allclose(body.begins_at, result.frames[-1], atol=1e-13)
+    np.testing.assert_allclose(body.velocities, result.velocities[-1], rtol=1e-9, atol=1e-9)
+
+
+# --- solvers go on --------------------------------------------------------------------------------
+
+
+def swinging(mesh):
+    """On a hinge, with a spring that counts turns, under a load with a history."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
+    scene.add(fl.Revolute(fl.ground(), beam["start"], axis=(0, 1, 0), name="hinge"))
+    beam.turn((0, 40.0, 0), about=(0, 0, 0))
+    scene.add(fl.PointLoad(beam["end"], force=(0, 0, 5.0), history=lambda t: np.sin(30.0 * t)))
+    return scene
+
+
+def test_dynamics_goes_on():
+    """As without an interruption on the same mesh; angles are counted, histories go on."""
+    whole = fl.GeneralisedAlpha().run(swinging(LINE), duration=0.4, step=1e-3)
+    first, second = swinging(LINE), swinging(LINE)
+    half = fl.GeneralisedAlpha().run(first, duration=0.2, step=1e-3)
+    told = fl.transfer(half, first, second)
+    assert told.energy_change == pytest.approx(0.0, abs=1e-9)
+    rest = fl.GeneralisedAlpha().run(second, duration=0.2, step=1e-3)
+    gap = rest.position("beam.end")[-1] - whole.position("beam.end")[-1]
+    assert np.linalg.norm(gap) < 2e-3
+    assert rest.coordinate("hinge")[-1] == pytest.approx(whole.coordinate("hinge")[-1], abs=5e-3)
+    assert abs(whole.coordinate("hinge")[-1]) > 2 * np.pi
+
+
+def cantilever(mesh):
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(mesh, SECTION, name="beam"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.PointLoad(beam["end"], force=(0, 0, 500.0)))
+    return scene
+
+
+@pytest.mark.parametrize("solve", [fl.statics, fl.follow_loads])
+def test_statics_goes_on(solve):
+    """To the same state as from the unloaded one."""
+    fine = beside(LINE, [0, 1])
+    coarse, onto = cantilever(LINE), cantilever(fine)
+    half = solve(coarse, levels=[0.5])
+    told = fl.transfer(half, coarse, onto)
+    assert told.elastic[1] == pytest.approx(told.elastic[0], rel=0.05)
+    there, direct = solve(onto, levels=[0.5, 1.0]), solve(cantilever(fine))
+    np.testing.assert_allclose(there.frames[-1], direct.frames[-1], atol=1e-8)
+    np.testing.assert_allclose(
+        there.displacement("beam.end")[-1], direct.displacement("beam.end")[-1], atol=1e-8
+    )
+    with pytest.raises(ValueError, match="must not be below"):
+        solve(onto, levels=[0.25])
+
+
+def test_a_path_goes_on():
+    fine = beside(LINE, [0, 1])
+    coarse, onto = cantilever(LINE), cantilever(fine)
+    fl.transfer(fl.follow_path(coarse, 0.5), coarse, onto)
+    there, direct = fl.follow_path(onto), fl.follow_path(cantilever(fine))
+    assert there.factors[0] == pytest.approx(0.5)
+    np.testing.assert_allclose(there.frames[-1], direct.frames[-1], atol=1e-7)
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+
+def test_bodies_that_are_others():
+    coarse = free(LINE)
+    result = at_rest(coarse)
+    with pytest.raises(ValueError, match="bodies were"):
+        fl.transfer(result, coarse, fl.Scene())
+    other = fl.Scene()
+    other.add(fl.Rod(LINE, SECTION, name="beam"))
+    with pytest.raises(ValueError, match="was a Beam, now it is a Rod"):
+        fl.transfer(result, coarse, other)
+    with pytest.raises(ValueError, match="same line"):
+        fl.transfer(result, coarse, free(fl.straight((0, 0, 0), (2, 0, 0), 8)))
+    with pytest.raises(ValueError, match="record"):
+        bare = fl.GeneralisedAlpha().run(
+            free(LINE), duration=1e-3, step=1e-3, record=fl.Record.FRAMES
+        )
+        fl.transfer(bare, coarse, free(LINE))
+    with pytest.raises(ValueError, match="step 7"):
+        fl.transfer(result, coarse, free(LINE), step=7)
+    with pytest.raises(TypeError, match="result"):
+        fl.transfer("state", coarse, free(LINE))
+
+
+def test_frames_to_begin_at_that_are_none():
+    scene = free(LINE)
+    scene.bodies[0].begins_at = np.zeros((2, 4, 3))
+    with pytest.raises(ValueError, match="begins at"):
+        at_rest(scene)
