@@ -4,6 +4,8 @@ from fem_lie.adapt.critical_load import CriticalLoad
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.adapt.estimates.residual import Residual
+from fem_lie.adapt.following.motion import adapt_motion
+from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.frequency import Frequency
 from fem_lie.adapt.goals import GoalError, goal_error
@@ -201,6 +203,7 @@ __all__ = [
     "MITC6",
     "MITC9",
     "Adapted",
+    "AdaptedMotion",
     "AdaptiveStep",
     "AncfBeam",
     "AncfElement",
@@ -366,6 +369,7 @@ __all__ = [
     "StepHistory",
     "StrainEnergy",
     "StrainMeasures",
+    "Stretch",
     "Surface",
     "SurfaceMesh",
     "SurfacePressure",
@@ -386,6 +390,7 @@ __all__ = [
     "VolumeMesh",
     "Warping",
     "adapt",
+    "adapt_motion",
     "block",
     "branch",
     "brick",

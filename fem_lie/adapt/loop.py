@@ -157,7 +157,7 @@ def adapt(
     while True:
         scene = build(mesh)
         require_scene(scene)
-        chosen = _named(scene, body, mesh)
+        chosen = named_body(scene, body, mesh)
         count = 6 * sum(len(b.frames) for b in scene.bodies)
         if count > most:
             raise ConvergenceError(
@@ -221,7 +221,7 @@ def _check(
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
 
 
-def _named(scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh) -> Estimated:
+def named_body(scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh) -> Estimated:
     """The beam or shell that is refined.
 
     Raises:

@@ -130,10 +130,10 @@ def transfer(
     equations.system.connections.remember(turned)
     told = equations.report(H, v[: equations.unknowns.moving])
     _check_joints(told.joints.violations, equations)
-    frames, twists = told.frames.copy(), told.twists.copy()
+    frames, twists = told.frames, told.twists
     for body, own in equations.unknowns.bodies.items():
-        nodes = np.asarray(own)
-        body.begins_at, body.velocities = frames[nodes].copy(), twists[nodes].copy()
+        body.begins_at = np.array(frames[own])
+        body.velocities[:] = twists[own]
     onto.began = (
         Began(scene.began.time + float(result.times[at]), 0.0, turned)
         if isinstance(result, Result)
