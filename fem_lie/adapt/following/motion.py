@@ -16,7 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from math import sqrt
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
 
@@ -141,14 +141,13 @@ def adapt_motion(
     return found()
 
 
-class _Meshes:
+class _Meshes(Generic[Refinable]):
     """Meshes made from one coarse mesh."""
 
-    def __init__(
-        self, coarse: LineMesh | SurfaceMesh, ahead: float, onto: Onto | None, allowed: float
-    ) -> None:
+    def __init__(self, coarse: Refinable, ahead: float, onto: Onto | None, allowed: float) -> None:
         """Nothing is made yet."""
-        self._coarse, self._ahead, self._onto, self._allowed = coarse, ahead, onto, allowed
+        self._coarse: Refinable = coarse
+        self._ahead, self._onto, self._allowed = ahead, onto, allowed
 
     def fitted(
         self, now: Refinable, squares: Array, scale: float, order: int, *, beyond: bool = False
@@ -158,7 +157,6 @@ class _Meshes:
         ahead = self._ahead if beyond else 0.0
         made = sizes.mesh(self._coarse, ahead=ahead, onto=self._onto)
         same = len(made.cells) == len(now.cells) and len(made.points) == len(now.points)
-        assert isinstance(made, type(now))
         return now if same and np.array_equal(made.points, now.points) else made
 
 

@@ -1,0 +1,100 @@
+"""Dynamics on meshes that follow the error, with steps that follow theirs."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+MATERIAL = fl.Material(E=2e8, nu=0.3, density=7800.0)
+SECTION = fl.Section.rectangle(0.01, 0.01, MATERIAL)
+LINE = fl.straight((0, 0, 0), (1, 0, 0), 4)
+
+
+def pendulum(mesh):
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    arm = scene.add(fl.Beam(mesh, SECTION, name="arm"))
+    scene.add(fl.Revolute(fl.ground(), arm["start"], axis=(0, 1, 0), name="hinge"))
+    return scene
+
+
+@pytest.fixture(scope="module")
+def swung():
+    return fl.adapt_motion(pendulum, LINE, duration=0.2, every=0.05, tolerance=0.1, size=1.0)
+
+
+def test_momenta_are_kept_and_energy_as_good_as_the_tolerance(swung):
+    assert len(swung.stretches) == 4
+    assert len(set(swung.cells)) > 1
+    assert swung.momentum_error < 1e-12
+    total = swung.kinetic + swung.elastic + swung.potential
+    assert np.ptp(total) < 0.1**2 * np.abs(swung.potential).max()
+
+
+def test_one_tolerance_for_space_and_time(swung):
+    assert swung.space**2 + swung.time**2 == pytest.approx(swung.tolerance**2)
+    assert max(part.error for part in swung.stretches) <= swung.space
+    assert "7.07 % in space, 7.07 % in time" in str(swung)
+
+
+def test_one_array_for_what_all_meshes_have(swung):
+    count = len(swung.times)
+    assert swung.position("arm.end").shape == swung.momentum.shape == (count, 3)
+    assert swung.angular_momentum.shape == (count, 3)
+    assert swung.elastic.shape == swung.kinetic.shape == (count,)
+    assert (np.diff(swung.times) >= 0).all()
+    assert swung.times[-1] == pytest.approx(0.2)
+    # a point goes on where it was
+    changes = np.flatnonzero(np.diff(swung.times) < 1e-12)
+    assert len(changes) == 3
+    gaps = np.diff(swung.position("arm.end"), axis=0)[changes]
+    assert np.abs(gaps).max() < 1e-12
+
+
+def test_as_on_a_fine_mesh_with_small_steps(swung):
+    fine = pendulum(fl.straight((0, 0, 0), (1, 0, 0), 64))
+    result = fl.GeneralisedAlpha().run(fine, duration=0.2, step=5e-4)
+    gap = swung.position("arm.end")[-1] - result.position("arm.end")[-1]
+    assert np.linalg.norm(gap) < swung.tolerance * 1.0
+    coarse = swung.element_steps
+    assert coarse < 64 * 400 / 4
+
+
+def never(mesh):
+    pytest.fail("a scene was made")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": float("nan")}, "tolerance"),
+        ({"duration": -1.0}, "duration"),
+        ({"every": 0.0}, "every"),
+        ({"size": 0.0}, "size"),
+        ({"share": 1.0}, "share"),
+        ({"ahead": -0.1}, "ahead"),
+        ({"most": 0}, "most"),
+    ],
+)
+def test_bad_numbers(wrong, told):
+    """Before anything is made."""
+    given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0} | wrong
+    with pytest.raises(ValueError, match=told):
+        fl.adapt_motion(never, LINE, **given)
+
+
+def test_what_cannot_be_refined():
+    square = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+    given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0}
+    with pytest.raises(ValueError, match="triangles of degree 1"):
+        fl.adapt_motion(never, square, **given)
+    with pytest.raises(TypeError, match="mesh"):
+        fl.adapt_motion(never, "line", **given)
+    with pytest.raises(ValueError, match="build must make one beam or shell"):
+        fl.adapt_motion(lambda mesh: fl.Scene(), LINE, **given)
+
+
+def test_more_elements_than_are_allowed():
+    with pytest.raises(fl.ConvergenceError, match="more than 5") as caught:
+        fl.adapt_motion(pendulum, LINE, duration=0.1, every=0.05, tolerance=0.01, size=1.0, most=5)
+    assert caught.value.result is None
