@@ -21,12 +21,13 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, instance, number, positive, whole
+from fem_lie.adapt.estimates.estimate import Estimated
+from fem_lie.adapt.estimates.recovery import fields_of
 from fem_lie.adapt.following.sizes import Sizes
 from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch, steps_of
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
 from fem_lie.adapt.refinement import Onto, Refinable, refine
-from fem_lie.adapt.space_error import Estimated, fields_of
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
