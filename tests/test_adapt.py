@@ -211,16 +211,18 @@ def test_arcs_stay_arcs():
     assert (mesh.cells[1:, 0] == mesh.cells[:-1, 1]).all()
 
 
-def test_names_and_area_survive():
-    mesh = fl.surface(lambda a, b: (a, b, 0.2 * a * b), (4, 3), cell="triangle")
-    mesh = replace(mesh, groups={"left": np.arange(8)})
+@pytest.mark.parametrize(("cell", "times"), [("triangle", 5), ("quadrilateral", 2)])
+def test_names_and_area_survive(cell, times):
+    mesh = fl.surface(lambda a, b: (a, b + 0.2 * a * b, 0.0), (4, 3), cell=cell)
+    mesh = replace(mesh, groups={"left": np.flatnonzero(mesh.points[mesh.cells, 0].max(1) < 0.6)})
     fine, rng = mesh, np.random.default_rng(5)
-    for _ in range(5):
+    for _ in range(times):
         fine = fl.refine(fine, rng.choice(len(fine.cells), 6, replace=False))
+    around = [[0, 1], [1, 2], [2, 0]] if cell == "triangle" else [[0, 1], [1, 3], [3, 2], [2, 0]]
 
     def area(m, cells=slice(None)):
-        x = m.points[m.cells[cells]]
-        return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum() / 2
+        x = m.points[m.cells[cells]][:, np.array(around)]
+        return np.cross(x[:, :, 0], x[:, :, 1])[..., 2].sum() / 2
 
     def length(m, name):
         x = m.points[m.curves[name]]
@@ -228,15 +230,50 @@ def test_names_and_area_survive():
 
     assert len(fine.cells) > 2 * len(mesh.cells)
     assert area(fine) == pytest.approx(area(mesh), rel=1e-12)
-    assert area(fine, fine.groups["left"]) == pytest.approx(area(mesh, mesh.groups["left"]))
+    left = area(fine, fine.groups["left"])
+    assert left == pytest.approx(area(mesh, mesh.groups["left"]), rel=1e-12)
     for name in mesh.curves:
         assert length(fine, name) == pytest.approx(length(mesh, name), rel=1e-12)
     for name, points in mesh.named_points.items():
         np.testing.assert_array_equal(fine.points[fine.named_points[name]], mesh.points[points])
-    sides = np.sort(fine.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    sides = np.sort(fine.cells[:, around].reshape(-1, 2), axis=1)
     _, met = np.unique(sides, axis=0, return_counts=True)
     assert met.max() == 2
     assert (met == 1).sum() == sum(len(edges) for edges in fine.curves.values()), "no hanging node"
+
+
+def test_quadrilaterals_by_all_patterns():
+    """One, two, three and four marks, on every corner; cells between opposite marks are cut."""
+    mesh, found = square(6, "quadrilateral"), {}
+    for cells in ([14], [14, 20], [14, 21], [14, 15, 20], list(range(36))):
+        fine = fl.refine(mesh, cells)
+        p = fine.points[fine.cells][:, [0, 1, 3, 2]]
+        corners = np.cross(np.roll(p, -1, 1) - p, np.roll(p, 1, 1) - p)[..., 2]
+        assert np.abs(corners).min() > 1e-4
+        assert (np.sign(corners) == np.sign(corners[0, 0])).all(), "no corner is re-entrant"
+        found[tuple(cells)] = len(fine.cells)
+    # nine, four neighbours by an edge of seven, four at corners of three, and those far off
+    assert found[(14,)] == 9 + 4 * 7 + 4 * 3 + 27
+    assert found[tuple(range(36))] == 9 * 36
+
+
+def test_quadrilaterals_are_refined_where_stress_is_rough():
+    """A corner of a plate, re-entrant: fewer cells than with equal ones, and names are kept."""
+
+    def build(mesh):
+        scene = fl.Scene()
+        section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
+        shell = scene.add(fl.Shell(mesh, section, name="plate"))
+        shell.clamp("rim")
+        scene.add(fl.SurfacePressure(shell, 0.01))
+        return scene
+
+    mesh = effectivity.l_plate(4).bodies[0].mesh
+    found = fl.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=fl.Residual())
+    assert found.error.relative <= 0.2
+    size = np.ptp(found.mesh.points[found.mesh.cells], axis=1).max(axis=1)
+    near = np.linalg.norm(found.mesh.points[found.mesh.cells].mean(axis=1)[:, :2] - 1, axis=1) < 0.1
+    assert size[near].max() < 0.5 * np.median(size[~near])
 
 
 def test_new_points_lie_on_the_true_surface():
@@ -334,10 +371,9 @@ def test_a_part_that_is_none(part):
 
 
 def test_meshes_that_cannot_be_refined():
-    with pytest.raises(
-        ValueError, match=r"triangles of degree 1 .* got quadrilaterals of degree 1"
-    ):
-        fl.adapt(never, square(2, "quadrilateral"), tolerance=0.1)
+    with pytest.raises(ValueError, match=r"cells of degree 1 .* got quadrilaterals of 2"):
+        quadratic = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+        fl.adapt(never, quadratic, tolerance=0.1)
     with pytest.raises(TypeError, match="mesh"):
         fl.adapt(never, "plate", tolerance=0.1)
     with pytest.raises(ValueError, match="cells"):

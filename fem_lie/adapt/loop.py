@@ -126,7 +126,7 @@ def adapt(
 
     Args:
         build: From a mesh to a scene with a beam or shell on it.
-        mesh: To begin with: lines, or triangles of first degree.
+        mesh: To begin with: lines, or triangles or quadrilaterals of first degree.
         tolerance: Of the relative error, in the energy norm or of the goal.
         goal: What has to be accurate, a displacement, a frequency or a critical load; default: the
             stress, in the energy norm.

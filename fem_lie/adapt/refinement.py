@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from fem_lie import _compat, lie
 from fem_lie._arrays import Array, Indices, indices_of, instance, vector
+from fem_lie.adapt.quadrilaterals import cut_quadrilaterals
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.shapes import cell_normals
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -27,28 +28,30 @@ def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -
 
     Lines are cut in the middle of the arc between the tangents at both ends. Triangles are cut by
     DOLFINx, after A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each marked one in
-    four, and as few neighbours as leave no node on an edge. Points keep their numbers, new ones
-    come behind them; groups, curves and named points are those of before, cut as the cells are.
+    four, and as few neighbours as leave no node on an edge. Quadrilaterals are cut in nine, and
+    those beside them by patterns, see :mod:`fem_lie.adapt.quadrilaterals`. Points keep their
+    numbers, new ones come behind them; groups, curves and named points are those of before, cut as
+    the cells are.
 
     Args:
-        mesh: Lines, or triangles of first degree.
+        mesh: Lines, or triangles or quadrilaterals of first degree.
         cells: Which ones to cut.
         onto: The true line or surface, for new points; default: the middles of arcs and edges.
 
     Raises:
-        ValueError: There is no such cell, or the mesh has others than lines and triangles of first
-            degree.
+        ValueError: There is no such cell, or the mesh is a surface of second degree.
     """
     instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
     instance(onto, Callable | None, "onto", "a function of a place, or None")
     marked = np.unique(indices_of(np.atleast_1d(cells), len(mesh.cells), "cells"))
     if isinstance(mesh, LineMesh):
         return _refined_lines(mesh, marked, onto)
-    if mesh.cell != "triangle" or mesh.degree != 1:
-        raise ValueError(
-            f"triangles of degree 1 can be refined, got {mesh.cell}s of degree {mesh.degree}"
-        )
-    return _refined_surface(mesh, marked, onto) if len(marked) else mesh
+    if mesh.degree != 1:
+        raise ValueError(f"cells of degree 1 can be refined, got {mesh.cell}s of {mesh.degree}")
+    if not len(marked):
+        return mesh
+    refined = _refined_triangles if mesh.cell == "triangle" else _refined_quadrilaterals
+    return refined(mesh, marked, onto)
 
 
 # --- lines ---
@@ -96,14 +99,13 @@ def _arc_middles(mesh: LineMesh, marked: Indices) -> tuple[Array, Array]:
 # --- triangles ---
 
 
-def _refined_surface(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
+def _refined_triangles(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
     cells, parents, cut = _cut_triangles(mesh, marked)
     middles = mesh.points[cut].mean(axis=1)
     points = np.concatenate([mesh.points, _moved(middles, onto)])
     # those of the parent, between its corners in the middle
     weights = _weights(mesh.cells[parents], cells, cut, len(mesh.points))
-    normals = np.einsum("mki,mij->mkj", weights, mesh.normals[parents])
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    normals = _between(weights, mesh.normals[parents])
     before = np.concatenate([mesh.points, middles])
     across = np.einsum("mkj,mkj->mk", cell_normals(before, cells, mesh.cell), normals)
     turned = across[:, 0] < 0
@@ -169,7 +171,29 @@ def _cut_edges(edges: Indices, cut: Indices, old: int) -> Indices:
     return np.asarray(halves[kept], dtype=np.int64)
 
 
-# --- both ---
+# --- quadrilaterals ---
+
+
+def _refined_quadrilaterals(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
+    cut = cut_quadrilaterals(mesh.points, mesh.cells, marked)
+    return SurfaceMesh(
+        np.concatenate([mesh.points, _moved(cut.places, onto)]),
+        cut.cells,
+        mesh.cell,
+        _between(cut.weights, mesh.normals[cut.parents]),
+        _children(mesh.groups, cut.parents),
+        {name: cut.pieces(edges) for name, edges in mesh.curves.items()},
+        dict(mesh.named_points),
+    )
+
+
+# --- all ---
+
+
+def _between(weights: Array, normals: Array) -> Array:
+    """Unit normals (m, k, 3) by weights (m, k, k) of those at the corners of parents."""
+    found = np.einsum("mki,mij->mkj", weights, normals)
+    return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
 
 
 def _children(groups: Mapping[str, Indices], parents: Indices) -> dict[str, Indices]:
