@@ -38,8 +38,8 @@ GROUPS = {
         "thin_cylinder compressed_cylinder"
     ),
     "Mechanisms": (
-        "four_bar double_four_bar bricard governor slider_crank truss_deployment rolling_disc "
-        "rod_in_box"
+        "four_bar double_four_bar bricard governor slider_crank truss_deployment "
+        "hoop_antenna rolling_disc rod_in_box"
     ),
     "Motion": (
         "double_pendulum heavy_top free_rigid_body tumbling_body rotating_beam spin_up "

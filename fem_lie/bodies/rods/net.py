@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, indices_of, instance, points_of, positive
+from fem_lie._arrays import Array, Indices, indices_of, instance, numbers, points_of, positive
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.beams.line_body import Placed
 from fem_lie.bodies.rods.threads import Threads
@@ -40,7 +40,7 @@ class Net(Threads):
         threads: Sequence[Sequence[int]],
         section: Section,
         *,
-        stretch: float = 1.0,
+        stretch: npt.ArrayLike = 1.0,
         formulation: DiscreteCable | None = None,
         damping: Damping | None = None,
         name: str = "",
@@ -52,14 +52,15 @@ class Net(Threads):
             threads: Numbers of the points along each, two or more; one that ends where it began is
                 closed.
             section: Of all threads.
-            stretch: Lengths as they are laid over those unstretched.
+            stretch: Lengths as they are laid over those unstretched, of all threads or of each.
             formulation: The element; default: :class:`~fem_lie.DiscreteCable`.
             damping: Of its motion in space.
             name: How messages and results call it.
 
         Raises:
             ValueError: A thread has less than two points, turns back, or runs where another does; a
-                point has no thread; points of an edge are the same.
+                point has no thread; points of an edge are the same; a stretch is not positive, or
+                there is neither one nor one for each thread.
             TypeError: An argument is of another kind than wanted.
         """
         places, wanted = points_of(points), DiscreteCable | None
@@ -73,10 +74,23 @@ class Net(Threads):
         tangents = chords / lengths[:, np.newaxis]
         mesh = LineMesh(places, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
         frames = _frames(places, edges, tangents)
-        lengths = lengths / positive(stretch, "Net: stretch")
+        lengths = lengths / _stretches(stretch, [len(thread) - 1 for thread in threads])
         placed = Placed(frames, edges, lengths, np.arange(len(places)), edges)
         element = DiscreteCable() if formulation is None else formulation
         super().__init__(mesh, placed, along, section, element, damping, name)
+
+
+def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:
+    """Of each edge, of threads with so many."""
+    given = numbers(stretch, "Net: stretch")
+    if given.shape not in ((), (len(edges),)):
+        raise ValueError(
+            f"Net: stretch must be one number or {len(edges)}, one for each thread, got an array "
+            f"of shape {given.shape}"
+        )
+    for value in given.ravel():
+        positive(value, "Net: stretch")
+    return np.repeat(np.broadcast_to(given, len(edges)), edges)
 
 
 def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
