@@ -43,7 +43,7 @@ def shape(antenna: Antenna, result: fl.Result) -> dict[str, float]:
 
 def forces(antenna: Antenna, result: fl.Result) -> dict[str, float]:
     """The largest of the joints, by their kinds, and of the telescopes."""
-    late = result.times > 0.05 * antenna.duration
+    late = result.times > 0.05 * result.times[-1]
     found = {
         f"{kind.__name__.lower()}_force": max(
             float(np.linalg.norm(result.joint_force(joint)[late, :3], axis=1).max())

@@ -83,5 +83,5 @@ def layout(antenna: Antenna, result: fl.Result, name: str) -> None:
     side.plot(x, z, "o", color=LONGERON, ms=7, label="two revolutes and a pair of gears")
     side.plot(x, low, "o", color=LONGERON, mfc="white", ms=7, label="two revolutes")
     side.set(aspect="equal", title="four bays, half folded, unrolled", xlabel="m")
-    side.legend(loc="lower right", fontsize=8)
+    side.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
     figure.savefig(in_results(f"{name}.png"), dpi=110)

@@ -47,7 +47,6 @@ SHORT = {
     "double_four_bar": "--duration 2",
     "flapping_plate": "--mesh 8 --periods 0.5",
     "governor": "--duration 2",
-    "hoop_antenna": "--bays 12 --driven 12 --elements 2 --cells 4 --duration 4",
     "laminate": "--cells 16",
     "semi_cylinder": "--mesh 20",
     "slider_crank": "--duration 1",
