@@ -20,6 +20,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.gradients.ancf_shell import AncfShell
 from fem_lie.bodies.points import ground
+from fem_lie.bodies.reduced.reduced_body import ReducedBody
 from fem_lie.bodies.rigid import RigidBody, gram_from_rigid
 from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.rods.net import Net
@@ -119,6 +120,8 @@ from fem_lie.reduce.craig_bampton import craig_bampton
 from fem_lie.reduce.derivatives import with_derivatives
 from fem_lie.reduce.frequencies import reduced_frequencies
 from fem_lie.reduce.krylov import krylov
+from fem_lie.reduce.parts.expansion import expand
+from fem_lie.reduce.parts.making import reduced_body
 from fem_lie.reduce.pod import pod
 from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
 from fem_lie.results.equilibrium import PathResult, StaticResult
@@ -330,6 +333,7 @@ __all__ = [
     "Record",
     "Recovery",
     "Reduced",
+    "ReducedBody",
     "ReducedEquilibrium",
     "Redundant",
     "Residual",
@@ -401,6 +405,7 @@ __all__ = [
     "curve",
     "director_strains",
     "estimate_error",
+    "expand",
     "follow_loads",
     "follow_path",
     "from_dolfinx",
@@ -417,6 +422,7 @@ __all__ = [
     "read_gmsh",
     "read_gmsh_surface",
     "read_gmsh_volume",
+    "reduced_body",
     "reduced_frequencies",
     "reduced_statics",
     "refine",

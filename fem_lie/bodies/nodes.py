@@ -63,6 +63,11 @@ class Nodes(Loadable):
         return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
 
     @property
+    def absent(self) -> Flags:
+        """Which unknowns its nodes have not, beside those that their kind has not, (n, 6)."""
+        return np.zeros((len(self.frames), 6), dtype=bool)
+
+    @property
     def goes_straight(self) -> bool:
         """Whether statics moves its frames, too, by ``x + R u``, ``R exp(η)``.
 
@@ -83,6 +88,18 @@ class Nodes(Loadable):
     def slackens(self) -> bool:
         """Whether it goes slack, with an energy that is convex all the same."""
         return False
+
+    @property
+    def floats(self) -> bool:
+        """Whether it deforms within one frame, with inertia that nodes do not have each."""
+        return False
+
+    def within_frame(self) -> tuple[Array, Array]:
+        """Interfaces in that frame, (i, 4, 3), and the matrix of that inertia, of one that floats.
+
+        See :class:`~fem_lie.lie.kinds.floating.Floating`.
+        """
+        raise NotImplementedError
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes turn about their third directors.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse.linalg
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import NodeKind
@@ -22,17 +23,21 @@ class BesideRest:
 
     Attributes:
         body: The body.
-        free: Which unknowns of its nodes are free, (n, 6).
-        weight: Units of these: lengths of the model and angles, (n, 6).
+        free: Which unknowns of the nodes that lead are free, (l, 6).
+        weight: Units of these: lengths of the model and angles, (l, 6).
         pencil: Matrices of the free unknowns.
+        leader: Number among these of the one that each node of the body follows, itself if it
+            leads, (n,).
+        leads: Which nodes of the body lead, in their order, (l,).
+        inertia: Matrix of (x, d₁, d₂, d₃) of the nodes that lead.
     """
 
     def __init__(self, scene: Scene, at: StaticResult | None, *, loaded: bool = False) -> None:
         """Linearise; ``loaded``: loads may act on initial frames that they do not balance.
 
         Raises:
-            ValueError: There are several bodies, joints, nodes that are no frames or follow others,
-                supports in turned axes, or the state is no equilibrium.
+            ValueError: There are several bodies, joints, nodes that are no frames, supports in
+                turned axes, or the state is no equilibrium.
         """
         instance(at, StaticResult | None, "at", "a result of fl.statics or None")
         self.body, equations = equations_of(scene)
@@ -45,6 +50,13 @@ class BesideRest:
         self.free: Flags = ~equations.unknowns.held
         self.weight: Array = state.weight.reshape(-1, 6)
         self.pencil: Pencil = state.pencil()
+        tables, nodes = equations.tables, equations.unknowns.bodies[self.body]
+        self.inertia = tables.inertia
+        self.leader: Indices = tables.leader[nodes]
+        place = np.argsort(nodes)
+        self.leads: Indices = place[equations.unknowns.leaders]
+        # the twist of a node from that of its leader
+        self._turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[nodes]))
 
     def factor(self, some: Indices | None = None) -> scipy.sparse.linalg.SuperLU:
         """Factors of the stiffness of all or some of the free unknowns.
@@ -67,7 +79,19 @@ class BesideRest:
         """Shapes (m, n, 6) of vectors (m, f) of the free unknowns."""
         found = np.zeros((len(vectors), *self.free.shape))
         found[:, self.free] = vectors
-        return np.asarray(found * self.weight)
+        own = (found * self.weight)[:, self.leader]
+        return np.asarray(np.einsum("nij,mnj->mni", self._turn, own))
+
+    def place(self, node: int) -> int:
+        """Number of a node of the body among those that lead.
+
+        Raises:
+            ValueError: It follows another.
+        """
+        found = int(self.leader[node])
+        if self.leads[found] != node:
+            raise ValueError(f"node {node} of {self.body.label} follows another one: take that one")
+        return found
 
     def vectors(self, shapes: Array) -> Array:
         """Vectors (m, f) of shapes (m, n, 6).
@@ -75,7 +99,7 @@ class BesideRest:
         Raises:
             ValueError: They move what is held.
         """
-        scaled = shapes / self.weight
+        scaled = shapes[:, self.leads] / self.weight
         if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max():
             raise ValueError(f"shapes move nodes of {self.body.label} that are held")
         return np.asarray(scaled[:, self.free])
@@ -92,9 +116,8 @@ def equations_of(scene: Scene) -> tuple[Body, Equations]:
     equations = Equations(scene, dynamics=True)
     if equations.unknowns.m:
         raise ValueError("a basis is that of one body: joints do not belong into its scene")
-    if equations.unknowns.total != equations.unknowns.moving or equations.supports:
+    if equations.supports:
         raise ValueError(
-            f"nodes of {body.label} follow others, or are held along turned axes: clamp it, or "
-            "leave it free"
+            f"nodes of {body.label} are held along turned axes: clamp it, or leave it free"
         )
     return body, equations

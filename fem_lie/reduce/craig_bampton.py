@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse.linalg
 
-from fem_lie._arrays import Flags, instance, whole
-from fem_lie.bodies.body import Body, Point
+from fem_lie._arrays import instance, whole
+from fem_lie.bodies.body import Point
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.results.equilibrium import StaticResult
@@ -44,7 +44,7 @@ def craig_bampton(
     """
     whole(modes, "modes", 0)
     found = BesideRest(scene, at)
-    nodes = _nodes(found.body, interfaces, found.free)
+    nodes = _nodes(found, interfaces)
     outside = np.zeros(found.free.shape, dtype=np.bool_)
     outside[nodes] = True
     outer, inner = (np.flatnonzero(part[found.free]) for part in (outside, ~outside))
@@ -68,16 +68,17 @@ def craig_bampton(
     return Basis(found.body, found.shapes(vectors))
 
 
-def _nodes(body: Body, interfaces: Sequence[Point], free: Flags) -> list[int]:
-    """Numbers of the interfaces' nodes, or ``ValueError``."""
-    found: list[int] = []
+def _nodes(rest: BesideRest, interfaces: Sequence[Point]) -> list[int]:
+    """Numbers of the interfaces' nodes among those that lead, or ``ValueError``."""
+    body, found = rest.body, list[int]()
     for point in interfaces:
         instance(point, Point, "an interface", "a point of a body")
         if point.body is not body or point.grip is not None:
             raise ValueError(f"{point.label} is no node of {body.label}, and so no interface of it")
-        if point.node in found:
+        place = rest.place(point.node)
+        if place in found:
             raise ValueError(f"{point.label} is an interface twice")
-        if not free[point.node].all():
+        if not rest.free[place].all():
             raise ValueError(f"{point.label} is held, at least in part: it is no interface")
-        found.append(point.node)
+        found.append(place)
     return found

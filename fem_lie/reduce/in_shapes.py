@@ -33,6 +33,8 @@ class InShapes:
             )
         self.basis = basis
         unknowns = self._equations.unknowns
+        if unknowns.total != unknowns.moving:
+            raise ValueError(f"nodes of {body.label} follow others: forces in few shapes need none")
         self._free = ~unknowns.held
         self._scale, self._r = np.ones(unknowns.m), np.empty(unknowns.size)
         self._still = np.zeros((unknowns.moving, 6))

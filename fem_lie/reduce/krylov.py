@@ -41,7 +41,7 @@ def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments:
         instance(point, Point, "an input's place", "a point of a body")
         if point.body is not found.body or point.grip is not None:
             raise ValueError(f"{point.label} is no node of {found.body.label}: no load acts there")
-        loads[number, point.node] = vector(wrench, 6, f"the load at {point.label}")
+        loads[number, found.place(point.node)] = vector(wrench, 6, f"the load at {point.label}")
     forces = (loads * found.weight)[:, found.free]
     if not len(forces) or not forces.any(axis=1).all():
         raise ValueError("inputs must be loads that move what is free")

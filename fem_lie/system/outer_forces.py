@@ -18,7 +18,8 @@ from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import inertia, push_all, wrench
+from fem_lie.lie.kinds import floating, inertia, push_all, wrench
+from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia
 from fem_lie.lie.tuples import Vector, dot, load, load_row, plus, rotate, scaled
 from fem_lie.lie.wrenches import add_dead, add_wrench
@@ -27,9 +28,12 @@ from fem_lie.system.nodes.loads import PlainLoads
 POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
 """Where they begin in a row, and how long that is."""
 
-PlainScene: TypeAlias = tuple[Indices, PlainLoads, Array, PlainInertia, PackedJoints, bool, bool]
+PlainScene: TypeAlias = tuple[
+    Indices, PlainLoads, Array, PlainInertia, PackedJoints, PlainFloating, bool, bool
+]
 """Kinds of the nodes, nodal loads, those of ``dead`` that have a potential, damping that goes with
-mass, the table of joints, whether loads are looked at, and whether joints are."""
+mass, the table of joints, bodies that deform within their frames, whether loads are looked at, and
+whether joints are."""
 
 PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
 """A :class:`Seen` at the door from Python: compiled functions are quicker to call so."""
@@ -141,12 +145,14 @@ def look(
         wrenches: What ground and prescribed frames do, in these frames, shape (p + 1, 6),
             overwritten.
     """
-    kinds, loads, conservative, damping, joints, loaded, joined = scene
+    kinds, loads, conservative, damping, joints, bodies, loaded, joined = scene
     n, rows = conservative.shape[0], H.shape[0]
     work = np.empty((2, n, 4, 3))
     row[:], wrenches[:] = 0.0, 0.0
     if loaded:
         add_loads(kinds, H, v, loads, conservative, work, row)
+        if bodies[0][0] > 0:
+            floating.add_weights(H, bodies[0], bodies[1], row, LOADS + 3)
     indptr, _, _ = damping
     if indptr.shape[0] > 0:
         add_mass_damping(kinds, H, v, damping, work, row)
@@ -208,16 +214,19 @@ def look_and_sum_up(
         loaded: Whether loads are looked at.
         joined: Whether joints are.
         table: Of fixed arrays: kinds of the nodes, loads, those with a potential, damping that
-            goes with mass, joints, then what ``sum_up`` calls ``start`` and ``total``.
+            goes with mass, joints, bodies that deform within their frames, then what ``sum_up``
+            calls ``start`` and ``total``.
     """
     loads = numbers3(table, 1), numbers2(table, 2), numbers2(table, 3)
     damping = integers1(table, 5), integers1(table, 6), numbers3(table, 7)
     joints = numbers1(table, 8), integers1(table, 9)
-    scene = integers1(table, 0), loads, numbers3(table, 4), damping, joints, loaded, joined
-    old_row, old_wrenches, old_H = numbers1(table, 10), numbers2(table, 11), numbers3(table, 12)
-    old_v, old_weights, old_targets = numbers2(table, 13), numbers1(table, 14), numbers1(table, 15)
+    bodies, at = (integers1(table, 10), numbers1(table, 11)), 12
+    scene = integers1(table, 0), loads, numbers3(table, 4), damping, joints, bodies, loaded, joined
+    old_row, old_wrenches = numbers1(table, at), numbers2(table, at + 1)
+    old_H, old_v = numbers3(table, at + 2), numbers2(table, at + 3)
+    old_weights, old_targets = numbers1(table, at + 4), numbers1(table, at + 5)
     start = old_row, old_wrenches, old_H, old_v, old_weights, old_targets
     row, wrenches = np.empty(SIZE), np.empty_like(old_wrenches)
     H, v, weights, _ = end
     look(H, v, weights, scene, row, wrenches)
-    sum_up(h, end, row, wrenches, start, numbers1(table, 16))
+    sum_up(h, end, row, wrenches, start, numbers1(table, at + 6))

@@ -28,7 +28,7 @@ from fem_lie.system.nodes.carried_axes import CarriedAxes, FollowingAxes
 from fem_lie.system.nodes.carried_drilling import CarriedDrilling
 from fem_lie.system.nodes.element_turns import ElementTurns
 from fem_lie.system.nodes.loads import Loads
-from fem_lie.system.nodes.masses import inertia_of, lumped, weight_of
+from fem_lie.system.nodes.masses import floating_of, inertia_of, lumped, weight_of
 from fem_lie.system.nodes.shared_setup import numbering_for
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent, every, whole
@@ -50,6 +50,7 @@ class System:
         supported: Moving nodes that clamps and bodies hold, shape (s,).
         uncoupled: Which of them move by ``x + R u`` in statics, shape (n,).
         inertia: That of the moving nodes.
+        floating: That of bodies that deform within their frames, beyond it.
         rows: What stands in the rows of frames at the start.
         load_cases: Loads as functions of time.
         loads: At the time that was set last; ``lasting_loads``: the same in arrays that stay.
@@ -107,6 +108,8 @@ class System:
         self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
         if without_coupling:
             self.inertia = lumped(self.inertia, self.kinds)
+        self.floating = floating_of(self.numbering)
+        self._gravity = scene.gravity
         z, n = np.zeros, self.count
         self.lasting_loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
         weight = weight_of(self.inertia, self.count, scene.gravity)
@@ -119,6 +122,7 @@ class System:
         self.elastic = self.terms.chosen(lambda term: term.of_bodies)
         self.tangent = Tangent(
             self.inertia,
+            self.floating,
             self.terms,
             self.connections,
             self.held,
@@ -143,7 +147,7 @@ class System:
         settles = any(term.settles for term in self.terms)
         self.in_one_sum = not (apart or self._viscous or self._guided or settles)
         self._found = self.room()
-        self._plain_inertia = self.inertia.plain
+        self._plain_inertia, self._plain_floating = self.inertia.plain, self.floating.plain
         self.set_time(scene.began.time, 1.0)
 
     def _check_redundant(self) -> None:
@@ -164,6 +168,7 @@ class System:
         for lasting, now in zip(self.lasting_loads, self.loads, strict=True):
             lasting[:] = now
         self._plain_loads = self.loads.plain
+        self.floating.numbers[:3] = factor * self._gravity
         if self.connections.driven:
             self.connections.set_time(time)
 
@@ -180,7 +185,7 @@ class System:
             mass, loads = self.inertia, self.lasting_loads
             nodes = self.kinds, *mass, *loads
             cells = *self.terms.tables[0], *self.terms.following.plain
-            constant = *nodes, *self.connections.packed, None, *cells
+            constant = *nodes, *self.connections.packed, None, *cells, *self.floating
         return Forces(self.count, self.terms.room(), constant)
 
     def residual(
@@ -246,7 +251,7 @@ class System:
         found = self._found if forces is None else forces
         H, v, a, weights = state
         mass, loads, joints = self._plain_inertia, self._plain_loads, self.connections.packed
-        nodal_residual(self.kinds, (H, v, a), mass, loads, found.work, r)
+        nodal_residual(self.kinds, (H, v, a), mass, self._plain_floating, loads, found.work, r)
         if self._joined:
             add_joints(H, v, joints, weights, scale, self.count, r)
         if self._others:
@@ -296,5 +301,5 @@ class System:
         Returns:
             Potential of loads that have one.
         """
-        work, mass, dead = self._work, self._plain_inertia, self.load_cases.constant
-        return float(report(self.kinds, H, v, mass, dead, work, invariants))
+        mass, bodies, dead = self._plain_inertia, self._plain_floating, self.load_cases.constant
+        return float(report(self.kinds, H, v, mass, bodies, dead, self._work, invariants))

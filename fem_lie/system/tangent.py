@@ -10,8 +10,9 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Ends, Pairs, Term, add_at
-from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.inertia import Inertia
+from fem_lie.lie.kinds import floating, inertia
+from fem_lie.lie.kinds.floating import Floating
+from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
 from fem_lie.linear.low_rank import Beside
@@ -51,6 +52,7 @@ class Tangent:
     def __init__(
         self,
         mass: Inertia,
+        bodies: Floating,
         terms: Terms,
         connections: Connections,
         held: Flags,
@@ -63,6 +65,7 @@ class Tangent:
 
         Args:
             mass: Inertia of the leaders.
+            bodies: That of bodies that deform within their frames, beyond it.
             terms: All that has a matrix besides.
             connections: All joints.
             held: Which unknowns of the nodes are zero, shape (n, 6).
@@ -72,6 +75,7 @@ class Tangent:
             length: Of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
+        self._bodies = bodies
         self._border, self.vectors = connections.border, Vectors(connections.joined)
         self._held, self._count = held, len(held)
         self._rows = np.zeros((len(self._border.nodes), 6))
@@ -87,14 +91,16 @@ class Tangent:
         mass = self._mass
         own = np.repeat(np.arange(self._count), np.diff(mass.indptr)), mass.indices
         joined = [each.pairs for each in self._connections.sets]
-        return [own, *self._terms.pairs, *((r.ravel(), c.ravel()) for r, c in joined)]
+        others = ((r.ravel(), c.ravel()) for r, c in joined)
+        return [own, self._bodies.pairs, *self._terms.pairs, *others]
 
     def _settle(self) -> None:
         """Find the places of all parts in the pattern as it is now."""
         place, diagonal = self.kkt.place, np.arange(self._count)
-        own, *coupled = self._pairs()
+        own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
         self._place_mass, self._diagonal = place(*own), place(diagonal, diagonal)
+        self._place_bodies = place(*floating)
         parts = zip(self._terms, coupled, strict=False)
         self._parts = [(term, place(*pair)) for term, pair in parts]
         self._sets = [(each, place(*each.pairs)) for each in self._connections.sets]
@@ -165,15 +171,21 @@ class Tangent:
         (H, v, a, _), n = state, self._count
         # at rest, as statics is, inertia has no part
         if any(factors) or v.any() or a.any():
-            motion, parts = (H, v[:n], a[:n]), (self.A, self.K)
-            inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
+            self._add_rates((H, v[:n], a[:n]), kinds, factors)
         load_tangent(kinds, H, *loads, self._diagonal, self.K)
 
     def add_mass(self, H: Array, kinds: Indices) -> None:
         """The mass matrix, to ``A``."""
         still = np.zeros((self._count, 6))
-        motion, parts = (H, still, still), (self.A, self.K)
-        inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, (1.0, 0.0), parts)
+        self._add_rates((H, still, still), kinds, (1.0, 0.0))
+
+    def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
+        """Derivatives of inertia at frames, velocities and their rates."""
+        parts = self.A, self.K
+        inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
+        if len(self._place_bodies):
+            bodies, place = self._bodies.plain, self._place_bodies
+            floating.tangents(motion, kinds, bodies, place, factors, parts)
 
     def add_terms(
         self, H: Array, kept: Sequence[Array], wanted: Wanted = every, ends: Ends | None = None

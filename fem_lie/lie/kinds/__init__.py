@@ -28,6 +28,9 @@ second has no place of its own: row 0 is a copy of that of the first, which noth
 rigid motion turns its other rows without moving them. The axes of both do not turn within a step:
 they are set by :func:`set_axes` where a state is accepted, as all rows of a body say together.
 
+An AMPLITUDE is six numbers, rows 1 and 2: how much of each shape a reduced body has. Its axes are
+those of space and say nothing, and rigid motion leaves it as it is.
+
 :mod:`.kind` is what a kind is, and what one has to write for a new one; :mod:`.motion` and
 :mod:`.forces` are what all do with one node, and :mod:`.all_nodes` loops over these.
 """
@@ -61,6 +64,7 @@ from fem_lie.lie.kinds.forces import (
     wrench,
 )
 from fem_lie.lie.kinds.kind import (
+    AMPLITUDE,
     CROSSING,
     POINT,
     SLOPE,
@@ -92,6 +96,7 @@ from fem_lie.lie.kinds.motion import (
 )
 
 __all__ = [
+    "AMPLITUDE",
     "CROSSING",
     "POINT",
     "SLOPE",

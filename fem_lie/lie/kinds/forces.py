@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import directors
-from fem_lie.lie.kinds.kind import SLOPE, axes, first, slope, straight, turning
+from fem_lie.lie.kinds.kind import AMPLITUDE, SLOPE, axes, first, slope, straight, turning
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -124,8 +124,10 @@ def acceleration_derivatives(
 def wrench(kind: int, H: Array, r: Array) -> tuple[Vector, Vector]:
     """Force, and moment about the node, that ``r`` (6,) in its axes is; global components.
 
-    What acts on rows that are no place has a moment alone.
+    What acts on rows that are no place has a moment alone, and what acts on amplitudes neither.
     """
+    if kind == AMPLITUDE:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     d1, d2, d3 = axes(kind, H)
     force, moment = rotate(d1, d2, d3, load(r, 0)), rotate(d1, d2, d3, load(r, 3))
     if kind >= SLOPE:

@@ -33,7 +33,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 
-SLOPE, POINT, SURFACE, CROSSING = 4, 5, 6, 7
+SLOPE, POINT, SURFACE, CROSSING, AMPLITUDE = 4, 5, 6, 7, 8
 """Numbers of the kinds that are no frames; all frames have smaller ones."""
 
 _OPPOSITE = 1e-12  # 1 + cosine: there is no smallest rotation to the opposite direction
@@ -47,6 +47,7 @@ class NodeKind(IntEnum):
     POINT = POINT
     SURFACE = SURFACE
     CROSSING = CROSSING
+    AMPLITUDE = AMPLITUDE
 
 
 class Traits(NamedTuple):
@@ -75,6 +76,7 @@ TRAITS = MappingProxyType(
         NodeKind.POINT: Traits(3, range(1), (True,) * 6, "places"),
         NodeKind.SURFACE: Traits(6, range(2), (True,) * 3 + (False, False, True), _SURFACES),
         NodeKind.CROSSING: Traits(6, range(1, 3), (False, False, True) * 2, _SURFACES),
+        NodeKind.AMPLITUDE: Traits(6, range(1, 3), (False,) * 6, "amplitudes of shapes"),
     }
 )
 
@@ -97,7 +99,7 @@ def on_r3(kinds: Indices) -> Flags:
 
 def placed(kinds: Indices) -> Flags:
     """Which nodes have a place of their own."""
-    return np.asarray(kinds != CROSSING)
+    return np.asarray(kinds < CROSSING)
 
 
 @inlined
@@ -109,12 +111,14 @@ def straight(kind: int) -> int:
 @inlined
 def first(kind: int) -> int:
     """Which row is the first of these: the place, unless another node has it."""
-    return 1 if kind == CROSSING else 0
+    return 1 if kind >= CROSSING else 0
 
 
 @inlined
 def axes(kind: int, H: Array) -> tuple[Vector, Vector, Vector]:
     """The node's own axes, unit vectors in global components."""
+    if kind == AMPLITUDE:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     if kind == CROSSING:
         _, e1, e2, e3 = exponential((0.0, 0.0, 0.0), load_row(H, 3))
         return e1, e2, e3
@@ -129,7 +133,12 @@ def axes(kind: int, H: Array) -> tuple[Vector, Vector, Vector]:
 
 @inlined
 def set_axes(kind: int, H: Array, e1: Vector, e2: Vector, e3: Vector) -> None:
-    """Turn the axes of a node whose straight rows do not say them: of all but frames and slopes."""
+    """Turn the axes of a node whose straight rows do not say them: of all but frames and slopes.
+
+    Amplitudes have none that could turn.
+    """
+    if kind == AMPLITUDE:
+        return
     if kind == CROSSING:
         store_row(H, 3, rotation_vector(e1, e2, e3))
         return

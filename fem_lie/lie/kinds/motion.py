@@ -14,7 +14,17 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
-from fem_lie.lie.kinds.kind import CROSSING, SLOPE, SURFACE, axes, carry, first, slope, turning
+from fem_lie.lie.kinds.kind import (
+    AMPLITUDE,
+    CROSSING,
+    SLOPE,
+    SURFACE,
+    axes,
+    carry,
+    first,
+    slope,
+    turning,
+)
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -167,6 +177,8 @@ def rigid(kind: int, H: Array, out: Array) -> None:
     """``v`` of the six rigid motions: along the fixed axes, and about those through the origin."""
     x, (d1, d2, d3) = load_row(H, 0), axes(kind, H)
     out[:] = 0.0
+    if kind == AMPLITUDE:
+        return
     placed = kind < SLOPE or first(kind) == 0
     if not placed:
         x = load_row(H, first(kind))
@@ -183,10 +195,12 @@ def rigid(kind: int, H: Array, out: Array) -> None:
 def shown(kind: int, H: Array, v: Array, out: Array) -> None:
     """``v`` as results have it: translation and rotation along the rows of ``H``, (6,).
 
-    A node without a place has none.
+    A node without a place has none; of amplitudes it is their rates.
     """
     for k in range(6):
         out[k] = v[k]
+    if kind == AMPLITUDE:
+        return
     if kind == CROSSING:
         out[:] = 0.0
     elif kind == SURFACE:

@@ -137,6 +137,7 @@ def _refuse(equations: Equations) -> None:
         "redundant constraints": unknowns.may_be_redundant,
         f"shells with six parameters ({drilling})": bool(drilling),
         ", ".join(dict.fromkeys(apart)): bool(apart),
+        f"reduced bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
     }
     for what, given in reasons.items():
         if given:

@@ -166,6 +166,11 @@ def _cell_size(term: Term) -> int:
 
 
 def refuse_surfaces(equations: Equations) -> None:
-    """Raise ``ValueError`` for points that are several nodes."""
+    """Raise ``ValueError`` for points that are several nodes, and for bodies in few shapes."""
+    if equations.unknowns.floating:
+        raise ValueError(
+            f"Explicit has no reduced bodies ({', '.join(equations.unknowns.floating)}): use "
+            "GeneralisedAlpha"
+        )
     if (equations.unknowns.kinds >= SURFACE).any():
         raise ValueError("Explicit has no thin shells, whose points share mass: use Shell")

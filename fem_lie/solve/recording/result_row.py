@@ -46,7 +46,7 @@ class ResultRow:
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
         turns = known.limits, known.ends, known.whole
-        self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning])
+        self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
         self.scene = self._fixed.table
 
     def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, booked: Array) -> None:
@@ -235,7 +235,8 @@ def _fill(
     potential = 0.0
     if _any(kept.invariants):
         work = np.empty((1, V.shape[0], 4, 3))
-        potential = report_rates(H, V, given.inertia, given.dead, work, kept.invariants[row])
+        mass, bodies = given.inertia, given.floating
+        potential = report_rates(H, V, mass, bodies, given.dead, work, kept.invariants[row])
     springs = _fill_joints(H, v, weights, scene, rows, row)
     if _any(kept.balance):
         kept.balance[row][:] = booked[:COLUMNS]

@@ -16,6 +16,7 @@ from fem_lie.forms.fixed_arrays import (
 )
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.kinds import inertia
+from fem_lie.lie.kinds.floating import PlainFloating
 
 
 class Given(NamedTuple):
@@ -36,6 +37,7 @@ class Given(NamedTuple):
         ends: Nodes of these elements from end to end, (w, 3).
         whole: Whether whole frames turn, (w,).
         turning: Angular velocities of rates of directors, (n, 3, 3, 3).
+        floating: Bodies that deform within their frames.
     """
 
     kinds: Indices
@@ -52,6 +54,7 @@ class Given(NamedTuple):
     ends: Indices
     whole: Indices
     turning: Array
+    floating: PlainFloating
 
 
 class Kept(NamedTuple):
@@ -102,6 +105,7 @@ def given_of(table: Indices) -> Given:
         integers2(table, 15),
         integers1(table, 16),
         numbers4(table, 17),
+        (integers1(table, 18), numbers1(table, 19)),
     )
 
 

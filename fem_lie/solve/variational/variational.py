@@ -110,6 +110,7 @@ def _refuse(equations: Equations) -> None:
         "nodes that are no frames (Cable, Solid, ThinShell)": bool((unknowns.kinds >= SLOPE).any()),
         "friction of penalties": any(term.rubs for term in equations.tables.terms),
         f"shells with six parameters ({drilling})": bool(drilling),
+        f"reduced bodies ({', '.join(unknowns.floating)})": bool(unknowns.floating),
     }
     for what, given in reasons.items():
         if given:

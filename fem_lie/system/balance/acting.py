@@ -59,7 +59,7 @@ class Acting:
         self.plain, self.plain_but_held = self._any and not special, not moved
         damping = Inertia.none().plain if rates is None else rates
         self.looks = self._loaded, joined and not self._others
-        constant = system.load_cases.constant, damping, connections.packed
+        constant = system.load_cases.constant, damping, connections.packed, system.floating.plain
         loads = system.lasting_loads.plain
         self.scene: PlainScene = (system.kinds, loads, *constant, *self.looks)
 
@@ -70,8 +70,8 @@ class Acting:
     @property
     def arrays(self) -> list[Any]:
         """Those of :attr:`scene`, one after the other."""
-        kinds, loads, conservative, damping, joints, *_ = self.scene
-        return [kinds, *loads, conservative, *damping, *joints]
+        kinds, loads, conservative, damping, joints, bodies, *_ = self.scene
+        return [kinds, *loads, conservative, *damping, *joints, *bodies]
 
     def look(
         self, H: Array, v: Array, a: Array, weights: Array, row: Array, wrenches: Array

@@ -90,6 +90,7 @@ class HeldForces:
         self.nodes: Indices = np.flatnonzero(chosen)
         self._values = np.zeros((system.count, 6))
         alone = system.connections.of_joints_only and not system.terms.viscous
+        alone = alone and not system.floating.integers[0]
         self._terms = system.terms.near(chosen) if alone else None
         self.near = self._terms is not None
         of, to = system.inertia.pairs

@@ -25,4 +25,6 @@ def contents(system: System) -> list[tuple[str, Any, str]]:
         "groups and supports": groups,
         "contacts": [each.contents(numbering.nodes.__getitem__) for each in contacts],
     }
+    if system.floating.integers[0]:
+        sums["inertia within frames"] = system.floating.integers, system.floating.numbers[3:]
     return found + [(name, value, name) for name, value in sums.items()]

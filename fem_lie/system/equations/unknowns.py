@@ -11,6 +11,7 @@ from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.carried_axes import PlainSurroundings
+from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, turning_of
 from fem_lie.scene.choices import Redundant
 from fem_lie.system import describe, symmetry
@@ -48,6 +49,7 @@ class Unknowns(NamedTuple):
         may_be_redundant: Whether constraints may follow from others.
         other_constraints: What constraints are called that no pair of frames has.
         drilling: Shells whose nodes turn about their third directors.
+        floating: Bodies that deform within their frames.
         has_potential: Whether all loads have one.
         symmetric: Whether the static equations have a symmetric matrix in every state.
         apart: Whether some of the matrix may be beside it.
@@ -78,6 +80,7 @@ class Unknowns(NamedTuple):
     may_be_redundant: bool
     other_constraints: Sequence[str]
     drilling: Sequence[str]
+    floating: Sequence[str]
     has_potential: bool
     symmetric: bool
     apart: bool
@@ -114,6 +117,7 @@ class Unknowns(NamedTuple):
             may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
             other_constraints=connections.others,
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
+            floating=[b.label for b in numbering.nodes if b.floats],
             has_potential=potential,
             symmetric=symmetry.symmetric(system, potential=potential),
             apart=any(term.apart for term in system.terms),
@@ -143,6 +147,7 @@ class Tables(NamedTuple):
         inertia: Mass matrix on (x, d₁, d₂, d₃).
         turning: Angular velocities of rates of directors, see
             :func:`~fem_lie.lie.kinds.inertia.turning_of`, (n, 3, 3, 3).
+        floating: Inertia of bodies that deform within their frames, beyond that.
         damping: Damping that goes with mass, likewise; empty without.
         loads: At the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
@@ -174,6 +179,7 @@ class Tables(NamedTuple):
     offset: Array
     inertia: Inertia
     turning: Array
+    floating: Floating
     damping: Inertia
     loads: Loads
     conservative: Array
@@ -208,6 +214,7 @@ class Tables(NamedTuple):
             attachment.offset,
             system.inertia,
             turning_of(system.inertia, system.held),
+            system.floating,
             Inertia.none() if rates is None else Inertia(*rates),
             system.lasting_loads,
             system.load_cases.constant,

@@ -9,7 +9,8 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.lie.kinds import SLOPE
+from fem_lie.lie.kinds import AMPLITUDE, SLOPE
+from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -59,6 +60,25 @@ def inertia_of(
     return inertia, _on_leaders(numbering, r, c, D) if D.any() else Inertia.none()
 
 
+def floating_of(numbering: Numbering) -> Floating:
+    """Inertia of bodies that deform within their frames, beyond that of these.
+
+    Raises:
+        ValueError: Nodes of such a body follow others.
+    """
+    found: list[tuple[Indices, Array, Array]] = []
+    attachment = numbering.attachment
+    for body, nodes in numbering.nodes.items():
+        if body.floats:
+            if not np.isin(nodes, attachment.leaders).all():
+                raise ValueError(
+                    f"nodes of {body.label} cannot follow others: let the others follow them, or "
+                    "take a Fixed joint"
+                )
+            found.append((attachment.leader[nodes], *body.within_frame()))
+    return Floating.of(found)
+
+
 def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
     """Force of gravity on (x, d₁, d₂, d₃) of the leaders, shape (count, 4, 3)."""
     q = np.zeros((count, 4, 3))
@@ -97,7 +117,7 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     whole, own = np.zeros((2, count, 4, 4))
     np.add.at(whole, rows, inertia.blocks)
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
-    sloped = kinds >= SLOPE
+    sloped = (kinds >= SLOPE) & (kinds < AMPLITUDE)  # amplitudes have nothing of their own
     gained = whole[sloped, 0, 0] / own[sloped, 0, 0]
     diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)
     whole[sloped] = diagonal[:, :, np.newaxis] * np.eye(4)

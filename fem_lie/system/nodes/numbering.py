@@ -89,7 +89,7 @@ class Numbering:
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
-        straight = np.empty(self.total, dtype=bool)
+        straight, absent = np.empty(self.total, dtype=bool), np.empty((self.total, 6), dtype=bool)
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
@@ -98,6 +98,7 @@ class Numbering:
             held[nodes], uncoupled[nodes] = body.held, body.uncoupled
             own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
             held[nodes, 5] |= not self.drills[body]
+            absent[nodes] = body.absent
             supports[nodes] = body.supports
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]
@@ -122,6 +123,7 @@ class Numbering:
         self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a kind does not have couple with nothing in the matrix
         self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])
+        self.absent |= absent[self.attachment.leaders]
         self.held |= self.absent
         self._check_velocities(velocities)
 

@@ -15,7 +15,8 @@ from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2,
 from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
-from fem_lie.lie.kinds import inertia, pull_all, pull_derivative, push_all, tangent, turn
+from fem_lie.lie.kinds import floating, inertia, pull_all, pull_derivative, push_all, tangent, turn
+from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.system.nodes.attachment import expand
@@ -61,8 +62,31 @@ def _add_moment_stiffness(H: Array, moment: Array, diagonal: Indices, K: Array) 
         block[5, 4] -= n0
 
 
-@uncounted
+@compiled
 def nodal_residual(
+    kinds: Indices,
+    motion: PlainMotion,
+    mass: PlainInertia,
+    bodies: PlainFloating,
+    loads: PlainLoads,
+    work: Array,
+    r: Array,
+) -> None:
+    """``r = Lᵀ (G q̈ − dead) − loads``, with inertia of floating bodies; ``work`` (2, n, 4, 3).
+
+    The records come as plain tuples: cheaper to call so from Python.
+    """
+    _nodal_forces(kinds, motion, mass, loads, work, r)
+    integers, numbers = bodies
+    if integers[0] > 0:
+        floating.add_forces(kinds, motion[0], motion[1], work[0], integers, numbers, work[1])
+    _, moment, following = loads
+    pull_all(kinds, motion[0], work[1], 1.0, r)
+    _add_moments(motion[0], moment, following, r)
+
+
+@uncounted
+def _nodal_forces(
     kinds: Indices,
     motion: PlainMotion,
     mass: PlainInertia,
@@ -70,13 +94,10 @@ def nodal_residual(
     work: Array,
     r: Array,
 ) -> None:
-    """``r = Lᵀ (G q̈ − dead) − loads``; ``work`` (2, n, 4, 3).
-
-    The records come as plain tuples: cheaper to call so from Python.
-    """
+    """``work[1] = G q̈ − dead``, and ``r`` zero."""
     H, v, a = motion
     indptr, indices, blocks = mass
-    dead, moment, following = loads
+    dead, _, _ = loads
     count = dead.shape[0]
     r[:] = 0.0
     inertia.accelerations(kinds, H, v[:count], a[:count], work[0])
@@ -85,8 +106,6 @@ def nodal_residual(
         for k in range(4):
             for j in range(3):
                 work[1, i, k, j] -= dead[i, k, j]
-    pull_all(kinds, H, work[1], 1.0, r)
-    _add_moments(H, moment, following, r)
 
 
 @compiled
@@ -128,15 +147,16 @@ def residual(
         scale: See there.
         r: See there.
         table: Of fixed arrays: kinds of the nodes, inertia, loads, joints, work, and a
-            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of leaders, and the arrays
-            of :func:`add_following`.
+            :class:`~fem_lie.forms.cell_forms.FormTable`, both of these of leaders, the arrays of
+            :func:`add_following`, and floating bodies.
     """
     kinds = integers1(table, 0)
     mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
     loads = numbers3(table, 4), numbers2(table, 5), numbers2(table, 6)
     joints = numbers1(table, 7), integers1(table, 8)
     work = numbers4(table, 9)
-    nodal_residual(kinds, (H, v, a), mass, loads, work, r)
+    bodies = integers1(table, 18), numbers1(table, 19)
+    nodal_residual(kinds, (H, v, a), mass, bodies, loads, work, r)
     terms.evaluate(H, v, joint_table(joints), weights, scale, work.shape[1], r)
     add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
     leader, offset, frames = integers1(table, 12), numbers3(table, 13), numbers3(table, 14)
@@ -158,7 +178,13 @@ def load_potential(H: Array, dead: Array) -> float:
 
 @compiled
 def report_rates(
-    H: Array, qdot: Array, mass: PlainInertia, dead: Array, work: Array, invariants: Array
+    H: Array,
+    qdot: Array,
+    mass: PlainInertia,
+    bodies: PlainFloating,
+    dead: Array,
+    work: Array,
+    invariants: Array,
 ) -> float:
     """Set kinetic energy and momenta (7,), and return the potential; ``work`` (1, n, 4, 3).
 
@@ -168,7 +194,10 @@ def report_rates(
     values = inertia.invariants_of_rates(H, qdot, indptr, indices, blocks, work[0])
     for k in range(7):
         invariants[k] = values[k]
-    return load_potential(H, dead)
+    potential, (integers, numbers) = load_potential(H, dead), bodies
+    if integers[0] > 0:
+        potential += floating.add_invariants(H, qdot, integers, numbers, invariants)
+    return potential
 
 
 @compiled
@@ -177,13 +206,14 @@ def report(
     H: Array,
     v: Array,
     mass: PlainInertia,
+    bodies: PlainFloating,
     dead: Array,
     work: Array,
     invariants: Array,
 ) -> float:
     """:func:`report_rates` of velocities ``v``; ``work`` (2, n, 4, 3)."""
     push_all(kinds, H, v, work[0])
-    return report_rates(H, work[0], mass, dead, work[1:], invariants)
+    return report_rates(H, work[0], mass, bodies, dead, work[1:], invariants)
 
 
 @compiled

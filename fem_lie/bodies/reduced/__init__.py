@@ -1,0 +1,1 @@
+"""Bodies that move with one frame and deform in few shapes: what scenes know of reduction."""

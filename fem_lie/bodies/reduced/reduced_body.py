@@ -1,0 +1,205 @@
+"""A body that moves with one frame and deforms in few shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array, Flags, Indices, instance, numbers
+from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.reduced.assembly import ReducedAssembly
+from fem_lie.forms.body_term import BodyTerm
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds.floating import all_coordinates, all_rates
+
+
+class ReducedBody(Body):
+    """A body that moves with the frame of one interface and deforms in few shapes within it.
+
+    Strains are small and the stiffness is constant; motion is as large as one likes. Inertia is
+    that of all points of the body, gyroscopic and centrifugal forces included, as far as places and
+    directors within the frame are linear in the coordinates. :func:`~fem_lie.reduced_body` makes
+    one. Interfaces are nodes with frames, which joints, springs, loads, clamps and contacts take as
+    those of any other body; amplitudes of inner shapes are further nodes, which nothing takes.
+
+    Attributes:
+        interfaces: Nodes of the full body that are those of this one, shape (1 + i,).
+        within: Places and directors of the other interfaces in the frame of the first, at rest,
+            shape (i, 4, 3).
+        stiffness: Of the coordinates: displacement and rotation of each other interface in the
+            frame, then amplitudes, shape (m, m).
+        density: Matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.kinds.floating`, shape
+            (4 + 3 m, 4 + 3 m).
+        full: The body that was reduced.
+        shapes: Displacement and rotation of each of its nodes for each coordinate, components along
+            the frame, shape (m, n, 6).
+    """
+
+    def __init__(
+        self,
+        interfaces: Sequence[int],
+        stiffness: Array,
+        density: Array,
+        shapes: Array,
+        full: Body,
+        *,
+        points: Mapping[str, int],
+        name: str = "",
+    ) -> None:
+        """Place the nodes.
+
+        Args:
+            interfaces: Their nodes in the full body; the first is the frame.
+            stiffness: See the class.
+            density: See the class.
+            shapes: See the class.
+            full: See the class.
+            points: Number of each named interface.
+            name: For messages and results.
+
+        Raises:
+            ValueError: Matrices do not fit each other or the interfaces, or are not symmetric and
+                finite.
+        """
+        others, m = len(interfaces) - 1, len(stiffness)
+        self.interfaces: Indices = np.array(interfaces, dtype=np.int64)
+        frames = full.frames[self.interfaces]
+        inner = m - 6 * others
+        self.stiffness = _symmetric(stiffness, m, "ReducedBody: stiffness")
+        self.density = _symmetric(density, 4 + 3 * m, "ReducedBody: density")
+        if inner < 0:
+            raise ValueError(
+                f"ReducedBody: {others} other interfaces have {6 * others} coordinates, got {m}"
+            )
+        self.shapes, self.full = shapes, full
+        first = lie.se3_inverse(frames[0])
+        self.within = np.ascontiguousarray(lie.se3_compose(first, frames[1:]))
+        amplitudes = np.zeros((-(-inner // 6), 4, 3))
+        amplitudes[:, 0] = frames[0, 0]
+        nodes = np.arange(1, others + 1)
+        super().__init__(
+            np.concatenate([frames, amplitudes]),
+            cells=np.stack([np.zeros_like(nodes), nodes], axis=1),
+            outline=None,
+            size=full.size,
+            points=dict(points),
+            name=name,
+        )
+
+    def node(self, index: int) -> Point:
+        """Point at an interface, counted from 0.
+
+        Raises:
+            ValueError: There is no such interface; amplitudes are no points.
+            TypeError: It is no whole number.
+        """
+        instance(index, int | np.integer, f"the number of an interface of {self.label}", "whole")
+        if not 0 <= index <= len(self.within):
+            raise ValueError(
+                f"{self.label} has interfaces 0 … {len(self.within)}, got {index}: what is held or "
+                "loaded has to be an interface of the reduced body"
+            )
+        return Point(self, int(index), f"interface {index}")
+
+    @property
+    def node_kinds(self) -> Indices:
+        """Frames, then amplitudes."""
+        kinds = np.full(len(self.frames), int(NodeKind.AMPLITUDE), dtype=np.int64)
+        kinds[: 1 + len(self.within)] = int(NodeKind.FRAME)
+        return kinds
+
+    @property
+    def absent(self) -> Flags:
+        """Those of the last node of amplitudes that is not full."""
+        found = super().absent
+        found.ravel()[6 + len(self.stiffness) :] = True
+        return found
+
+    @property
+    def floats(self) -> bool:
+        """It does."""
+        return True
+
+    def within_frame(self) -> tuple[Array, Array]:
+        """See the base class."""
+        matrix = self.density.copy()
+        matrix[:4, :4] = 0.0
+        return self.within, matrix
+
+    @property
+    def kind(self) -> Hashable:
+        """Those with as many nodes of each sort go together."""
+        return type(self), len(self.frames), len(self.within)
+
+    @classmethod
+    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+        """All of one :attr:`kind` together."""
+        return ReducedAssembly(bodies)
+
+    def coordinates(self, frames: Array) -> Array:
+        """Coordinates in states of its nodes, shape (s, m).
+
+        Args:
+            frames: Shape (s, n, 4, 3).
+        """
+        frames = np.ascontiguousarray(frames)
+        return np.asarray(all_coordinates(frames, self.within, len(self.stiffness)))
+
+    def rates(self, frames: Array, velocities: Array) -> Array:
+        """Rates of the coordinates, shape (s, m).
+
+        Args:
+            frames: Shape (s, n, 4, 3).
+            velocities: Twists, shape (s, n, 6).
+        """
+        states = np.ascontiguousarray(frames), np.ascontiguousarray(velocities)
+        kinds, size = self.node_kinds, len(self.stiffness)
+        return np.asarray(all_rates(kinds, *states, self.within, size))
+
+    def expand(self, frames: Array) -> Array:
+        """Frames of all nodes of the full body, shape (s, N, 4, 3).
+
+        Args:
+            frames: Of its nodes, shape (s, n, 4, 3).
+        """
+        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
+        initial = lie.se3_compose(lie.se3_inverse(self.frames[0]), self.full.frames)
+        moved = np.tile(initial, (len(h), 1, 1, 1))
+        moved[:, :, 0] += h[:, :, :3]
+        # rows are directors: each is turned within the frame
+        moved[:, :, 1:] = np.einsum("snij,nkj->snki", lie.so3_exp(h[:, :, 3:]), initial[:, 1:])
+        found = lie.se3_compose(frames[:, :1], moved)
+        found[:, self.interfaces] = frames[:, : len(self.interfaces)]
+        return np.asarray(found)
+
+    def expand_twists(self, frames: Array, velocities: Array) -> Array:
+        """Twists of all nodes of the full body, shape (s, N, 6).
+
+        Args:
+            frames: Of its nodes, shape (s, n, 4, 3).
+            velocities: Their twists, shape (s, n, 6).
+        """
+        rates = np.einsum("sm,mni->sni", self.rates(frames, velocities), self.shapes)
+        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
+        arms = self.full.frames[:, 0] - self.frames[0, 0]
+        arms = arms @ self.frames[0, 1:].T + h[:, :, :3]
+        v, ω = velocities[:, :1, :3], velocities[:, :1, 3:]
+        turning = lie.so3_exp(h[:, :, 3:])
+        spin = np.einsum("snij,snj->sni", lie.so3_tangent(-h[:, :, 3:]), rates[:, :, 3:])
+        inside = self.full.frames[:, 1:] @ self.frames[0, 1:].T  # directors along the frame
+        axes = np.einsum("snij,nkj->snki", turning, inside)
+        parts = v + np.cross(ω, arms) + rates[:, :, :3], ω + spin
+        return np.concatenate([np.einsum("snki,sni->snk", axes, part) for part in parts], axis=2)
+
+
+def _symmetric(value: Array, size: int, what: str) -> Array:
+    """A symmetric matrix, or ``ValueError``."""
+    matrix = numbers(value, what)
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise ValueError(f"{what} must be finite and of shape ({size}, {size}), got {matrix.shape}")
+    if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-8 * np.abs(matrix).max(initial=0.0):
+        raise ValueError(f"{what} must be symmetric")
+    return 0.5 * (matrix + matrix.T)
