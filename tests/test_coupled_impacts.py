@@ -204,6 +204,53 @@ def test_a_platform_that_a_joint_holds_is_ground():
     np.testing.assert_allclose(paths[0][::50], paths[1][::50], rtol=0, atol=2e-3)
 
 
+# --- what is told of each contact ---
+
+
+@pytest.mark.parametrize("jointed", [False, True])
+def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
+    """A block slides, and is held by friction: weight and friction, on its four lower corners."""
+    edges, scene = (0.2, 0.2, 0.1), fl.Scene(gravity=(0, 0, -GRAVITY))
+    block = scene.add(fl.RigidBody(2.0, cuboid(2.0, edges), (0, 0, 0.05)))
+    block.move((1.0, 0, 0))
+    box, floor = fl.Box(block.centre, edges), fl.Plane(fl.ground(), (0, 0, 1))
+    touch = scene.add(fl.Contact(box, floor, fl.Impact(friction=0.5)))
+    if jointed:
+        hung_up(scene)
+    result = run(scene, 0.3, 1e-2)
+    result.save(tmp_path / "block.h5")
+    for each in (result, fl.Result.load(tmp_path / "block.h5")):
+        found = fl.contact_forces(each, touch)
+        assert found.touching[0] == 0
+        weight, rubs = 2 * GRAVITY, np.where(result.times < 1.0 / (0.5 * GRAVITY), GRAVITY, 0.0)
+        np.testing.assert_allclose(found.total[1:, 2], weight, rtol=1e-9)
+        np.testing.assert_allclose(found.total[1:20, 0], -rubs[1:20], rtol=1e-8)
+        np.testing.assert_allclose(found.total[22:], [[0, 0, weight]] * 9, atol=1e-8)
+        assert not found.sticks[found.states == 10].any()
+        assert found.sticks[found.states == 30].all()
+        # of its own velocity, against which friction acts
+        speed = result.velocity(block.centre)[10, 0]
+        np.testing.assert_allclose(found.slips[found.states == 10, 0], speed, rtol=1e-8)
+        assert found.penetration.max() < 1e-12
+        arrows = found.arrows(10)
+        assert arrows.along.shape == (found.touching[10], 3)
+        np.testing.assert_allclose(found.positions[found.states == 10, 2], 0.0, atol=1e-12)
+        np.testing.assert_allclose(found.impulses, 1e-2 * found.forces)
+
+
+def test_joints_are_told_to_carry_what_contacts_push():
+    """A platform of 3 kg on a joint, with a block of 1 kg on it; a beam at rest on a floor."""
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0, 0, -0.1)))
+    joint = scene.add(fl.Fixed(fl.ground(), platform.centre))
+    block = scene.add(fl.RigidBody(1.0, cuboid(1.0, (0.2, 0.2, 0.1)), (0, 0, 0.05)))
+    top = fl.Plane(platform.at((0, 0, 0)), (0, 0, 1))
+    box = fl.Box(block.centre, (0.2, 0.2, 0.1))
+    scene.add(fl.Contact(box, top, fl.Impact(friction=0.5)))
+    result = run(scene, 0.1, 1e-2)
+    np.testing.assert_allclose(result.joint_force(joint)[1:, 2], -4.0 * GRAVITY, rtol=1e-8)
+
+
 # --- flexible bodies ---
 
 STEEL = fl.Material(2e9, 0.0, 1000.0)

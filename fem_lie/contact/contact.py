@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
+from zlib import crc32
 
 import numpy as np
 
@@ -153,13 +154,21 @@ class Contact:
             a, b = b, a
         return Sides(balls_side(a, nodes), balls_side(b, nodes), False, self.a is self.b)
 
-    def contents(self, nodes: Nodes) -> object:
+    def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that its forces are made of."""
         if self._lines:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)
         a, b, flat, same = self.sides(nodes)
         return *a, *b, flat, same, repr(self.law)
+
+    def key(self, nodes: Nodes) -> int:
+        """A number that tells it from others of its scene, of :meth:`contents`."""
+        found = 0
+        for part in self.contents(nodes):
+            data = part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode()
+            found = crc32(data, found)
+        return found
 
     def term(self, nodes: Nodes) -> PenaltyForces:
         """Its forces.

@@ -63,6 +63,10 @@ class ContactSteps:
         penetration: The deepest overlap at the end.
         impact_loss: Energy that impulses along normals took.
         friction_loss: Energy that friction took.
+        each: Contacts that pushed in the last step before each state that was kept, one after the
+            other: time, a number for the contact, those of both its places, gap, position
+            (3), impulse on the first side in that step (3), its velocity across the normal at the
+            end (3), whether it sticks; :func:`~fem_lie.contact_forces` reads it, shape (k, 15).
     """
 
     times: Array
@@ -72,9 +76,10 @@ class ContactSteps:
     penetration: Array
     impact_loss: Array
     friction_loss: Array
+    each: Array
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` if lengths differ."""
-        for field in fields(self):
+        for field in fields(self)[:-1]:
             if (shape := getattr(self, field.name).shape) != self.times.shape:
                 raise ValueError(f"{field.name} has the shape {shape}, not {self.times.shape}")

@@ -10,6 +10,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
 from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.shown import PAIR
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws import Impact
 from fem_lie.contact.sides.pairs import NearPairs
@@ -69,6 +70,7 @@ class Touching:
         numbers = [(law.friction, law.restitution) for law in laws if isinstance(law, Impact)]
         self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
         self._lengths = [self._length(side, sizes) for side in (self._a, self._b)]
+        self._keys = np.array([float(contact.key(nodes)) for contact in contacts])
         self._versions: tuple[int, ...] = ()
         self._count = len(sizes)
         self.update(H)
@@ -117,6 +119,14 @@ class Touching:
         keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs))
         _, here, there = np.intersect1d(keys, old, return_indices=True)
         self.work.impulses[here] = impulses[there]
+
+    def named(self, shown: Array) -> Array:
+        """Rows of :mod:`.shown`; key of the contact and both its places instead of the pair."""
+        pair = shown[:, PAIR].astype(np.int64)
+        of = self.of[pair]
+        places = self.touch.pairs[pair] - self._first[of]
+        parts = shown[:, :PAIR], self._keys[of, np.newaxis], places, shown[:, PAIR + 1 :]
+        return np.concatenate(parts, axis=1)
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

@@ -1,4 +1,4 @@
-"""What acts in a contact by penalty, in each state of a result."""
+"""What acts in a contact, in each state of a result."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, instance
+from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.contact.contact import Contact
+from fem_lie.contact.laws import Impact
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
@@ -26,8 +27,12 @@ class ContactForces:
             a plane or a hollow is on the second side.
         gaps: Negative where surfaces overlap, shape (k,).
         positions: Point of the first side that is nearest to the second, global components, (k, 3).
-        forces: On the first side, global components, shape (k, 3).
+        forces: On the first side, global components, shape (k, 3); of impacts the impulse of the
+            last step over its size.
         count: T.
+        impulses: Of impacts: in the last step, shape (k, 3).
+        slips: Of impacts: velocity of the first side across the normal, shape (k, 3).
+        sticks: Of impacts: whether that is none, to round-off, shape (k,).
     """
 
     states: Indices
@@ -36,6 +41,9 @@ class ContactForces:
     positions: Array
     forces: Array
     count: int
+    impulses: Array | None = None
+    slips: Array | None = None
+    sticks: Flags | None = None
 
     @property
     def total(self) -> Array:
@@ -72,7 +80,7 @@ class ContactForces:
 def contact_forces(
     result: Result | StaticResult, contact: Contact, steps: Sequence[int] | None = None
 ) -> ContactForces:
-    """What acts in a contact by penalty, in states of a result.
+    """What acts in a contact, in states of a result.
 
     Args:
         result: Of dynamics, of statics or of a path, in which the contact was.
@@ -80,13 +88,17 @@ def contact_forces(
         steps: Which states; default: all.
 
     Raises:
-        ValueError: A body of it is not in the result, there is no such step, or its law is another.
+        ValueError: A body of it is not in the result, or there is no such step, or it is one by
+            impacts and the result has none.
     """
     require_states(result)
     instance(contact, Contact, "contact", "a Contact")
     nodes = {body: nodes_in(result.info, body) for body in contact.bodies}
-    term, count = contact.term(nodes.__getitem__), len(result.frames)
+    count = len(result.frames)
     chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    if isinstance(contact.law, Impact):
+        return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
+    term = contact.term(nodes.__getitem__)
     found = [_in_state(term, result, k) for k in chosen]
     states = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
     places, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
@@ -102,3 +114,25 @@ def _in_state(
     if isinstance(result, Result):
         v[:] = result.velocities[k]
     return term.touching(H, v)
+
+
+def _of_impacts(result: Result | StaticResult, key: int, chosen: Sequence[int]) -> ContactForces:
+    """Those that pushed in the last steps before states, in the order of these."""
+    told = result.contacts if isinstance(result, Result) else None
+    if told is None or not isinstance(result, Result):
+        raise ValueError("contact_forces: the result has no contacts by impacts")
+    step, rows = float(told.times[0]), told.each[told.each[:, 1] == key]
+    here = [np.flatnonzero(np.abs(rows[:, 0] - result.times[k]) < 0.49 * step) for k in chosen]
+    states = np.repeat(np.arange(len(here)), [len(each) for each in here])
+    rows = rows[np.concatenate([*here, np.zeros(0, dtype=np.int64)])]
+    return ContactForces(
+        states,
+        rows[:, 2:4].astype(np.int64),
+        rows[:, 4],
+        rows[:, 5:8],
+        rows[:, 8:11] / step,
+        len(here),
+        rows[:, 8:11],
+        rows[:, 11:14],
+        rows[:, 14] > 0.0,
+    )

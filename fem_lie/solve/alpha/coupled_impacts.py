@@ -13,6 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, PENETRATION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.laws import Impact
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results import Result
@@ -57,7 +58,7 @@ class CoupledRun(Run):
             kept = Kept(self._solve, self.r, self.dx, self.scale)
         by_impacts = [each for each in scene.contacts if isinstance(each.law, Impact)]
         self._contacts = CoupledContacts(by_impacts, equations, self.p, kept)
-        self._told = np.zeros((0, SIZE))
+        self._told, self._shown = np.zeros((0, SIZE)), np.zeros((0, WIDTH + 2))
 
     def whole(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None
@@ -97,6 +98,17 @@ class CoupledRun(Run):
         self.equations.memory.accept(s.H)
         return True
 
+    def _record(self, history: Recorder) -> bool:
+        free = self.weights.copy()
+        # joints carry what contacts have pushed
+        self.weights += self._contacts.reactions / self.h
+        kept = super()._record(history)
+        self.weights[:] = free
+        if kept and self.index:
+            shown = self._contacts.shown(self.s.H, self.index * self.h)
+            self._shown = np.concatenate([self._shown, shown])
+        return kept
+
     def _result(self, history: Recorder) -> Result:
         told, made = self._told, len(self._told)
         found = ContactSteps(
@@ -107,20 +119,21 @@ class CoupledRun(Run):
             penetration=told[:, PENETRATION].copy(),
             impact_loss=-told[:, IMPACT],
             friction_loss=-told[:, FRICTION],
+            each=self._shown,
         )
         return Result(**vars(super()._result(history)) | {"contacts": found})
 
     def memory(self) -> dict[str, Array]:
         """See the base class."""
         own = {f"contacts.{k}": x for k, x in self._contacts.memory().items()}
-        return super().memory() | own | {"contacts.told": self._told}
+        return super().memory() | own | {"contacts.told": self._told, "contacts.shown": self._shown}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """See the base class."""
         super().restore(kept)
         near = {k.partition(".")[2]: x for k, x in kept.items() if k.startswith("contacts.")}
         self._contacts.restore(near)
-        self._told[:] = near["told"]
+        self._told[:], self._shown = near["told"], near["shown"]
 
 
 class CoupledAlone:

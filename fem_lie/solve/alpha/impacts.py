@@ -22,6 +22,7 @@ from fem_lie.contact.impact.records import (
     TOLD,
     Masses,
 )
+from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.contact.laws import Impact
@@ -33,13 +34,24 @@ from fem_lie.scene.load import amplitudes
 from fem_lie.solve.alpha import free_bodies
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step.free_records import Kept, Plan
-from fem_lie.solve.alpha.step.impact_steps import CROSSED, MADE, STALE, UNSETTLED, Contacts, advance
+from fem_lie.solve.alpha.step.impact_steps import (
+    CROSSED,
+    FULL,
+    MADE,
+    STALE,
+    UNSETTLED,
+    Contacts,
+    advance,
+)
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.system.equations import Equations
+
+_ROOM = 10_000
+"""For so many contacts what results have of them is kept before it is taken."""
 
 _TOLERANCE = 1e-9
 """Residual of the cones; where it is not reached it is told, see :class:`ContactSteps`."""
@@ -95,7 +107,10 @@ class Run(free_bodies.Run):
             np.zeros((0, TOLD)),
             np.zeros(7),
             np.zeros((0, 7)),
+            np.zeros((_ROOM, WIDTH)),
+            np.zeros(1, dtype=np.int64),
         )
+        self._shown = np.zeros((0, WIDTH + 2))
         self._why = MADE
 
     def integrate(
@@ -113,6 +128,7 @@ class Run(free_bodies.Run):
             penetration=told[:, PENETRATION].copy(),
             impact_loss=-told[:, IMPACT],
             friction_loss=-told[:, FRICTION],
+            each=self._shown,
         )
         if store is not None:
             store.add_contacts(found)
@@ -121,7 +137,7 @@ class Run(free_bodies.Run):
     def memory(self) -> dict[str, Array]:
         """See the base class."""
         own = {"contacts.sum": self._contacts.sum, "contacts.booked": self._contacts.booked}
-        own["contacts.told"] = self._contacts.told
+        own["contacts.told"], own["contacts.shown"] = self._contacts.told, self._shown
         return super().memory() | self._touching.memory() | own
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -129,6 +145,7 @@ class Run(free_bodies.Run):
         super().restore(kept)
         self._touching.restore(kept)
         self._contacts = self._contacts._replace(patience=self._touching.patience)
+        self._shown = kept["contacts.shown"]
         for name in ("sum", "booked", "told"):
             getattr(self._contacts, name)[...] = kept[f"contacts.{name}"]
 
@@ -141,12 +158,24 @@ class Run(free_bodies.Run):
             last, made, more, why = self._go(history, left, failed, made)
             factorisations += more
             self._why = why
+            self._take_shown()
+            if why == FULL:
+                first, room = last + 1, max(_ROOM, 4 * len(self._touching.touch.pairs))
+                self._contacts = self._contacts._replace(room=np.zeros((room, WIDTH)))
+                continue
             if why != STALE:
                 return last, made, factorisations
             far = self.p.h * largest_speed(self.s.v, self._contacts.arm)
             self._touching.update(self.s.H, far)
             self._contacts = self._contacts._replace(patience=self._touching.patience)
             self._contacts.sum[0], first = 0.0, last + 1
+
+    def _take_shown(self) -> None:
+        """Take what results have of contacts, with the numbers of these and of their places."""
+        count = int(self._contacts.shown[0])
+        found = self._touching.named(self._contacts.room[:count])
+        self._shown = np.concatenate([self._shown, found])
+        self._contacts.shown[0] = 0
 
     def _go(
         self, history: History, wanted: range, failed: np.ndarray, before: int

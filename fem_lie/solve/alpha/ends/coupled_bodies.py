@@ -116,16 +116,18 @@ class CoupledBodies:
         move_all(s.kinds, end, by, H)
         return H
 
-    def _pushed(self, f: Array) -> Array:
-        """``S⁻¹ f`` with joints closed, of forces (6 n, k)."""
+    def _pushed(self, f: Array) -> tuple[Array, Array]:
+        """``S⁻¹ f`` with joints closed, of forces (6 n, k), and what joints carry then, (m, k)."""
         if self._kept is None:
-            return np.asarray(self._impulses.solve(f)[0] / self._p.mass, dtype=np.float64)
-        found, kept = np.empty_like(f), self._kept
+            found, carried = self._impulses.solve(f)
+            return np.asarray(found / self._p.mass, dtype=np.float64), carried
+        n, kept = len(f), self._kept
+        moved, held = np.empty_like(f), np.empty((self._m, f.shape[1]))
         for k in range(f.shape[1]):
-            kept.right_hand_side[: len(f)], kept.right_hand_side[len(f) :] = f[:, k], 0.0
+            kept.right_hand_side[:n], kept.right_hand_side[n:] = f[:, k], 0.0
             kept.solve()
-            found[:, k] = kept.solution[: len(f)]
-        return found
+            moved[:, k], held[:, k] = kept.solution[:n], kept.scale * kept.solution[n:]
+        return moved, held
 
     def _closed(self, H: Array) -> Array:
         """The increment that closes the joints, to first order, shape (6 n,)."""

@@ -25,15 +25,25 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
+from fem_lie.contact.impact.shown import (
+    GAP,
+    IMPULSE,
+    PAIR,
+    POSITION,
+    SLIP,
+    STICKS,
+    TIME,
+    WIDTH,
+)
 from fem_lie.lie.kinds import all_from_local, all_to_group
 from fem_lie.solve.alpha.ends import coupled_cones
 from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies, Kept, to_twists
 from fem_lie.solve.alpha.ends.coupled_bounds import Bounds, Chosen, bounds_of
-from fem_lie.solve.alpha.ends.coupled_rows import choose_axes
+from fem_lie.solve.alpha.ends.coupled_rows import choose_axes, show_places
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
 from fem_lie.system.equations import Equations
@@ -64,6 +74,7 @@ class Moved(NamedTuple):
         r: Forces of contacts, shape (k, 3).
         rows: There, shape (3 k, 6 rows).
         pushes: Rows of forces, shape (3 k, 6 n).
+        carried: By joints, forces of them, shape (m,).
     """
 
     H: Array
@@ -71,6 +82,37 @@ class Moved(NamedTuple):
     r: Array
     rows: Array
     pushes: Array
+    carried: Array
+
+
+class Last(NamedTuple):
+    """What contacts did in the last step.
+
+    Attributes:
+        pairs: Which took part, shape (k,).
+        axis: By which tangents were chosen.
+        gaps: At the end.
+        impulses: Along the normal and tangents, shape (k, 3).
+        speeds: Along tangents at the end, shape (k, 2).
+        sticks: Whether that is none.
+    """
+
+    pairs: Indices
+    axis: Indices
+    gaps: Array
+    impulses: Array
+    speeds: Array
+    sticks: Flags
+
+
+_NOTHING = Last(
+    np.zeros(0, dtype=np.int64),
+    np.zeros(0, dtype=np.int64),
+    np.zeros(0),
+    np.zeros((0, 3)),
+    np.zeros((0, 2)),
+    np.zeros(0, dtype=np.bool_),
+)
 
 
 class CoupledContacts(CoupledBodies):
@@ -87,6 +129,7 @@ class CoupledContacts(CoupledBodies):
         """As the base class."""
         super().__init__(contacts, equations, scheme, kept)
         self.told, self.reactions = np.zeros(SIZE), np.zeros(self._m)
+        self._last = _NOTHING
 
     def begin(self, H: Array, v: Array, time: float) -> None:
         """Remember where a step begins.
@@ -139,6 +182,7 @@ class CoupledContacts(CoupledBodies):
         smooth = self._gaps(s.H)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
+            self._last = _NOTHING
             return False
         end, V = s.H.copy(), self._all_rows(s.twist1, time)
         defect = self._rates(end, V, time)
@@ -154,7 +198,8 @@ class CoupledContacts(CoupledBodies):
                 break
             joined |= more
         self._take_over(s, weights, moved.H, v, old, time)
-        self._tell(chosen, gaps, impulses)
+        speeds = moved.rows @ self._all_rows(v, time).ravel()
+        self._tell(chosen, gaps, impulses, speeds)
         return True
 
     def _passes(
@@ -163,15 +208,14 @@ class CoupledContacts(CoupledBodies):
         """Places, twists of the nodes, and impulses of contacts at the end of a step."""
         h = self._h
         r = np.asarray(self.near.work.impulses[chosen.pairs] / h, dtype=np.float64)
-        moved = Moved(end, np.zeros(6 * self._n), r, chosen.before, self._own(chosen.before))
         rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, h * r
         open_ = not chosen.closed.all()
         for _ in range(_PASSES if open_ else 1):
             free = rows @ V.ravel()
             bounds = bounds_of(h, chosen, free[::3], 1.0)
             after = bounds.velocity if normal is None else normal
-            moved = self._part(chosen, s, end, free, bounds.gaps(h, after, chosen), bounds, moved.r)
-            rows = moved.rows
+            moved = self._part(chosen, s, end, free, bounds.gaps(h, after, chosen), bounds, r)
+            rows, r = moved.rows, moved.r
             v, impulses = self._throw(chosen, s, moved, end, V, defect, impulses, time)
             normal = rows[::3] @ self._all_rows(v, time).ravel()
         return moved, v, impulses
@@ -221,7 +265,7 @@ class CoupledContacts(CoupledBodies):
             own = self._own(here)
             if iteration < _ANEW:
                 pushes = self._own(np.where(closed, 0.5 * (first + here), here))
-                Z = self._pushed(pushes.T)
+                Z, carried = self._pushed(pushes.T)
             problem = coupled_cones.cones_of(own @ Z, chosen.friction)
             if self._m:
                 more = self._closed(H)
@@ -251,7 +295,8 @@ class CoupledContacts(CoupledBodies):
         whole = np.zeros((3 * k, 6 * self._rows))
         whole[:, :n] = pushes
         pushes = self._own(self._turned(whole, end, H))
-        return Moved(H, d, guess, self._rows_of(H, chosen.pairs, chosen.axis), pushes)
+        rows = self._rows_of(H, chosen.pairs, chosen.axis)
+        return Moved(H, d, guess, rows, pushes, carried @ forces)
 
     # --- velocities ---
 
@@ -271,11 +316,13 @@ class CoupledContacts(CoupledBodies):
         own, zero = self._own(B), np.zeros(6 * self._n)
         v: Array = s.v.copy()
         given: Array = np.zeros(moved.r.size)
+        self.reactions[:] = 0.0
         if self._kept is not None:
             by = moved.d.reshape(-1, 6).copy()
             all_to_group(s.kinds, end, by)
             v += self._p.damping * by
             given = self._p.damping / self._p.mass * moved.r.ravel()
+            self.reactions[:] = self._p.damping / self._p.mass * moved.carried
         smooth, twist = np.empty_like(v), np.empty_like(v)
         to_twists(s.kinds, moved.H, s.v, smooth)
         to_twists(s.kinds, moved.H, v, twist)
@@ -300,7 +347,7 @@ class CoupledContacts(CoupledBodies):
         P = problem.r.ravel()
         change = P - given
         end_twist = twist + (Z @ change).reshape(-1, 6)
-        self.reactions[:] = first + reactions @ change
+        self.reactions += first + reactions @ change
         # by the mean velocities of its rows
         mean = 0.5 * (u + B @ self._all_rows(end_twist, time).ravel()).reshape(-1, 3)
         self.told[FRICTION] = float((mean * problem.r)[:, 1:].sum())
@@ -330,11 +377,38 @@ class CoupledContacts(CoupledBodies):
         s.H1[: self._n] = H[: self._n]
         weights += new[1] - old[1]
 
-    def _tell(self, chosen: Chosen, gaps: Array, impulses: Array) -> None:
+    def _tell(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
         self.told[CONTACTS] = len(chosen.pairs)
         self.told[PENETRATION] = max(0.0, float(-gaps.min()))
         self.near.work.impulses[:] = 0.0
         self.near.work.impulses[chosen.pairs] = impulses
+        slips = speeds.reshape(-1, 3)[:, 1:]
+        slow = self.near.touch.closed[chosen.pairs] / self._h
+        self._last = Last(
+            chosen.pairs,
+            chosen.axis,
+            gaps[chosen.pairs],
+            impulses,
+            slips,
+            np.linalg.norm(slips, axis=1) <= slow,
+        )
+
+    def shown(self, H: Array, time: float) -> Array:
+        """What results have of the contacts of the last step, as :meth:`.Touching.named`.
+
+        Args:
+            H: Frames of all rows.
+            time: Its end.
+        """
+        pairs, axis, gaps, impulses, speeds, sticks = self._last
+        at = np.empty((len(pairs), 4, 3))
+        show_places(H, self.near.touch, pairs, axis, at)
+        rows = np.empty((len(pairs), WIDTH))
+        rows[:, TIME], rows[:, PAIR], rows[:, GAP], rows[:, STICKS] = time, pairs, gaps, sticks
+        rows[:, POSITION:IMPULSE] = at[:, 0]
+        rows[:, IMPULSE:SLIP] = np.einsum("km,kmx->kx", impulses, at[:, 1:])
+        rows[:, SLIP:STICKS] = np.einsum("km,kmx->kx", speeds, at[:, 2:])
+        return self.near.named(rows[impulses[:, 0] > 0.0])
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

@@ -12,6 +12,7 @@ from fem_lie.contact.impact import records
 from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, Masses, Touch, Work
 from fem_lie.contact.impact.rows import find_crossed
 from fem_lie.contact.impact.settle import settle
+from fem_lie.contact.impact.shown import show
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.lie.motions import to_local
 from fem_lie.lie.tuples import load_row, negative, rotate_back, scaled, store
@@ -33,9 +34,10 @@ from fem_lie.solve.alpha.step.free_records import (
 from fem_lie.solve.alpha.step.free_steps import act, book, load_of
 from fem_lie.solve.alpha.step.node import Scheme
 
-MADE, STALE, FAILED, UNSETTLED, CROSSED = range(5)
+MADE, STALE, FAILED, UNSETTLED, CROSSED, FULL = range(6)
 """Why steps end: all are made; it has to be looked again who is near whom; a body's iteration has
-failed; contacts have not settled; a ball has gone through another."""
+failed; contacts have not settled; a ball has gone through another; there is no more room for what
+results have of contacts."""
 
 LARGEST = 1e-3
 """Residual of the cones with which a step has failed."""
@@ -54,6 +56,8 @@ class Contacts(NamedTuple):
         told: Of all steps, see :data:`fem_lie.contact.impact.records.TOLD`, shape (S, 13).
         booked: Work of contacts, and impulse of ground and its moment so far, shape (7,).
         done: These at the rows of these steps, shape (kept, 7).
+        room: For what results have of each contact, see :mod:`fem_lie.contact.impact.shown`.
+        shown: How many rows of it are filled, shape (1,).
     """
 
     tolerance: float
@@ -65,6 +69,8 @@ class Contacts(NamedTuple):
     told: Array
     booked: Array
     done: Array
+    room: Array
+    shown: Indices
 
 
 @compiled
@@ -125,6 +131,8 @@ def advance(
         speed = largest_speed(state.v, contacts.arm)
         if contacts.sum[0] + p.h * speed > contacts.patience:
             return index - 1, factorisations, STALE
+        if contacts.shown[0] + touch.pairs.shape[0] > contacts.room.shape[0]:
+            return index - 1, factorisations, FULL
         at = index - plan.first
         H0[:], v0[:] = state.H, state.v
         for i in range(n):
@@ -178,6 +186,9 @@ def advance(
                 rows.frames[row, i], rows.velocities[row, i] = state.H[i], twist
                 rows.done[row - plan.row] += state.booked[i]
         if kept:
+            many = int(told[records.CONTACTS])
+            ends = state.H, state.v
+            show(index, p.h, touch, work, many, ends, contacts.room, contacts.shown)
             contacts.done[row - plan.row] = contacts.booked
             row += 1
     return plan.last, factorisations, MADE
