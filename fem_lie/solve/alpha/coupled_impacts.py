@@ -58,7 +58,8 @@ class CoupledRun(Run):
             kept = Kept(self._solve, self.r, self.dx, self.scale)
         by_impacts = [each for each in scene.contacts if isinstance(each.law, Impact)]
         self._contacts = CoupledContacts(by_impacts, equations, self.p, kept)
-        self._told, self._shown = np.zeros((0, SIZE)), np.zeros((0, WIDTH + 2))
+        self._told: Array = np.zeros((0, SIZE))
+        self._shown: Array = np.zeros((0, WIDTH + 2))
 
     def whole(
         self, steps: int, saving: Saving, progress: bool | None, store: Checkpoints | None = None

@@ -110,7 +110,7 @@ class Run(free_bodies.Run):
             np.zeros((_ROOM, WIDTH)),
             np.zeros(1, dtype=np.int64),
         )
-        self._shown = np.zeros((0, WIDTH + 2))
+        self._shown: Array = np.zeros((0, WIDTH + 2))
         self._why = MADE
 
     def integrate(
