@@ -36,6 +36,7 @@ from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.lines import Cylinder, Line
 from fem_lie.contact.sides.surfaces import Box, Plane, Sphere, Surface, Vertices
+from fem_lie.contact.skins import Skin
 from fem_lie.elements.beams.directors import Director, director_strains
 from fem_lie.elements.beams.element import Formulation
 from fem_lie.elements.beams.geodesic import Geodesic
@@ -356,6 +357,7 @@ __all__ = [
     "Shell",
     "ShellFormulation",
     "ShellSection",
+    "Skin",
     "Sleeve",
     "Sliding",
     "SmoothPatch",

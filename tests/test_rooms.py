@@ -49,7 +49,7 @@ MAY_IMPORT = {
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
     "contact.sides": {"bodies.beams"},
-    "contact": {"contact.sides"},
+    "contact": {"contact.sides", "bodies.shells"},
     "contact.impact": {"contact"},
     "pictures": {"bodies.beams"},
     "pictures.page": {"pictures"},

@@ -218,6 +218,53 @@ def line_on_line(**law) -> fl.Scene:
     return scene
 
 
+def sheet(cell: str, place, **options) -> fl.Shell:
+    """One square, or two triangles."""
+    mesh = fl.surface(place, (1, 1), cell=cell, **options)
+    element = fl.Displacement() if options.get("degree") == 2 else None
+    return fl.Shell(mesh, fl.ShellSection.layer(0.3, MATERIAL), formulation=element)
+
+
+def skin_on_skin(cell: str = "quadrilateral", degree: int = 1, **law) -> fl.Scene:
+    """A sheet above a wider one, as thick as they are apart."""
+    scene = fl.Scene(gravity=(0, 0, 0))
+    upper = scene.add(sheet(cell, lambda a, b: np.array([a, b, 1.0 + 0.05 * a * b])))
+    wide = sheet(cell, lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]), degree=degree)
+    lower = scene.add(wide)
+    scene.add(fl.Contact(fl.Skin(upper, 1.1), fl.Skin(lower, 0.9), fl.Penalty(50.0, **law)))
+    return scene
+
+
+def skin_on_edge() -> fl.Scene:
+    """A sheet beside another one."""
+    scene = fl.Scene(gravity=(0, 0, 0))
+    one = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, 2 * b - 0.5, 0.3 * a])))
+    two = scene.add(sheet("quadrilateral", lambda a, b: np.array([2 + a, b - 0.3, 0.4 * b - 0.2])))
+    scene.add(fl.Contact(fl.Skin(one, 1.1), fl.Skin(two, 1.1), fl.Penalty(50.0)))
+    return scene
+
+
+def ball_on_skin() -> fl.Scene:
+    """Two balls, one above a triangle."""
+    scene = fl.Scene(gravity=(0, 0, 0))
+    ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, 1.0)))
+    wide = sheet("triangle", lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]))
+    lower = scene.add(wide)
+    balls = fl.Vertices([ball.centre, ball.at((0.5, 0.4, 1.05))], 0.5)
+    scene.add(fl.Contact(fl.Skin(lower, 0.9), balls, fl.Penalty(50.0)))
+    return scene
+
+
+def skin_on_plane(**law) -> fl.Scene:
+    """Behind a plane of a body that moves."""
+    scene = fl.Scene(gravity=(0, 0, 0))
+    body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, -0.5)))
+    upper = scene.add(sheet("quadrilateral", lambda a, b: np.array([a, b, 0.1 * a * b])))
+    plane = fl.Plane(body.centre, (0.1, 0, 1))
+    scene.add(fl.Contact(plane, fl.Skin(upper, 1.0), fl.Penalty(50.0, **law)))
+    return scene
+
+
 def line_on_plane(**law) -> fl.Scene:
     """An element, all of which is behind a plane."""
     return in_contact(
@@ -306,6 +353,14 @@ TERMS: dict[str, Case] = {
     "line on a bar": Case(line_on_bar, TOUCH),
     "line on a line": Case(line_on_line, TOUCH),
     "line on a plane": Case(line_on_plane, TOUCH),
+    "skin on a skin": Case(skin_on_skin, TOUCH),
+    "triangles on triangles": Case(lambda: skin_on_skin("triangle"), TOUCH),
+    "skin on quadratic cells": Case(lambda: skin_on_skin(degree=2), TOUCH),
+    "skin on quadratic triangles": Case(lambda: skin_on_skin("triangle", 2), TOUCH),
+    "skin on an edge": Case(skin_on_edge, TOUCH),
+    "balls on a skin": Case(ball_on_skin, TOUCH),
+    "skin on a plane": Case(skin_on_plane, TOUCH),
+    "skin that damps on a skin": Case(lambda: skin_on_skin(damping=0.3), TOUCH),
     "line that damps on a bar": Case(lambda: line_on_bar(damping=0.3), TOUCH),
     "corners on a plane that damps": Case(lambda: corners_on_plane(damping=0.3), TOUCH),
     "balls that damp": Case(lambda: balls_on_balls(damping=0.3), TOUCH),

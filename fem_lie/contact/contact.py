@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, text
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.held import HeldRotation
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.rubbing import Friction
@@ -19,6 +20,7 @@ from fem_lie.contact.sides.meeting import Sides as MeetingSides
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.surfaces import Ball, Surface
 from fem_lie.contact.sides.table import Nodes, Side, balls_side, number_of, planes_side
+from fem_lie.contact.skins import Skin, meeting_of, numbers_of
 
 Law: TypeAlias = Penalty | Impact
 
@@ -95,8 +97,9 @@ class Contact:
         self.a.check()
         self.b.check()
         self._check_places()
-        if self._lines:
-            self._check_lines()
+        if self._lines or self._skins:
+            self._check_skins() if self._skins else self._check_lines()
+            self._check_meeting()
             return
         self._check_sorts()
         self._check_overlap()
@@ -114,10 +117,26 @@ class Contact:
             raise ValueError(f"{self.label}: lines touch lines, bars and planes, not balls")
         if self.a is self.b:
             raise ValueError(f"{self.label}: a line does not touch itself; give two lines")
+
+    def _check_skins(self) -> None:
+        if isinstance(self.law, Impact):
+            raise ValueError(f"{self.label}: skins of shells touch by Penalty, not by Impact")
+        if self._lines:
+            raise ValueError(f"{self.label}: skins touch skins, balls and planes, not lines")
+        if self.a is not self.b and len({each.shell for each in self._skins}) < len(self._skins):
+            raise ValueError(f"{self.label}: a shell touches itself by one skin, given twice")
+        for each in (self.a, self.b):
+            if not each.whole and each.balls():
+                raise ValueError(f"{self.label}: the corners of a box do not touch skins")
+            if any(ball.radius < 0.0 for ball in each.balls()):
+                raise ValueError(f"{self.label}: skins do not touch what is around a hollow")
+
+    def _check_meeting(self) -> None:
+        """Refuse what overlaps, of lines and skins."""
         numbers, H = self._numbered()
-        g = PenaltyForces(self._meeting(numbers), Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
-        radius = min(piece.radius for each in (self.a, self.b) for piece in each.pieces())
-        self._refuse(g[1], g[2], np.full(len(g[1]), radius))
+        sides = self._meeting(numbers)
+        g = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
+        self._refuse(g[1], g[2], np.full(len(g[1]), sides.radius))
 
     def _check_sorts(self) -> None:
         a, b = self.a.balls(), self.b.balls()
@@ -156,6 +175,9 @@ class Contact:
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that its forces are made of."""
+        if self._skins:
+            first, second = (numbers_of(each, nodes) for each in (self.a, self.b))
+            return *first, *second, self.a is self.b, repr(self.law)
         if self._lines:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)
@@ -198,7 +220,24 @@ class Contact:
     def _lines(self) -> bool:
         return bool(self.a.pieces() or self.b.pieces())
 
+    @property
+    def _skins(self) -> list[Skin]:
+        return [each for each in (self.a, self.b) if isinstance(each, Skin)]
+
+    @property
+    def holds(self) -> list[tuple[Body, HeldRotation]]:
+        """Nodes that its forces turn about all axes."""
+        what = f"the smooth surface of {self.label}"
+        shells = dict.fromkeys(each.shell for each in self._skins)
+        return [
+            (shell, HeldRotation(node, self, what))
+            for shell in shells
+            for node in range(len(shell.frames))
+        ]
+
     def _meeting(self, nodes: Nodes) -> MeetingSides:
+        if self._skins:
+            return meeting_of(self.a, self.b, nodes)
         if not self._lines:
             a, b, flat, same = self.sides(nodes)
             return Balls(a, b, flat=flat, same=same)

@@ -87,7 +87,8 @@ def tangents(
             continue
         bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
         if not at.flat:
-            _slide(H, at, e, n, nodes, D, G)
+            for direction in range(2):
+                _slide(H, at, e, direction, n, nodes, D, G)
         f, by_gap, by_speed = law.k * g, law.k, 0.0
         if viscous:
             speed = speed_of(H, v, at.a, at.b, i, j, at.flat, P, n)
@@ -135,10 +136,12 @@ def normal_rows(
 
 
 @inlined_uncounted
-def _slide(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, G: Array) -> None:
+def _slide(
+    H: Array, at: Meeting, e: int, k: int, n: Vector, nodes: Indices, D: Array, G: Array
+) -> None:
     """``−m mᵀ/s``: the second place follows the first; see :class:`~.meeting.Sliding`."""
     i, j = at.pairs[e]
-    t, slides = load_row(at.sliding.slopes, e), at.sliding
+    t, slides = load_row(at.sliding.slopes[e], k), at.sliding
     if t[0] == t[1] == t[2] == 0.0:
         return
     apart = minus(place(H, at.a, i), place(H, at.b, j))
@@ -152,9 +155,9 @@ def _slide(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, G
             D[s, 1, 0, p] = along / distance
         if s >= MOST_NODES:
             f = local_components(H[nodes[s]], n)
-            turning = cross(load_row(slides.levers[e], s - MOST_NODES), f)
+            turning = cross(load_row(slides.levers[e, k], s - MOST_NODES), f)
             for p in range(3):
-                D[s, 1, 0, p] += slides.weights[e, s - MOST_NODES] * f[p]
+                D[s, 1, 0, p] += slides.weights[e, k, s - MOST_NODES] * f[p]
                 D[s, 1, 0, 3 + p] += turning[p]
     for a in range(SLOTS):
         for b in range(SLOTS):
@@ -162,7 +165,7 @@ def _slide(H: Array, at: Meeting, e: int, n: Vector, nodes: Indices, D: Array, G
                 for p in range(6):
                     for q in range(6):
                         product = D[a, 1, 0, p] * D[b, 1, 0, q]
-                        G[a, b, p, q] -= product * distance / slides.bends[e]
+                        G[a, b, p, q] -= product * distance / slides.bends[e, k]
 
 
 @inlined_uncounted

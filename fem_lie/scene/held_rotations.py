@@ -15,13 +15,14 @@ import numpy as np
 from fem_lie.bodies.body import Body, Holds, Point
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.points import ground
+from fem_lie.contact.contact import Contact
 from fem_lie.joints import Connection, RigidLink
 from fem_lie.lie.kinds import NodeKind
 from fem_lie.scene.load import Load
 from fem_lie.scene.nodal_loads import PointLoad
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
-Holding: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion
+Holding: TypeAlias = Connection | RigidLink | Load | Clamp | PrescribedMotion | Contact
 
 
 def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
@@ -32,6 +33,8 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
         yield from _by_each_other(item.label, item.a, item.b)
     elif isinstance(item, PrescribedMotion):
         yield from _by_each_other(type(item).__name__, item.point, ground())
+    elif isinstance(item, Contact):
+        yield from item.holds
     elif isinstance(item, PointLoad) and np.any(item.moment):
         what = f"the moment at {item.point.label}"
         yield item.body, HeldRotation(item.point.node, item, what, item.axis())

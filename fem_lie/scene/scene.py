@@ -150,6 +150,7 @@ class Scene:
         elif isinstance(item, Contact):
             self._check_points(item.label, *item.bodies)
             item.check()
+            self._check_rotations(item)
             self.contacts.append(item)
         elif isinstance(item, Load):
             item.check()
@@ -172,7 +173,7 @@ class Scene:
 
     def held_rotations(self) -> Holds:
         """What takes hold of the rotations of each body's nodes."""
-        between: list[Holding] = [*self.joints, *self.connections, *self.links]
+        between: list[Holding] = [*self.joints, *self.connections, *self.links, *self.contacts]
         return held_in([*between, *self.loads, *self.motions])
 
     def drills(self, body: Body) -> bool:

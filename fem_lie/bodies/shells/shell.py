@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from math import cos, degrees, pi, radians
 
@@ -182,11 +183,9 @@ class Shell(SupportedSurface):
         for hold in holds:
             if not self._tilts(hold):
                 bound.setdefault(int(self.leaders[hold.node]), set()).add(hold.other)
-        held_by = [other for others in bound.values() for other in others]
+        held_by = Counter(other for others in bound.values() for other in others)
         alone = [
-            node
-            for node, others in bound.items()
-            if any(held_by.count(other) == 1 for other in others)
+            node for node, others in bound.items() if any(held_by[other] == 1 for other in others)
         ]
         areas = self._measure()[1].sum(axis=1)
         return drilling_stiffness(self.stiffness, areas, self.mesh.cells, alone)

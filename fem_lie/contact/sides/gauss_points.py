@@ -22,7 +22,7 @@ from fem_lie.contact.sides.curves import (
     weights,
 )
 from fem_lie.contact.sides.curves import at as place_at
-from fem_lie.contact.sides.surfaces import Piece
+from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
 from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, number_of
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
@@ -34,16 +34,16 @@ _BULGE = 1.1
 
 
 class Sliding(NamedTuple):
-    """How second places on lines follow the first ones: by ``δσ`` along their pieces.
+    """How second places on lines and patches follow the first ones, along up to two directions.
 
-    ``g`` is least there, so its second derivative has ``−m mᵀ/s`` beside that at constant σ, with
-    ``m = ∂²g/∂σ∂h`` and ``s = ∂²g/∂σ²``.
+    ``g`` is least there, so its second derivative has ``−Σ m mᵀ/s`` beside that at a constant
+    place, with ``m = ∂²g/∂σ∂h`` and ``s = ∂²g/∂σ²`` of directions with ``∂²g/∂σ∂τ = 0``.
 
     Attributes:
-        slopes: ``Q'``; zero where the second place stays at an end, shape (m, 3).
-        bends: ``|Δ| s = Q'·Q' − Δ·Q''``, shape (m,).
-        weights: Derivatives of the weights of both nodes, shape (m, 2).
-        levers: And of their levers, shape (m, 2, 3).
+        slopes: ``Q'``; zero where the second place stays at an end, shape (m, 2, 3).
+        bends: ``|Δ| s = Q'·Q' − Δ·Q''``, shape (m, 2).
+        weights: Derivatives of the weights of all nodes, shape (m, 2, 4).
+        levers: And of their levers, shape (m, 2, 4, 3).
     """
 
     slopes: Array
@@ -54,7 +54,10 @@ class Sliding(NamedTuple):
 
 def no_sliding(m: int) -> Sliding:
     """Of places that stay where they are on their side."""
-    return Sliding(np.zeros((m, 3)), np.ones(m), np.zeros((m, 2)), np.zeros((m, 2, 3)))
+    k = MOST_NODES
+    return Sliding(
+        np.zeros((m, 2, 3)), np.ones((m, 2)), np.zeros((m, 2, k)), np.zeros((m, 2, k, 3))
+    )
 
 
 class Meeting(NamedTuple):
@@ -128,10 +131,10 @@ def _set_sliding(b: Strands, j: int, σ: float, P: Vector, out: Sliding, q: int)
     """How a place follows ``P``."""
     D, (w0, w1, m0, m1) = b.curves[j], slopes(σ)
     apart, t = minus(P, place_at(D, σ)), slope(D, σ)
-    store_row(out.slopes, q, scaled(1.0 if 0.0 < σ < 1.0 else 0.0, t))
-    out.bends[q] = dot(t, t) - dot(apart, bend(D, σ))
-    out.weights[q, 0], out.weights[q, 1] = w0, w1
-    _set_levers(b, j, (w0, w1, m0, m1), out.levers[q])
+    store_row(out.slopes[q], 0, scaled(1.0 if 0.0 < σ < 1.0 else 0.0, t))
+    out.bends[q, 0] = dot(t, t) - dot(apart, bend(D, σ))
+    out.weights[q, 0, 0], out.weights[q, 0, 1] = w0, w1
+    _set_levers(b, j, (w0, w1, m0, m1), out.levers[q, 0])
 
 
 @inlined_uncounted

@@ -84,9 +84,15 @@ class Balls(Sides):
 
     of_balls = True
 
-    def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
-        """Keep both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`."""
+    def __init__(
+        self, a: Side, b: Side, *, flat: bool, same: bool, areas: Array | None = None
+    ) -> None:
+        """Keep both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`.
+
+        ``areas`` are what first places stand for; default: one.
+        """
         self._a, self._b, self._flat = a, b, flat
+        self._areas = np.ones(len(a.radii)) if areas is None else areas
         self.near = NearPairs(a, b, flat=flat, same=same)
         self.on_ground = bool((a.owners == GROUND).any() or (b.owners == GROUND).any())
         self.radius = least(a.radii, b.radii)
@@ -105,7 +111,7 @@ class Balls(Sides):
                 self._b,
                 self._flat,
                 self.near.now,
-                np.ones(count),
+                self._areas[self.near.now[:, 0]],
                 self.near.first,
                 no_sliding(count),
             )
@@ -189,7 +195,7 @@ class Lines(Sides):
         self._stretch(self._settled)
         if not known:
             self.near.cover(start, end)
-        found += [_copied(self._meet(H)) for H in (start, end)]
+        found += [copied(self._meet(H)) for H in (start, end)]
         self._stretch(kept)
         return found
 
@@ -229,7 +235,7 @@ class Lines(Sides):
         return np.stack([i[first], j[first], j[last], first], axis=1)
 
 
-def _copied(at: Meeting) -> Meeting:
+def copied(at: Meeting) -> Meeting:
     """One that stays when sides meet elsewhere."""
     a, b = _copied_side(at.a), at.b if at.flat else _copied_side(at.b)
     slides = Sliding(*(array.copy() for array in at.sliding))

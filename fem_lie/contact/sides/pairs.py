@@ -25,7 +25,9 @@ class NearPairs:
         patience: How far places may move until the list is made anew.
     """
 
-    def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
+    def __init__(
+        self, a: Side, b: Side, *, flat: bool, same: bool, left_out: Indices | None = None
+    ) -> None:
         """Find out which pairs there may be.
 
         Args:
@@ -33,7 +35,10 @@ class NearPairs:
             b: Second side.
             flat: Whether that are planes.
             same: Whether both sides are the same.
+            left_out: Pairs of places that never touch, shape (m, 2); default: none.
         """
+        none = np.empty((0, 2), dtype=np.int64) if left_out is None else left_out
+        self._left_out = np.sort(none[:, 0] * len(b.radii) + none[:, 1])
         self._a, self._b, self._same, self.version = a, b, same, 0
         hollow = bool((b.radii < 0.0).any())
         self.fixed = flat or hollow
@@ -120,4 +125,8 @@ class NearPairs:
         if not self._same:
             pairs = pairs[(pairs[:, 0] < n) & (pairs[:, 1] >= n)] - np.array([0, n])
         apart = self._a.owners[pairs[:, 0]] != self._b.owners[pairs[:, 1]]
+        if len(self._left_out):
+            keys = pairs[:, 0] * len(self._b.radii) + pairs[:, 1]
+            at = np.minimum(np.searchsorted(self._left_out, keys), len(self._left_out) - 1)
+            apart &= self._left_out[at] != keys
         return np.ascontiguousarray(pairs[apart])

@@ -1,0 +1,341 @@
+"""Places that meet patches of shells: each of them a ball where its distance to these is least.
+
+Of patches with a common corner one place counts, the nearest; and it counts only if no patch that
+has the edge or corner on which it is has a nearer one, or is left out. So a sheet meets itself
+where it has come back, and not where it only is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.sides.gauss_points import Meeting, Sliding, no_sliding
+from fem_lie.contact.sides.kinematics import place
+from fem_lie.contact.sides.meeting import Sides, copied
+from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.patches import (
+    BY_U,
+    BY_V,
+    NET,
+    ROWS,
+    VALUE,
+    Patches,
+    bends_at,
+    combination,
+    edge_ends,
+    edge_slope,
+    nearest_on,
+    set_nets,
+    set_shapes,
+)
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, Side, empty_side, least
+from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
+
+_EQUAL = 1.0 - 1e-12
+"""Squares of distances of the same place on two patches are within that."""
+
+_SQUARE, _U, _V, _EDGE, _END, _TAKEN = range(6)
+_FOUND = 6
+
+
+@inlined_uncounted
+def _far(net: Array, triangle: bool, P: Vector, reach: float) -> bool:
+    """Whether all of a patch is further: it is within the box of its control points."""
+    count = 3 if triangle else 4
+    for r in range(3):
+        low, high = np.inf, -np.inf
+        for k in range(count):
+            x, a, b = net[k, r], abs(net[4 + 2 * k, r]), abs(net[5 + 2 * k, r])
+            # the inner ones are off the corners by a third of each tangent, at most a half
+            low, high = min(low, x - 0.5 * (a + b)), max(high, x + 0.5 * (a + b))
+        if P[r] < low - reach or P[r] > high + reach:
+            return True
+    return False
+
+
+@inlined_uncounted
+def _shares(b: Patches, j: int, other: int) -> bool:
+    """Whether two patches have a corner in common."""
+    for k in range(MOST_NODES):
+        for q in range(MOST_NODES):
+            if b.corners[j, k] >= 0 and b.corners[j, k] == b.corners[other, q]:
+                return True
+    return False
+
+
+@inlined_uncounted
+def _has(b: Patches, j: int, corner: int) -> bool:
+    for k in range(MOST_NODES):
+        if b.corners[j, k] == corner:
+            return True
+    return False
+
+
+@uncounted
+def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Array) -> bool:
+    """Whether no neighbour of a patch has a nearer place."""
+    edge, end, j = int(found[q, _EDGE]), int(found[q, _END]), near[first + q, 1]
+    if edge < 0:
+        return True
+    one, two = edge_ends(b.nodes[j, 3] < 0, edge)
+    if end == 1:
+        one = two
+    wanted = b.at_edges[j, edge] if end < 0 else b.at_corners[j, one]
+    p = b.corners[j, one]
+    r = b.corners[j, two] if end < 0 else p
+    there = 0
+    for other in range(last - first):
+        k = near[first + other, 1]
+        if _has(b, k, p) and _has(b, k, r):
+            there += 1
+            if found[other, _SQUARE] < _EQUAL * found[q, _SQUARE]:
+                return False
+    return bool(there == wanted)
+
+
+@uncounted
+def _next(b: Patches, near: Indices, first: int, last: int, found: Array) -> int:
+    """The nearest that is not taken and has no corner of those that are, or −1."""
+    while True:
+        best = -1
+        for q in range(last - first):
+            if found[q, _TAKEN] == 0.0 and found[q, _SQUARE] < np.inf:
+                if best < 0 or found[q, _SQUARE] < found[best, _SQUARE]:
+                    best = q
+        if best < 0:
+            return best
+        free = _least(b, near, first, last, best, found)
+        for q in range(last - first):
+            if found[q, _TAKEN] == 1.0 and _shares(b, near[first + best, 1], near[first + q, 1]):
+                free = False
+        # 1: taken, 2: left
+        found[best, _TAKEN] = 1.0 if free else 2.0
+        if free:
+            return best
+
+
+@inlined_uncounted
+def _set_place(b: Patches, j: int, W: Array, row: int, u: float, weights: Array, c: Array) -> None:
+    """Add ``u`` times the weights and levers that shape functions or their slopes give."""
+    for k in range(MOST_NODES):
+        if b.nodes[j, k] < 0:
+            break
+        weights[k] += u * W[row, k]
+        lever = load_row(c, k)
+        for a in range(2):
+            t = scaled(u * W[row, MOST_NODES + 2 * k + a], load_row(b.tangents[j, k], a))
+            lever = plus(lever, t)
+        store_row(c, k, lever)
+
+
+@uncounted
+def _set_sliding(
+    b: Patches, j: int, edge: int, end: int, P: Vector, W: Array, out: Sliding, q: int
+) -> None:
+    """How the place at which ``W`` is taken follows ``P``."""
+    for way in range(2):
+        out.bends[q, way] = 1.0
+        store_row(out.slopes[q], way, (0.0, 0.0, 0.0))
+        for k in range(MOST_NODES):
+            out.weights[q, way, k] = 0.0
+            store_row(out.levers[q, way], k, (0.0, 0.0, 0.0))
+    if end >= 0:
+        return
+    net = b.nets[j]
+    aa, ab, bb = bends_at(net, W, minus(P, combination(net, W, VALUE)))
+    ways = 1
+    (u0, v0), (u1, v1) = (1.0, 0.0), (-ab / aa, 1.0)
+    if edge >= 0:
+        u0, v0 = edge_slope(b.nodes[j, 3] < 0, edge)
+    else:
+        ways = 2
+    for way in range(ways):
+        u, v = (u0, v0) if way == 0 else (u1, v1)
+        t = plus(scaled(u, combination(net, W, BY_U)), scaled(v, combination(net, W, BY_V)))
+        store_row(out.slopes[q], way, t)
+        out.bends[q, way] = u * u * aa + 2.0 * u * v * ab + v * v * bb
+        _set_place(b, j, W, BY_U, u, out.weights[q, way], out.levers[q, way])
+        _set_place(b, j, W, BY_V, v, out.weights[q, way], out.levers[q, way])
+
+
+@inlined_uncounted
+def _face_of(H: Array, a: Side, i: int, apart: Vector) -> int:
+    """On which face of its sheet a place is touched, by ``Δ``; of what is no sheet 0."""
+    if a.nodes[i, 1] < 0:
+        return 0
+    return 1 if dot(apart, load_row(H[a.nodes[i, 0]], 3)) > 0.0 else 0
+
+
+@uncounted
+def _set_facing(
+    H: Array,
+    a: Side,
+    areas: Array,
+    b: Patches,
+    near: Indices,
+    blocks: Indices,
+    stations: bool,
+    W: Array,
+    C: Array,
+    found: Array,
+    out: Meeting,
+    keys: Indices,
+) -> int:
+    count = last = 0
+    while last < near.shape[0]:
+        first, i = last, near[last, 0]
+        while last < near.shape[0] and near[last, 0] == i:
+            last += 1
+        P, reach = place(H, a, i), a.radii[i] + b.radii[near[first, 1]]
+        if stations:
+            reach *= 2.0
+        for q in range(last - first):
+            j = near[first + q, 1]
+            found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
+            triangle = b.nodes[j, 3] < 0
+            if not _far(b.nets[j], triangle, P, reach):
+                at = nearest_on(triangle, b.nets[j], P, W, C)
+                found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
+                found[q, _EDGE], found[q, _END] = at.edge, at.end
+        seen = (False, False)
+        while True:
+            q = _next(b, near, first, last, found)
+            if q < 0 or found[q, _SQUARE] >= reach * reach:
+                break
+            j = near[first + q, 1]
+            set_shapes(b.nodes[j, 3] < 0, found[q, _U], found[q, _V], W)
+            if stations:
+                face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
+                if seen[face]:
+                    continue
+                seen = (True, seen[1]) if face == 0 else (seen[0], True)
+                keys[count, 0], keys[count, 1] = i, face
+            for k in range(MOST_NODES):
+                out.b.nodes[count, k], out.b.weights[count, k] = b.nodes[j, k], 0.0
+                store_row(out.b.levers[count], k, (0.0, 0.0, 0.0))
+            _set_place(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.levers[count])
+            out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
+            edge, end = int(found[q, _EDGE]), int(found[q, _END])
+            _set_sliding(b, j, edge, end, P, W, out.sliding, count)
+            out.pairs[count, 0], out.pairs[count, 1] = i, count
+            out.weight[count], out.first[count] = areas[i], blocks[first + q]
+            count += 1
+    return count
+
+
+@compiled
+def set_facing(
+    H: Array,
+    a: Side,
+    areas: Array,
+    b: Patches,
+    near: Indices,
+    blocks: Indices,
+    stations: bool,
+    out: Meeting,
+    keys: Indices,
+) -> int:
+    """Where places meet patches, within both radii or as stations of friction; how many.
+
+    Args:
+        H: Frames.
+        a: First places.
+        areas: That these stand for.
+        b: Patches, with nets at these frames.
+        near: Pairs that are near each other, sorted.
+        blocks: The first one of each.
+        stations: Whether they are those of friction: within twice the radii, one for each face.
+        out: Overwritten; its second places and how these follow have room for all pairs.
+        keys: Overwritten with what tells stations apart, shape (≥ m, 2).
+    """
+    W, C, found = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], _FOUND))
+    return _set_facing(H, a, areas, b, near, blocks, stations, W, C, found, out, keys)
+
+
+class Facing(Sides):
+    """Places that meet patches."""
+
+    def __init__(self, a: Side, areas: Array, b: Patches, left_out: Indices) -> None:
+        """Keep both sides.
+
+        Args:
+            a: Balls, or places of shells with half of their thickness.
+            areas: That each of these stands for, or one.
+            b: Patches.
+            left_out: Pairs of both that never touch, shape (m, 2).
+        """
+        self._a, self._areas, self._b = a, areas, b
+        self.near = NearPairs(a, middles_of(b), flat=False, same=False, left_out=left_out)
+        self.radius = least(a.radii, b.radii)
+        self.on_ground = bool((a.owners == GROUND).any())
+        self._version = -1
+
+    def meet(self, H: Array) -> Meeting:
+        """See the base class."""
+        self.near.update(H)
+        return self._meet(H)
+
+    def _meet(self, H: Array) -> Meeting:
+        if self.near.version != self._version:
+            self._version, most = self.near.version, len(self.near.now)
+            self._room = self._space(most), np.zeros((most, 2), dtype=np.int64)
+        return self._found(H, *self._room, stations=False)
+
+    def _space(self, most: int) -> Meeting:
+        return Meeting(
+            self._a,
+            empty_side(most),
+            False,
+            np.zeros((most, 2), dtype=np.int64),
+            np.zeros(most),
+            np.zeros(most, dtype=np.int64),
+            no_sliding(most),
+        )
+
+    def _found(self, H: Array, room: Meeting, keys: Indices, *, stations: bool) -> Meeting:
+        set_nets(H, self._b)
+        near = self.near.now, self.near.first
+        k = set_facing(H, self._a, self._areas, self._b, *near, stations, room, keys)
+        return room._replace(pairs=room.pairs[:k])
+
+    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+        """See the base class: where places are near, one for each face of a sheet."""
+        self.near.update(H)
+        most = len(self.near.now)
+        keys = np.zeros((most, 2), dtype=np.int64)
+        at = self._found(H, self._space(most), keys, stations=True)
+        return at, keys[: len(at.pairs)]
+
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
+        """See the base class."""
+        if not known:
+            self.near.cover(start, end)
+        return [copied(self._meet(H)) for H in (start, end)]
+
+    def settle(self) -> None:
+        """See the base class; there is nothing."""
+
+
+def middles_of(patches: Patches) -> Side:
+    """Balls about the middles of patches that have all of them within."""
+    found, W = empty_side(len(patches.nodes)), np.zeros((ROWS, NET))
+    for j, nodes in enumerate(patches.nodes):
+        triangle = bool(nodes[3] < 0)
+        u = 1.0 / 3.0 if triangle else 0.5
+        set_shapes(triangle, u, u, W)
+        k = 3 if triangle else 4
+        found.nodes[j, :k] = nodes[:k]
+        found.weights[j] = W[VALUE, :MOST_NODES]
+        tangents = W[VALUE, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents[j]
+        found.levers[j] = tangents.sum(axis=1)
+        net = patches.nets[j]
+        reach = np.linalg.norm(net[:k] - W[VALUE] @ net, axis=1).max()
+        found.radii[j], found.owners[j] = patches.radii[j] + _BULGE * reach, nodes[0]
+    return found
+
+
+_BULGE = 1.1
+"""Reach of patches from their middles over that at first: by how much they may be stretched."""

@@ -1,0 +1,278 @@
+"""Cells of shells as smooth patches with a radius: nearest places on them, compiled.
+
+A patch is cubic in places and tangents of its corners, ``Q = Σ Nₖ xₖ + Mₖ₀ Rₖ tₖ₀ + Mₖ₁ Rₖ tₖ₁``,
+with tangents across the director, so that its edges are Hermite's cubics, which neighbours share,
+as they do the tangent planes at corners. Of quadrilaterals it is Ferguson's patch without twists,
+which is smooth across edges of regular meshes, of triangles Bézier's, whose middle makes it exact
+for parabolas.
+
+J. Ferguson, Multivariable curve interpolation, J. ACM 11 (1964) 221; A. Vlachos et al., Curved PN
+triangles, I3D 2001.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.sides.curves import at, project, slopes, weights
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.lie.motions import global_components
+from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
+
+NET = 3 * MOST_NODES
+"""Vectors of a patch: places of corners, then two tangents at each."""
+
+VALUE, BY_U, BY_V, BY_UU, BY_UV, BY_VV = range(6)
+"""Rows of shape functions."""
+
+_ROOM = 6
+ROWS = 9
+"""Of arrays for them, with room."""
+
+_TURNS = 30
+_ZERO = 1e-14
+"""Part of a patch by which a place on it is known."""
+
+
+class Patches(NamedTuple):
+    """Cells of one surface.
+
+    Attributes:
+        nodes: Of the corners in DOLFINx's order, negative after the third of a triangle, (m, 4).
+        tangents: In their frames: along both axes of a quadrilateral, to both others of a
+            triangle, shape (m, 4, 2, 3).
+        radii: Half of the thickness, shape (m,).
+        corners: The same number for the same place, shape (m, 4).
+        at_corners: How many patches have that corner, shape (m, 4).
+        at_edges: And that edge, in the order of :func:`edge_ends`, shape (m, 4).
+        nets: At present, shape (m, 12, 3).
+    """
+
+    nodes: Indices
+    tangents: Array
+    radii: Array
+    corners: Indices
+    at_corners: Indices
+    at_edges: Indices
+    nets: Array
+
+
+class Nearest(NamedTuple):
+    """A place on a patch.
+
+    Attributes:
+        square: Of its distance.
+        u: Where.
+        v: Likewise.
+        edge: That it is on, or −1.
+        end: Of the edge that it is, 0 or 1, or −1.
+    """
+
+    square: float
+    u: float
+    v: float
+    edge: int
+    end: int
+
+
+@compiled
+def set_nets(H: Array, patches: Patches) -> None:
+    """Places and tangents of corners at frames ``H``."""
+    for j in range(patches.nodes.shape[0]):
+        for k in range(MOST_NODES):
+            node = patches.nodes[j, k]
+            if node < 0:
+                break
+            store_row(patches.nets[j], k, load_row(H[node], 0))
+            for a in range(2):
+                t = global_components(H[node], load_row(patches.tangents[j, k], a))
+                store_row(patches.nets[j], MOST_NODES + 2 * k + a, t)
+
+
+@inlined_uncounted
+def _set_cubics(s: float, W: Array, row: int) -> None:
+    """Hermite's functions and their derivatives, one after the other."""
+    W[row, 0], W[row, 1], W[row, 2], W[row, 3] = weights(s)
+    W[row, 4], W[row, 5], W[row, 6], W[row, 7] = slopes(s)
+    W[row, 8], W[row, 9] = 12.0 * s - 6.0, 6.0 - 12.0 * s
+    W[row, 10], W[row, 11] = 6.0 * s - 4.0, 6.0 * s - 2.0
+
+
+@uncounted
+def _set_quadrilateral(u: float, v: float, W: Array) -> None:
+    """Shape functions and their derivatives."""
+    _set_cubics(u, W, _ROOM)
+    _set_cubics(v, W, _ROOM + 1)
+    A, B, row = W[_ROOM], W[_ROOM + 1], 0
+    for total in range(3):
+        for q in range(total + 1):
+            p = total - q
+            for k in range(4):
+                a, b = 4 * p + k % 2, 4 * q + k // 2
+                W[row, k] = A[a] * B[b]
+                W[row, 4 + 2 * k] = A[2 + a] * B[b]
+                W[row, 5 + 2 * k] = A[a] * B[2 + b]
+            row += 1
+
+
+@uncounted
+def _set_triangle(u: float, v: float, W: Array) -> None:
+    """Likewise, of a triangle; those of the fourth corner are zero."""
+    W[:] = 0.0
+    λ, G, B = W[_ROOM], W[_ROOM + 1], W[_ROOM + 2]
+    λ[0], λ[1], λ[2] = 1.0 - u - v, u, v
+    for i in range(3):
+        for part in range(3):
+            # N, then M to the next and to the one after that
+            j = (i + max(part, 1)) % 3
+            k = 3 - i - j
+            a, b, c = λ[i], λ[j], λ[k]
+            bubble = 2.0 if part == 0 else 0.5
+            value = bubble * a * b * c
+            G[i], G[j], G[k] = bubble * b * c, bubble * a * c, bubble * a * b
+            ii, ij, ik, jk = 0.0, bubble * c, bubble * b, bubble * a
+            if part == 0:
+                value += a * a * (a + 3.0 * (b + c))
+                G[i] += 3.0 * a * a + 6.0 * a * (b + c)
+                G[j] += 3.0 * a * a
+                G[k] += 3.0 * a * a
+                ii, ij, ik = 6.0 * (a + b + c), ij + 6.0 * a, ik + 6.0 * a
+            else:
+                value += a * a * b
+                G[i] += 2.0 * a * b
+                G[j] += a * a
+                ii, ij = 2.0 * b, ij + 2.0 * a
+            # pairs of corners by what is neither of them
+            B[3 + i], B[3 + j], B[3 + k] = jk, ik, ij
+            B[i], B[j], B[k] = ii, 0.0, 0.0
+            n = i if part == 0 else MOST_NODES + 2 * i + part - 1
+            W[VALUE, n], W[BY_U, n], W[BY_V, n] = value, G[1] - G[0], G[2] - G[0]
+            W[BY_UU, n] = B[1] - 2.0 * B[5] + B[0]
+            W[BY_UV, n] = B[3] - B[5] - B[4] + B[0]
+            W[BY_VV, n] = B[2] - 2.0 * B[4] + B[0]
+
+
+@uncounted
+def set_shapes(triangle: bool, u: float, v: float, W: Array) -> None:
+    """Shape functions of a patch and their derivatives, shape (9, 12)."""
+    if triangle:
+        _set_triangle(u, v, W)
+    else:
+        _set_quadrilateral(u, v, W)
+
+
+@inlined_uncounted
+def combination(net: Array, W: Array, row: int) -> Vector:
+    """Place on a patch or one of its derivatives."""
+    x = (0.0, 0.0, 0.0)
+    for k in range(NET):
+        x = plus(x, scaled(W[row, k], load_row(net, k)))
+    return x
+
+
+@inlined_uncounted
+def bends_at(net: Array, W: Array, apart: Vector) -> tuple[float, float, float]:
+    """Second derivatives of half the squared distance: ``Q,ₐ·Q,ᵦ − Δ·Q,ₐᵦ``."""
+    tu, tv = combination(net, W, BY_U), combination(net, W, BY_V)
+    return (
+        dot(tu, tu) - dot(apart, combination(net, W, BY_UU)),
+        dot(tu, tv) - dot(apart, combination(net, W, BY_UV)),
+        dot(tv, tv) - dot(apart, combination(net, W, BY_VV)),
+    )
+
+
+@inlined_uncounted
+def edge_ends(triangle: bool, edge: int) -> tuple[int, int]:
+    """Corners at both ends of an edge."""
+    if triangle:
+        return edge, (edge + 1) % 3
+    if edge < 2:
+        return 2 * edge, 2 * edge + 1
+    return edge - 2, edge
+
+
+@inlined_uncounted
+def edge_slope(triangle: bool, edge: int) -> tuple[float, float]:
+    """How ``u`` and ``v`` change along an edge."""
+    if triangle:
+        return (1.0, 0.0) if edge == 0 else ((-1.0, 1.0) if edge == 1 else (0.0, -1.0))
+    return (1.0, 0.0) if edge < 2 else (0.0, 1.0)
+
+
+@inlined_uncounted
+def _edge_start(triangle: bool, edge: int) -> tuple[float, float]:
+    if triangle:
+        return (0.0, 0.0) if edge == 0 else ((1.0, 0.0) if edge == 1 else (0.0, 1.0))
+    return (0.0, 1.0 * edge) if edge < 2 else (1.0 * (edge - 2), 0.0)
+
+
+@uncounted
+def _set_edge(triangle: bool, net: Array, edge: int, C: Array) -> None:
+    """An edge as a cubic, shape (4, 3)."""
+    p, q = edge_ends(triangle, edge)
+    store_row(C, 0, load_row(net, p))
+    store_row(C, 1, load_row(net, q))
+    if triangle:
+        store_row(C, 2, load_row(net, MOST_NODES + 2 * p))
+        store_row(C, 3, scaled(-1.0, load_row(net, MOST_NODES + 2 * q + 1)))
+    else:
+        a = 0 if edge < 2 else 1
+        store_row(C, 2, load_row(net, MOST_NODES + 2 * p + a))
+        store_row(C, 3, load_row(net, MOST_NODES + 2 * q + a))
+
+
+@uncounted
+def _within(triangle: bool, net: Array, P: Vector, W: Array) -> Nearest:
+    """The nearest place in the inside, or none: an infinite distance."""
+    u = v = 1.0 / 3.0 if triangle else 0.5
+    none = Nearest(np.inf, 0.0, 0.0, -1, -1)
+    for _ in range(_TURNS):
+        set_shapes(triangle, u, v, W)
+        apart = minus(P, combination(net, W, VALUE))
+        tu, tv = combination(net, W, BY_U), combination(net, W, BY_V)
+        f, g = dot(apart, tu), dot(apart, tv)
+        a, b, c = bends_at(net, W, apart)
+        if a <= 0.0 or a * c - b * b <= 0.0:
+            a, b, c = dot(tu, tu), dot(tu, tv), dot(tv, tv)
+        size = a * c - b * b
+        if size <= 0.0:
+            return none
+        du, dv = (c * f - b * g) / size, (a * g - b * f) / size
+        longest = max(abs(du), abs(dv))
+        if longest > 0.5:
+            du, dv = 0.5 * du / longest, 0.5 * dv / longest
+        u, v = u + du, v + dv
+        if not (-1.0 < u < 2.0 and -1.0 < v < 2.0):
+            return none
+        if longest < _ZERO:
+            break
+    inside = u >= 0.0 and v >= 0.0 and (u + v <= 1.0 if triangle else (u <= 1.0 and v <= 1.0))
+    set_shapes(triangle, u, v, W)
+    apart = minus(P, combination(net, W, VALUE))
+    a, b, c = bends_at(net, W, apart)
+    if not inside or a <= 0.0 or a * c - b * b <= 0.0:
+        return none
+    return Nearest(dot(apart, apart), u, v, -1, -1)
+
+
+@uncounted
+def nearest_on(triangle: bool, net: Array, P: Vector, W: Array, C: Array) -> Nearest:
+    """The place on a patch (12, 3) that is nearest to ``P``; ``W`` (9, 12), ``C`` (4, 3): room."""
+    found = _within(triangle, net, P, W)
+    if found.square < np.inf:
+        return found
+    for edge in range(3 if triangle else 4):
+        _set_edge(triangle, net, edge, C)
+        s = project(C, P)
+        apart = minus(P, at(C, s))
+        square = dot(apart, apart)
+        if square < found.square:
+            u, v = _edge_start(triangle, edge)
+            du, dv = edge_slope(triangle, edge)
+            end = 0 if s == 0.0 else (1 if s == 1.0 else -1)
+            found = Nearest(square, u + s * du, v + s * dv, edge, end)
+    return found

@@ -1,0 +1,235 @@
+"""Faces of shells, which touch each other, themselves, balls and planes.
+
+A shell is all within half its thickness of its middle surface, with round edges. The middle surface
+is smooth: patches with the tangents that nodal frames carry. On one side of a contact stand points
+of Gauss of each cell as balls, with the areas that they stand for, on the other are the patches,
+and each ball is pushed off by what is nearest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, vstack
+from scipy.sparse.csgraph import dijkstra
+
+from fem_lie._arrays import Array, Indices, instance, positive, whole
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.shells.shell import Shell
+from fem_lie.contact.sides.facing import Facing
+from fem_lie.contact.sides.meeting import Balls, Sides
+from fem_lie.contact.sides.patches import NET, ROWS, Patches, edge_ends, set_nets, set_shapes
+from fem_lie.contact.sides.surfaces import MOST_NODES, Surface
+from fem_lie.contact.sides.table import UNUSED, Nodes, Side, balls_side, empty_side, planes_side
+from fem_lie.mesh.shapes import rule
+
+_PARTS = {
+    ("triangle", 3): [[0, 1, 2]],
+    ("quadrilateral", 4): [[0, 1, 2, 3]],
+    ("triangle", 6): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [5, 3, 4]],
+    ("quadrilateral", 9): [[0, 4, 5, 8], [4, 1, 8, 6], [5, 8, 2, 7], [8, 6, 7, 3]],
+}
+"""Corners of the patches of a cell."""
+
+_SOURCES = 256
+"""Of shortest ways that are looked for together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Skin(Surface):
+    """Both faces of a shell and what is round about its edges.
+
+    Forces are per area of the unloaded middle surface, of the first of two skins; that should be
+    the finer one. A skin given twice touches itself. The shell has six parameters then, for
+    tangents turn with frames.
+
+    Attributes:
+        shell: Of quadrilaterals or triangles.
+        thickness: Default: that of its sections.
+        gauss: Points along each axis of a patch, where forces are; of triangles as exact.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+        >>> sheet = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
+        >>> skin = fl.Skin(sheet)
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(sheet)
+        >>> _ = scene.add(fl.Contact(skin, skin, fl.Penalty(1e9)))
+        >>> scene.drills(sheet)
+        True
+    """
+
+    shell: Shell
+    thickness: float | None = None
+    gauss: int = 2
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for what is no shell, thickness or number."""
+        instance(self.shell, Shell, "Skin: shell", "a Shell")
+        if self.thickness is not None:
+            positive(self.thickness, "Skin: thickness")
+        whole(self.gauss, "Skin: gauss")
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """Its nodes."""
+        return [Point(self.shell, node) for node in range(len(self.shell.frames))]
+
+    def _parts(self, cells: Indices) -> Indices:
+        """Corners of all patches, shape (m, 3 or 4)."""
+        parts = np.array(_PARTS[self.shell.mesh.cell, cells.shape[1]])
+        return np.ascontiguousarray(cells[:, parts].reshape(-1, parts.shape[1]))
+
+    @property
+    def radii(self) -> Array:
+        """Half the thickness of each patch, shape (m,)."""
+        cells = self.shell.connectivity
+        parts = len(_PARTS[self.shell.mesh.cell, cells.shape[1]])
+        thickness = self.shell.thickness if self.thickness is None else self.thickness
+        return 0.5 * np.repeat(np.broadcast_to(thickness, len(cells)), parts)
+
+    def patches(self, nodes: Nodes) -> Patches:
+        """Its cells, as they are in the beginning.
+
+        Args:
+            nodes: Numbers of a body's nodes.
+        """
+        own = self._parts(self.shell.connectivity)
+        m, k = own.shape
+        corners, numbers = np.full((m, MOST_NODES), -1), np.full((m, MOST_NODES), UNUSED)
+        corners[:, :k], numbers[:, :k] = self._parts(self.shell.mesh.cells), own
+        at_corners, at_edges = _counts(corners, k == 3)
+        found = Patches(
+            numbers,
+            np.zeros((m, MOST_NODES, 2, 3)),
+            self.radii,
+            corners,
+            at_corners,
+            at_edges,
+            np.zeros((m, NET, 3)),
+        )
+        found.tangents[:, :k] = _tangents(self.shell.frames, own)
+        set_nets(self.shell.frames, found)
+        known = nodes(self.shell)
+        return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
+
+    def places(self, patches: Patches) -> tuple[Side, Array]:
+        """Points of Gauss as balls, and their areas."""
+        triangle = self.shell.mesh.cell == "triangle"
+        at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
+        m, g = len(patches.nodes), len(at)
+        found, areas, W = empty_side(m * g), np.empty((m, g)), np.zeros((ROWS, NET))
+        for q, (u, v) in enumerate(at):
+            set_shapes(triangle, u, v, W)
+            found.weights[q::g] = W[0, :MOST_NODES]
+            tangents = W[0, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents
+            found.levers[q::g] = tangents.sum(axis=2)
+            across = np.cross(W[1] @ patches.nets, W[2] @ patches.nets)
+            areas[:, q] = parts[q] * np.linalg.norm(across, axis=1)
+        used = patches.nodes[:, :3] if triangle else patches.nodes
+        found.nodes[:, : used.shape[1]] = np.repeat(used, g, axis=0)
+        found.radii[:] = np.repeat(patches.radii, g)
+        found.owners[:] = found.nodes[:, 0]
+        return found, areas.ravel()
+
+    def neighbours(self, patches: Patches) -> Indices:
+        """Pairs of patches that are no further along the sheet than it could be folded, (m, 2)."""
+        triangle = self.shell.mesh.cell == "triangle"
+        corners = patches.corners[:, : 3 if triangle else 4]
+        m, n = len(corners), len(self.shell.mesh.points)
+        reach = 2.0 * np.pi * float(patches.radii.max())
+        near = _within(self.shell.mesh.points, corners, reach)
+        ones = np.ones(corners.size)
+        at = coo_array((ones, (corners.ravel(), np.repeat(np.arange(m), corners.shape[1]))), (n, m))
+        both = (at.T @ near @ at).tocoo()
+        return np.stack([both.row, both.col], axis=1).astype(np.int64)
+
+
+def meeting_of(a: Surface, b: Surface, nodes: Nodes) -> Sides:
+    """Two surfaces of which one at least is a skin.
+
+    Args:
+        a: First one.
+        b: Second one.
+        nodes: Numbers of a body's nodes.
+    """
+    if not isinstance(b, Skin):
+        a, b = b, a
+    assert isinstance(b, Skin)
+    patches = b.patches(nodes)
+    none = np.empty((0, 2), dtype=np.int64)
+    if isinstance(a, Skin):
+        places, areas = a.places(patches if a is b else a.patches(nodes))
+        if a is not b:
+            return Facing(places, areas, patches, none)
+        # each pair of faces is seen from both of them
+        g = len(areas) // len(patches.nodes)
+        pairs = b.neighbours(patches)
+        first = (g * pairs[:, :1] + np.arange(g)).ravel()
+        left_out = np.stack([first, np.repeat(pairs[:, 1], g)], axis=1)
+        return Facing(places, 0.5 * areas, patches, left_out)
+    if balls := a.balls():
+        return Facing(balls_side(balls, nodes), np.ones(len(balls)), patches, none)
+    places, areas = b.places(patches)
+    return Balls(places, planes_side(a.faces(), nodes), flat=True, same=False, areas=areas)
+
+
+def numbers_of(surface: Surface, nodes: Nodes) -> list[Array]:
+    """All that it consists of."""
+    if isinstance(surface, Skin):
+        patches = surface.patches(nodes)
+        _, areas = surface.places(patches)
+        return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
+    return [*balls_side(surface.balls(), nodes), *planes_side(surface.faces(), nodes)]
+
+
+def _tangents(frames: Array, cells: Indices) -> Array:
+    """In frames of the corners, as long as arcs to the others, shape (m, 3 or 4, 2, 3)."""
+    k = cells.shape[1]
+    found = np.empty((len(cells), k, 2, 3))
+    for i in range(k):
+        H = frames[cells[:, i]]
+        for a in range(2):
+            if k == 3:
+                other, sign = (i + 1 + a) % 3, 1.0
+            else:
+                other, sign = i ^ (1 + a), -1.0 if i & (1 + a) else 1.0
+            chord = frames[cells[:, other], 0] - H[:, 0]
+            local = np.einsum("mij,mj->mi", H[:, 1:], chord)
+            length, off = np.linalg.norm(chord, axis=1), local[:, 2].copy()
+            angle = np.arcsin(np.clip(np.abs(off) / length, 0.0, 1.0))
+            local[:, 2] = 0.0
+            arc = length / np.sinc(angle / np.pi)
+            found[:, i, a] = sign * local * (arc / np.linalg.norm(local, axis=1))[:, np.newaxis]
+    return found
+
+
+def _counts(corners: Indices, triangle: bool) -> tuple[Indices, Indices]:
+    """How many patches have each corner and each edge, both (m, 4)."""
+    m, sides = len(corners), 3 if triangle else 4
+    often = np.bincount(corners[corners >= 0])
+    at_corners = np.where(corners >= 0, often[np.maximum(corners, 0)], 0)
+    ends = np.array([edge_ends(triangle, e) for e in range(sides)])
+    edges = np.sort(corners[:, ends].reshape(-1, 2), axis=1)
+    _, which, often = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    at_edges = np.zeros((m, MOST_NODES), dtype=np.int64)
+    at_edges[:, :sides] = often[which.ravel()].reshape(m, sides)
+    return at_corners.astype(np.int64), at_edges
+
+
+def _within(x: Array, cells: Indices, reach: float) -> csr_array:
+    """Which points are no further from each other along edges and diagonals, (n, n)."""
+    n, k = len(x), cells.shape[1]
+    pairs = np.concatenate([cells[:, [i, j]] for i in range(k) for j in range(i)])
+    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    lengths = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1)
+    graph = coo_array((lengths, pairs.T), (n, n)).tocsr()
+    found = []
+    for first in range(0, n, _SOURCES):
+        sources = np.arange(first, min(first + _SOURCES, n))
+        ways = dijkstra(graph, directed=False, indices=sources, limit=reach)
+        found.append(csr_array(np.isfinite(ways), dtype=np.float64))
+    return vstack(found, format="csr")
