@@ -176,8 +176,8 @@ class Contact:
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that its forces are made of."""
         if self._skins:
-            first, second = (numbers_of(each, nodes) for each in (self.a, self.b))
-            return *first, *second, self.a is self.b, repr(self.law)
+            both = [*numbers_of(self.a, nodes), *numbers_of(self.b, nodes)]
+            return *both, self.a is self.b, repr(self.law)
         if self._lines:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)

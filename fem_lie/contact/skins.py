@@ -122,8 +122,8 @@ class Skin(Surface):
         at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
         m, g = len(patches.nodes), len(at)
         found, areas, W = empty_side(m * g), np.empty((m, g)), np.zeros((ROWS, NET))
-        for q, (u, v) in enumerate(at):
-            set_shapes(triangle, u, v, W)
+        for q in range(g):
+            set_shapes(triangle, float(at[q, 0]), float(at[q, 1]), W)
             found.weights[q::g] = W[0, :MOST_NODES]
             tangents = W[0, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents
             found.levers[q::g] = tangents.sum(axis=2)
@@ -177,7 +177,7 @@ def meeting_of(a: Surface, b: Surface, nodes: Nodes) -> Sides:
     return Balls(places, planes_side(a.faces(), nodes), flat=True, same=False, areas=areas)
 
 
-def numbers_of(surface: Surface, nodes: Nodes) -> list[Array]:
+def numbers_of(surface: Surface, nodes: Nodes) -> list[object]:
     """All that it consists of."""
     if isinstance(surface, Skin):
         patches = surface.patches(nodes)

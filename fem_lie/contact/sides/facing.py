@@ -320,20 +320,18 @@ class Facing(Sides):
 
 
 def middles_of(patches: Patches) -> Side:
-    """Balls about the middles of patches that have all of them within."""
+    """Balls about the middles of patches of one sort that have all of them within."""
+    triangle = bool((patches.nodes[:, 3] < 0).all())
+    k, u = (3, 1.0 / 3.0) if triangle else (4, 0.5)
     found, W = empty_side(len(patches.nodes)), np.zeros((ROWS, NET))
-    for j, nodes in enumerate(patches.nodes):
-        triangle = bool(nodes[3] < 0)
-        u = 1.0 / 3.0 if triangle else 0.5
-        set_shapes(triangle, u, u, W)
-        k = 3 if triangle else 4
-        found.nodes[j, :k] = nodes[:k]
-        found.weights[j] = W[VALUE, :MOST_NODES]
-        tangents = W[VALUE, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents[j]
-        found.levers[j] = tangents.sum(axis=1)
-        net = patches.nets[j]
-        reach = np.linalg.norm(net[:k] - W[VALUE] @ net, axis=1).max()
-        found.radii[j], found.owners[j] = patches.radii[j] + _BULGE * reach, nodes[0]
+    set_shapes(triangle, u, u, W)
+    found.nodes[:] = patches.nodes
+    found.weights[:] = W[VALUE, :MOST_NODES]
+    parts = W[VALUE, MOST_NODES:].reshape(MOST_NODES, 2, 1)
+    found.levers[:] = (parts * patches.tangents).sum(axis=2)
+    middles = W[VALUE] @ patches.nets
+    reach = np.linalg.norm(patches.nets[:, :k] - middles[:, np.newaxis], axis=2).max(axis=1)
+    found.radii[:], found.owners[:] = patches.radii + _BULGE * reach, patches.nodes[:, 0]
     return found
 
 
