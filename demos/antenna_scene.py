@@ -92,7 +92,7 @@ class Antenna:
             self.scene.add(fl.Drive(joint.displacement, self.opened))
             for joint in self.telescopes[:: bays // driven]
         ]
-        self.net = None
+        self.net: fl.Net | None = None
         if cells:
             self.net = nets(cables(bays, PULL), cells, slack)
             self.scene.add(self.net)

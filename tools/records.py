@@ -47,6 +47,7 @@ SHORT = {
     "double_four_bar": "--duration 2",
     "flapping_plate": "--mesh 8 --periods 0.5",
     "governor": "--duration 2",
+    "hoop_antenna": "--elements 2 --cells 4 --step 2e-2",
     "laminate": "--cells 16",
     "semi_cylinder": "--mesh 20",
     "slider_crank": "--duration 1",
