@@ -152,6 +152,22 @@ def test_it_falls_with_the_cells(estimate, cell):
     assert 0.4 < found[1] / found[0] < 0.7
 
 
+def test_layers_along_free_edges():
+    """A square twisted by forces at its corners: M₁₂ = P/2 up to edges, where none can be."""
+    force, thickness = 1e-6, 0.02
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (8, 8))
+    scene = fl.Scene()
+    section = fl.ShellSection.layer(thickness, MATERIAL)
+    plate = scene.add(fl.Shell(mesh, section, name="plate"))
+    for corner, directions in (("00", np.eye(3)), ("10", np.eye(3)[1:]), ("01", np.eye(3)[2:])):
+        for direction in directions:
+            plate.guide(corner, direction)
+    scene.add(fl.PointLoad(plate["11"], force=(0, 0, force)))
+    twist, shear = section.stiffness[5, 5], section.stiffness[6, 6]
+    expected = np.sqrt(4.0 * (force / 2) ** 2 / np.sqrt(twist * shear))
+    assert errors(scene, fl.Residual()).total == pytest.approx(expected, rel=0.02)
+
+
 # --- in the loop, and bad input -------------------------------------------------------------------
 
 

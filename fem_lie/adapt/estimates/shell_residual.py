@@ -10,6 +10,7 @@ import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.adapt.estimates.edge_layers import EdgeLayers
 from fem_lie.adapt.estimates.estimate import ElementErrors
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
@@ -43,7 +44,8 @@ def shell_residual(
     Local frames make it simple: both sides have their resultants along axes that move with them, so
     the jump is taken across a bend, and rigid motion is not in it. At a border, a kink or where the
     section changes, an edge has no other side; then the opposite one counts twice, or on triangles
-    those that are left count for all.
+    those that are left count for all. What is missed in layers along borders comes to it, see
+    :mod:`~fem_lie.adapt.estimates.edge_layers`.
 
     Raises:
         ValueError: The cells have nodes besides their corners, or no edge in common; the shell is
@@ -67,6 +69,7 @@ class ShellEdges:
         areas: Of what is carried by the points, shape (m, g).
         shares: Of area times square of each jump, shape (m, c).
         plain: ``D⁻¹`` of each cell, shape (m, 8, 8).
+        layers: Of the edges without another side.
     """
 
     to_edges: Array
@@ -77,6 +80,7 @@ class ShellEdges:
     areas: Array
     shares: Array
     plain: Array
+    layers: EdgeLayers
 
     @classmethod
     def of(cls, shell: Shell) -> ShellEdges:
@@ -97,7 +101,8 @@ class ShellEdges:
         places = StressPlaces.in_sections(shell, KINK_ANGLE)
         a, b = _common(places.patches.number, ends)
         m, c = len(mesh.cells), len(ends)
-        shares = _shares(mesh.cell, np.isin(np.arange(m * c), [a, b]).reshape(m, c))
+        known = np.isin(np.arange(m * c), [a, b])
+        shares = _shares(mesh.cell, known.reshape(m, c))
         if not shares.any(axis=1).all():
             raise ValueError(
                 f"residual errors need cells with smooth neighbours, cell "
@@ -109,7 +114,8 @@ class ShellEdges:
         compliance = np.einsum("mcki,mkl,mclj->mcij", inverse, plain, inverse)
         rule, _ = integration(shell)
         to_edges = extrapolation(mesh, rule)[ends].mean(axis=1)
-        return cls(to_edges, turns, compliance, a, b, places.areas, shares, plain)
+        layers = EdgeLayers.of(shell, places, ends, np.flatnonzero(~known), turns)
+        return cls(to_edges, turns, compliance, a, b, places.areas, shares, plain, layers)
 
     def errors(self, stress: Array) -> ElementErrors:
         """From stress at the points of integration, in the axes of the sections, (m, g, 8)."""
@@ -121,8 +127,9 @@ class ShellEdges:
         rows = jumps.reshape(m, c, 1, 8)
         squares = ((rows @ self.compliance) * rows).sum(axis=(2, 3))
         energy = ((stress @ self.plain) * stress).sum(axis=2)
+        layers = self.layers.squares(stress, at_edges, jumps.reshape(m, c, 8))
         return ElementErrors(
-            self.areas.sum(axis=1) * (squares * self.shares).sum(axis=1),
+            self.areas.sum(axis=1) * (squares * self.shares).sum(axis=1) + layers,
             float((energy * self.areas).sum()),
         )
 
