@@ -251,6 +251,18 @@ def test_joints_are_told_to_carry_what_contacts_push():
     np.testing.assert_allclose(result.joint_force(joint)[1:, 2], -4.0 * GRAVITY, rtol=1e-8)
 
 
+def test_what_a_drive_does_through_friction_is_its_work():
+    """On a platform that is shaken a block slides to and fro: friction alone takes energy."""
+    result = run(stick_and_slip(), 0.3, 2.5e-3)
+    told = result.contacts
+    work, lost = result.balance[-1, 0], told.friction_loss.sum()
+    assert lost > 0.05
+    assert told.friction_loss.min() > -1e-9
+    assert np.abs(told.impact_loss).sum() < 0.02 * lost
+    assert work == pytest.approx(lost + result.total_energy[-1] - result.total_energy[0], rel=2e-2)
+    assert result.energy_error < 5e-3
+
+
 # --- flexible bodies ---
 
 STEEL = fl.Material(2e9, 0.0, 1000.0)

@@ -87,7 +87,8 @@ class CoupledRun(Run):
         told = self._told[self.index - 1]
         before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())
         if contacts.settle(s, self.weights, self._end):
-            contacts.told[IMPACT] = -self.books.collide(self._end, before, self._accepted)
+            lost = self.books.collide(self._end, before, self._accepted, contacts.work)
+            contacts.told[IMPACT] = -lost
             contacts.told[IMPACT] -= contacts.told[FRICTION]
         told[:] = contacts.told
         if not told[RESIDUAL] <= LARGEST:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL
+from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.system.balance.acting import Acting
 from fem_lie.system.instant import Instant
@@ -147,13 +147,14 @@ class Books:
         self.total[POWER] += after[0] - before[0] + float(self._stored[0]) - stored
         self.total[BY_REACTIONS:] += after[1:] - before[1:]
 
-    def collide(self, time: float, before: Instant, after: Instant) -> float:
+    def collide(self, time: float, before: Instant, after: Instant, work: float) -> float:
         """Book what impacts have done at the end of a step that was made and booked without them.
 
         Args:
             time: The end of the step.
             before: The state without them.
             after: The state that there is now.
+            work: Of drives and prescribed motions by their impulses.
 
         Returns:
             Energy that they took, which is booked as damping's.
@@ -163,8 +164,9 @@ class Books:
             system.report(state.H, state.v, told) + system.terms.energy(state.H)
             for state, told in zip((before, after), seen, strict=True)
         ]
-        lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1])
+        lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1]) + work
         self.total[DAMPING] += lost
+        self.total[WORK] += work
         self.total[BY_REACTIONS:] += seen[1][1:] - seen[0][1:]
         self.look(time, *after)
         return lost

@@ -150,6 +150,14 @@ class CoupledBodies:
         rates, _ = self._equations.constraints(H).rates(V)
         return np.asarray(rates - self._equations.prescribed(time, self._h).target_rates[0])
 
+    def _driven(self, time: float) -> Array:
+        """Mean rates of the targets of constraints in the step that ends then, shape (m,)."""
+        if not self._equations.unknowns.driven:
+            return np.zeros(self._m)
+        ends = (self._equations.prescribed(at).targets for at in (time - self._h, time))
+        before, after = (np.array(each) for each in ends)
+        return np.asarray((after - before) / self._h)
+
     def _accelerations(self, H: Array, V: Array, time: float) -> tuple[Array, Array]:
         """Rates of twists (n, 6) and multipliers without contacts."""
         n = 6 * self._n

@@ -75,6 +75,7 @@ class Moved(NamedTuple):
         rows: There, shape (3 k, 6 rows).
         pushes: Rows of forces, shape (3 k, 6 n).
         carried: By joints, forces of them, shape (m,).
+        slips: How far contacts slide, shape (k, 2).
     """
 
     H: Array
@@ -83,6 +84,7 @@ class Moved(NamedTuple):
     rows: Array
     pushes: Array
     carried: Array
+    slips: Array
 
 
 class Last(NamedTuple):
@@ -121,6 +123,7 @@ class CoupledContacts(CoupledBodies):
     Attributes:
         told: What they did in the last step, see :data:`~fem_lie.contact.impact.records.TOLD`.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
+        work: Of drives and prescribed motions by these impulses.
     """
 
     def __init__(
@@ -128,7 +131,7 @@ class CoupledContacts(CoupledBodies):
     ) -> None:
         """As the base class."""
         super().__init__(contacts, equations, scheme, kept)
-        self.told, self.reactions = np.zeros(SIZE), np.zeros(self._m)
+        self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
         self._last = _NOTHING
 
     def begin(self, H: Array, v: Array, time: float) -> None:
@@ -296,7 +299,8 @@ class CoupledContacts(CoupledBodies):
         whole[:, :n] = pushes
         pushes = self._own(self._turned(whole, end, H))
         rows = self._rows_of(H, chosen.pairs, chosen.axis)
-        return Moved(H, d, guess, rows, pushes, carried @ forces)
+        slips = self._slips(chosen, H, rows, glide)
+        return Moved(H, d, guess, rows, pushes, carried @ forces, slips)
 
     # --- velocities ---
 
@@ -347,10 +351,15 @@ class CoupledContacts(CoupledBodies):
         P = problem.r.ravel()
         change = P - given
         end_twist = twist + (Z @ change).reshape(-1, 6)
+        moving = 6 * (self._n + 1)
+        given_by = 0.5 * (self._V0 + V).ravel()[moving:]
+        self.work = -float(P @ (B[:, moving:] @ given_by))
         self.reactions += first + reactions @ change
-        # by the mean velocities of its rows
+        self.work -= float(self.reactions @ self._driven(time))
         mean = 0.5 * (u + B @ self._all_rows(end_twist, time).ravel()).reshape(-1, 3)
-        self.told[FRICTION] = float((mean * problem.r)[:, 1:].sum())
+        # of what was closed by how far it slid, for that is nothing of what sticks
+        slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
+        self.told[FRICTION] = float((slid * problem.r[:, 1:]).sum())
         return end_twist, problem.r.copy()
 
     # --- the end of the step ---
