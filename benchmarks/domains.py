@@ -31,6 +31,7 @@ from petsc4py import PETSc
 import basix.ufl
 import dolfinx.mesh
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from dolfinx import fem, la
 from dolfinx.mesh import GhostMode
@@ -162,15 +163,19 @@ def matrix(q: NodalFrames, asked: Case) -> PETSc.Mat:
     forms = local_frame_forms(energy(q, asked.thickness, 5 if asked.static else 3), q)
     n = 6 * len(q.frames)
     part = fem.assemble_matrix(forms.tangent).to_scipy(ghosted=True).tocsr()[:, :n]
+    return parts_summed(q, part, None if asked.static else inertia(q, asked.thickness))
+
+
+def parts_summed(q: NodalFrames, part: sp.csr_matrix, diagonal: np.ndarray | None) -> PETSc.Mat:
+    """The sum over all ranks of their parts, with what comes to the diagonals of these."""
     part.sort_indices()
-    local = PETSc.Mat().createAIJ(
-        (n, n), csr=(part.indptr, part.indices, part.data), comm=PETSc.COMM_SELF
-    )
+    csr = part.indptr.astype(PETSc.IntType), part.indices.astype(PETSc.IntType), part.data
+    local = PETSc.Mat().createAIJ(part.shape, csr=csr, comm=PETSc.COMM_SELF)
     local.setBlockSize(6)
-    if not asked.static:
-        diagonal = local.getDiagonal()
-        diagonal.array[:] += inertia(q, asked.thickness).ravel()
-        local.setDiagonal(diagonal)
+    if diagonal is not None:
+        both = local.getDiagonal()
+        both.array[:] += diagonal.ravel()
+        local.setDiagonal(both)
     nodes = q.increment.function_space.dofmap.index_map
     names = nodes.local_to_global(np.arange(len(q.frames), dtype=np.int32)).astype(np.int32)
     to_all = PETSc.LGMap().create(names, bsize=6, comm=PETSc.COMM_WORLD)

@@ -8,7 +8,7 @@ import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import CHAINS, MOTION, THREADS, ByChains, DirectSolver
+from fem_lie.linear.direct import CHAINS, LATTICES, THREADS, ByChains, DirectSolver
 from fem_lie.solve import methods
 from fem_lie.solve.methods import methods_in_time
 from fem_lie.system.equations import Equations
@@ -134,7 +134,7 @@ def test_a_net_moves_as_with_factors_of_the_whole(monkeypatch):
         return scheme.run(square_net(2, 10), duration=3e-3, step=1e-3, progress=False)
 
     wanted = run()
-    assert methods_in_time(Equations(square_net(2, 10), dynamics=True)) == MOTION
+    assert methods_in_time(Equations(square_net(2, 10), dynamics=True)) == LATTICES
     monkeypatch.setattr(methods, "LARGE", 10)
     equations = Equations(square_net(2, 10), dynamics=True)
     assert methods_in_time(equations) == THREADS

@@ -64,13 +64,14 @@ class Method:
         pc.setFactorSolverType(self.package)
 
 
-class ByChains(Method):
-    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`.
-
-    That takes a rank less time by itself than MUMPS on several.
-    """
+class Alone(Method):
+    """One that takes a rank less time by itself than MUMPS on several, as there is little fill."""
 
     spreads: ClassVar[bool] = False
+
+
+class ByChains(Alone):
+    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`."""
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """See the base class."""
@@ -78,7 +79,7 @@ class ByChains(Method):
         pc.setPythonContext(Condensed(kkt, own, self.package))
 
 
-CHAINS = (Method("lu", "klu"),)
+CHAINS = (Alone("lu", "klu"),)
 """The fastest for chains, trees and single loops of bodies: block triangular, little fill."""
 
 SURFACES = (Method("lu", "mumps"),)
@@ -91,8 +92,11 @@ INDEFINITE = SYMMETRIC[1:]
 """For symmetric matrices of surfaces that are bordered by constraints."""
 
 MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
-"""For surfaces and trusses in time: umfpack solves twice as fast as mumps. The factors of klu grow
-faster than a truss whose bars are joined: from 2 to 8 cells of 28 bars 32 times as slow."""
+"""For surfaces in time: umfpack solves twice as fast as mumps."""
+
+LATTICES = (Alone("lu", "umfpack"), Method("lu", "mumps"))
+"""For trusses and small nets in time. The factors of klu grow faster than a truss whose bars are
+joined: from 2 to 8 cells of 28 bars 32 times as slow."""
 
 THREADS = (ByChains("lu", "mumps"), *reversed(MOTION))
 """For large nets and trusses, most nodes of which are within threads and bars; then mumps, whose

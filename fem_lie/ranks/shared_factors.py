@@ -15,6 +15,8 @@ from fem_lie.ranks.together import first, meet, several
 FROM = 20_000
 """Unknowns from which on factors are shared, unless PETSc's option ``shared_from`` says another."""
 
+_FROM = "shared_from"
+
 _log = logging.getLogger(__name__)
 
 
@@ -24,11 +26,16 @@ def shared(size: int, prefix: str, *, spreads: bool = True) -> bool:
     Args:
         size: Unknowns.
         prefix: Of PETSc's options.
-        spreads: Whether that takes less time than what each would do.
+        spreads: Whether that takes less time than what each would do; with the option
+            ``shared_from`` size alone decides.
     """
     if not several():
         return False
-    found = spreads and size >= int(PETSc.Options(prefix).getInt("shared_from", FROM))
+    options = PETSc.Options(prefix)
+    if options.hasName(_FROM):
+        found = size >= int(options.getInt(_FROM))
+    else:
+        found = spreads and size >= FROM
     if first():
         why = "small, " if spreads else ""
         how = "factors shared by" if found else f"{why}the same factors on each of"

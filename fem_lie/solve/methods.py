@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fem_lie.lie.kinds import SURFACE
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import CHAINS, INDEFINITE, MOTION, SURFACES, SYMMETRIC, THREADS
+from fem_lie.linear.direct import CHAINS, INDEFINITE, LATTICES, MOTION, SURFACES, SYMMETRIC, THREADS
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
@@ -25,7 +25,7 @@ def methods_in_time(equations: Equations) -> tuple[Method, ...]:
         return MOTION
     if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):
         return THREADS
-    return MOTION if meshed(kkt) else CHAINS
+    return LATTICES if meshed(kkt) else CHAINS
 
 
 def meshed(kkt: KKT) -> bool:
