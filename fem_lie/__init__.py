@@ -35,6 +35,7 @@ from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.lines import Cylinder, Line
+from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.surfaces import Box, Plane, Sphere, Surface, Vertices
 from fem_lie.contact.skins import Skin
 from fem_lie.elements.beams.directors import Director, director_strains
@@ -343,8 +344,10 @@ __all__ = [
     "Revolute",
     "RigidBody",
     "RigidLink",
+    "Rings",
     "Rod",
     "RollingDisc",
+    "Rope",
     "SaintVenantKirchhoff",
     "Scene",
     "Screw",

@@ -13,6 +13,9 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.penalty import PenaltyForces
+from fem_lie.contact.rings.forces import RingForces
+from fem_lie.contact.rings.kernels import Law as RingLaw
+from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.rubbing import Friction
 from fem_lie.contact.sides.kinematics import gaps
 from fem_lie.contact.sides.meeting import Balls, Lines
@@ -96,6 +99,9 @@ class Contact:
         """
         self.a.check()
         self.b.check()
+        if isinstance(self.a, Rope | Rings) or isinstance(self.b, Rope | Rings):
+            self._check_rings()
+            return
         self._check_places()
         if self._lines or self._skins:
             self._check_skins() if self._skins else self._check_lines()
@@ -103,6 +109,26 @@ class Contact:
             return
         self._check_sorts()
         self._check_overlap()
+
+    def _check_rings(self) -> None:
+        rope, rings, law = self.a, self.b, self.law
+        if not (isinstance(rope, Rope) and isinstance(rings, Rings)):
+            raise ValueError(
+                f"{self.label}: Contact(Rope(...), Rings(...)) is what there is of both"
+            )
+        if not isinstance(law, Penalty) or law.damping > 0.0:
+            raise ValueError(f"{self.label}: ropes run through rings by Penalty without damping")
+        own = {(rope.body, int(node)) for node in rope.path}
+        if any((point.body, point.node) in own for point in rings.of):
+            raise ValueError(f"{self.label}: a ring is fixed to a node of its rope")
+        term = self.term(self._numbered()[0])
+        apart = -term.touching(self._numbered()[1], np.empty((0, 6)))[1]
+        if apart.max() > OVERLAP * rope.lengths.mean():
+            k = int(apart.argmax())
+            raise ValueError(
+                f"{self.label}: ring {k} is {apart[k]:.3g} off the rope, whose nodes are "
+                f"{rope.lengths.mean():.3g} apart; let it start on the rope"
+            )
 
     def _check_places(self) -> None:
         """Refuse friction on nodes that do not turn, whose anchors would have a lever there."""
@@ -178,6 +204,9 @@ class Contact:
         if self._skins:
             both = [*numbers_of(self.a, nodes), *numbers_of(self.b, nodes)]
             return *both, self.a is self.b, repr(self.law)
+        if isinstance(self.a, Rope) and isinstance(self.b, Rings):
+            found = self._rings(self.a, self.b, nodes).contents
+            return *found, repr(self.law)
         if self._lines:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)
@@ -192,7 +221,13 @@ class Contact:
             found = crc32(data, found)
         return found
 
-    def term(self, nodes: Nodes) -> PenaltyForces:
+    def _rings(self, rope: Rope, rings: Rings, nodes: Nodes) -> RingForces:
+        assert isinstance(self.law, Penalty)
+        holding = self.law.stiffness if self.law.holding is None else self.law.holding
+        numbers = self.law.stiffness, self.law.friction, holding
+        return RingForces(rope, rings, RingLaw(*(float(n) for n in numbers)), nodes)
+
+    def term(self, nodes: Nodes) -> PenaltyForces | RingForces:
         """Its forces.
 
         Args:
@@ -206,6 +241,8 @@ class Contact:
                 f"{self.label}: Impact is for GeneralisedAlpha with constant steps; give Penalty "
                 "elsewhere"
             )
+        if isinstance(self.a, Rope) and isinstance(self.b, Rings):
+            return self._rings(self.a, self.b, nodes)
         sides, friction = self._meeting(nodes), None
         if self.law.friction > 0.0:
             friction = Friction(sides, self.law, self._frames(nodes))

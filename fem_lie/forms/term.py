@@ -126,6 +126,7 @@ class Term(ABC):
             :meth:`geometric` is, but not its tangents.
         conserved: Whether conserving schemes have its forces over a step.
         secant: Whether they have them by :meth:`add_over_step`.
+        steady: Whether these are as they are, and their size makes up for no round-off.
         turning: Whether a load turns with nodes or is a moment, and so has no potential.
         on_ground: Whether ground is the other side of some of the forces.
         apart: Whether a matrix that is kept may do without the tangent, beside which
@@ -139,7 +140,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = secant = on_ground = rubs = apart = False
+    conserved = secant = steady = on_ground = rubs = apart = False
 
     # --- forces ---
 

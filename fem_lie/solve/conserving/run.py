@@ -137,7 +137,7 @@ class Run(Steps):
         if self._held and Record.FORCES in history.filled:
             history.reactions[row] = self._reactions(weights)
         if Record.ENERGIES in history.filled:
-            history.elastic[row] += s.W.sum() + self._pushes.energy
+            history.elastic[row] += s.W.sum() + self._pushes.energy + self._pushes.held
         history.keep(
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
         )

@@ -40,6 +40,7 @@ class Followed(Term):
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
         self.on_ground, self.rubs, self.apart = term.on_ground, term.rubs, term.apart
+        self.steady = term.steady
         self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
         numbers = np.arange(len(attachment.leader))[where]
         self._direct = bool(np.isin(numbers, attachment.leaders).all())

@@ -24,9 +24,10 @@ class Pushes:
     """The forces of terms that have secants, such as contacts, on the nodes that lead.
 
     Attributes:
-        energy: That these terms have stored at the end of the last step.
+        energy: That terms which push have stored at the end of the last step.
         ahead: At the end of the step that is looked at.
-        debt: By how much more was stored than the work on them.
+        held: As energy, of steady terms.
+        debt: By how much more was stored than the work on what pushes.
         ends: Of that step, of all nodes.
     """
 
@@ -42,8 +43,11 @@ class Pushes:
         self._terms = [term for term in terms if term.secant]
         self._rubbing = [term for term in self._terms if term.rubs]
         self._leader, self._offset = leader, offset
-        self.energy = self.ahead = self.debt = 0.0
+        self.energy = self.ahead = self.held = self.debt = 0.0
+        self._pushing = [term for term in self._terms if not term.steady]
+        self._steady = [term for term in self._terms if term.steady]
         self._trivial, total = moving == len(leader), len(leader)
+        self._held_ahead = 0.0
         self._on_all, self._ground = np.zeros((total, 6)), np.zeros(6)
         self.ends = Ends(*np.zeros((4, total, 4, 3)))
 
@@ -61,16 +65,17 @@ class Pushes:
 
     def at_rest(self, H: Array) -> None:
         """Find the stored energy at frames ``H``."""
-        self.energy = sum(term.energy(H) for term in self._terms)
+        self.energy = sum(term.energy(H) for term in self._pushing)
+        self.held = sum(term.energy(H) for term in self._steady)
 
     @property
     def saved(self) -> Array:
         """What the next steps depend on."""
-        return np.array([self.energy, self.debt])
+        return np.array([self.energy, self.debt, self.held])
 
     def restore(self, saved: Array) -> None:
         """Be as when that was :attr:`saved`."""
-        self.energy, self.debt = (float(value) for value in saved)
+        self.energy, self.debt, self.held = (float(value) for value in saved)
 
     def set(self, H: Array, step: Array, rows: Array, leak: float, out: Array) -> None:
         """Forces over a step, into ``out``.
@@ -91,10 +96,9 @@ class Pushes:
             else:
                 follow(given, self._leader, self._offset, own)
         work = self._add_all(out)
-        if not self._trivial:
-            arms = ends.mean[:, 0] - mean[self._leader, 0]
-            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
+        self._lead(mean, out)
         self._settle_debt(work, leak, out)
+        self._add_steady(out, mean)
 
     def set_between(self, ends: Ends, out: Array) -> None:
         """The same for nodes of any kind that all lead, between ends that are known.
@@ -103,21 +107,43 @@ class Pushes:
         """
         for given, own in zip(ends, self.ends, strict=True):
             own[:] = given[: len(own)]
-        self._settle_debt(self._add_all(out), 0.0, out)
+        work = self._add_all(out)
+        self._lead(ends.mean, out)
+        self._settle_debt(work, 0.0, out)
+        self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
-        """Forces on leaders, without moments of followers, and on ground; the work that is kept."""
+        """Forces of what pushes on leaders and on ground; the work that is kept."""
         n = len(out) - BESIDE
         self._on_all[:] = self._ground[:] = out[:] = 0.0
         work, self.ahead = 0.0, 0.0
-        for term in self._terms:
+        for term in self._pushing:
             done = term.add_over_step(self.ends, self._on_all, self._ground)
             self.ahead += done.stored
             work += done.work
             out[n + LOSS, 0] += done.lost
         out[n + ON_GROUND] = self._ground
-        np.add.at(out, self._leader, self._on_all)
         return work - float(out[n + LOSS, 0])
+
+    def _lead(self, mean: Array, out: Array) -> None:
+        """Add what was found to leaders, which have these means."""
+        np.add.at(out, self._leader, self._on_all)
+        if not self._trivial:
+            arms = self.ends.mean[:, 0] - mean[self._leader, 0]
+            np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
+
+    def _add_steady(self, out: Array, mean: Array) -> None:
+        """Add forces of steady terms."""
+        if not self._steady:
+            return
+        n, self._held_ahead = len(out) - BESIDE, 0.0
+        self._on_all[:] = self._ground[:] = 0.0
+        for term in self._steady:
+            done = term.add_over_step(self.ends, self._on_all, self._ground)
+            self._held_ahead += done.stored
+            out[n + LOSS, 0] += done.lost
+        out[n + ON_GROUND] += self._ground
+        self._lead(mean, out)
 
     def _settle_debt(self, work: float, leak: float, out: Array) -> None:
         """Change forces by what is stored beyond the work on it."""
@@ -129,8 +155,12 @@ class Pushes:
 
     def accept(self, H: Array) -> None:
         """Go on from the end of the step that was looked at, with frames ``H``."""
-        self.energy, self.debt = self.ahead, self._owed
+        self.go_on()
         self.rub(H)
+
+    def go_on(self) -> None:
+        """The same, but for what rubs, which somebody else tells."""
+        self.energy, self.debt, self.held = self.ahead, self._owed, self._held_ahead
 
     def rub(self, H: Array) -> None:
         """Go on from frames ``H`` with what rubs."""

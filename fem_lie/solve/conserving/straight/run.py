@@ -139,7 +139,7 @@ class StraightRun(AnyState):
         self.equations.memory.accept(s.H)
         self.joints.accept(s.H, s.gap)
         if self._pushes:
-            self._pushes.accept(s.H)
+            self._pushes.go_on()
             if not self._pushed.any():
                 self._pushes.overlap(s.H)
         self.equations.memory.turn_axes(s.H)
@@ -233,7 +233,7 @@ class StraightRun(AnyState):
             if self._changing:
                 self._set_time(time)
             moved, stored = (s.V, v, rates), float(s.W.sum()) + self.joints.energy(s.H)
-            stored += self._pushes.energy
+            stored += self._pushes.energy + self._pushes.held
             history.fill_rates(time, s.H, moved, stored, self._end_weights(), s.books)
         return wanted
 

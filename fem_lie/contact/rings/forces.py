@@ -1,0 +1,250 @@
+"""What rings do on a rope, as a term: a spring without length that slides along it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.contact.rings import kernels
+from fem_lie.contact.rings.curves import Ropes, piece_of
+from fem_lie.contact.rings.surfaces import Rings, Rope
+from fem_lie.contact.sides.table import GROUND, Nodes, number_of
+from fem_lie.forms.term import Done, Ends, Pairs, Term
+from fem_lie.lie.kinds import NodeKind
+
+_BEYOND = 2
+"""Nodes on both sides of those that a place depends on, that the matrix knows of."""
+
+
+class RingForces(Term):
+    """The forces of one rope that runs through rings.
+
+    Where the rope was in its rings at the last accepted frames is carried, with the springs of
+    friction: a place is looked for from there, so that rings do not change over to another part of
+    the rope.
+    """
+
+    label = "rings on a rope"
+    carries = rubs = True
+    conserved = secant = steady = True
+
+    def __init__(self, rope: Rope, rings: Rings, law: kernels.Law, nodes: Nodes) -> None:
+        """Find where rings are.
+
+        Args:
+            rope: It.
+            rings: On it.
+            law: Numbers.
+            nodes: Numbers of a body's nodes.
+        """
+        self._law, self._ropes = law, _ropes_of(rope, rings, nodes)
+        self._path = nodes(rope.body)[rope.path]
+        self._feet: Array = _first_feet(rope, rings, self._ropes, nodes)
+        count = len(self._feet)
+        self._springs: Array = np.zeros(count)
+        self._found, self._over = np.zeros((2, count, kernels.COLUMNS))
+        self._ahead: Array | None = None
+        self.on_ground = bool((self._ropes.rings == GROUND).any())
+        self._size = min(4 + 2 * _BEYOND, len(self._path))
+        self._first = np.full(count, -1, dtype=np.int64)
+        self._look(self._feet)
+
+    # --- the pattern ---
+
+    def _look(self, feet: Array) -> None:
+        """Let the matrix have the nodes that places depend on."""
+        last = len(self._path) - self._size
+        for k, σ in enumerate(feet):
+            slots = self._ropes.slots[piece_of(self._ropes, σ)]
+            low, high = (np.flatnonzero(self._path == slots[slots >= 0][end])[0] for end in (0, -1))
+            first = self._first[k]
+            if first < 0 or low < first or high >= first + self._size:
+                self._first[k] = min(max(low - _BEYOND, 0), last)
+                self.version += 1
+
+    @property
+    def _windows(self) -> Indices:
+        """Nodes of the rope and the ring, those that do not move left out: −1, (r, c)."""
+        along = self._path[self._first[:, np.newaxis] + np.arange(self._size)]
+        return np.column_stack([along, self._ropes.rings])
+
+    @property
+    def pairs(self) -> Pairs:
+        """See the base class; of rings on ground another node stands in."""
+        windows = self._windows
+        windows[:, -1] = np.where(windows[:, -1] < 0, windows[:, 0], windows[:, -1])
+        count = windows.shape[1]
+        return (
+            np.repeat(windows, count, axis=1).ravel(),
+            np.tile(windows, (1, count)).ravel(),
+        )
+
+    @property
+    def seen(self) -> Array:
+        """See the base class."""
+        return np.repeat(self._first[:, np.newaxis].astype(np.float64), 3, axis=1)
+
+    def see_again(self, seen: Array) -> None:
+        """See the base class."""
+        self._first[:] = seen[:, 0].astype(np.int64)
+        self.version += 1
+
+    # --- forces ---
+
+    def _forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
+        given = H, self._ropes, self._law, self._feet, self._springs
+        kernels.add_forces(*given, grounded, self._found, out)
+
+    def energy(self, H: Array) -> float:
+        """See the base class."""
+        self._forces(H, np.zeros((len(H), 6)))
+        return self._stored
+
+    @property
+    def _stored(self) -> float:
+        """Of springs, of what was found last at frames."""
+        d, τ = self._found[:, kernels.DISTANCE], self._found[:, kernels.TRACTION]
+        return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holds * float(τ @ τ)
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """See the base class."""
+        self._forces(H, out)
+        self._look(self._found[:, kernels.PLACE])
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """See the base class."""
+        self._forces(H, np.zeros((len(H), 6)))
+        return self._tangents(H, self._found, 1.0)
+
+    def _tangents(self, H: Array, found: Array, factor: float) -> Array:
+        windows = self._windows
+        blocks = np.zeros((windows.size * windows.shape[1], 6, 6))
+        kernels.tangents(H, self._ropes, self._law, found, factor, windows, blocks)
+        return blocks
+
+    def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
+        """See the base class."""
+        self._forces(H, out, grounded=True)
+
+    # --- over a step ---
+
+    def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
+        """See the base class."""
+        given = ends, self._ropes, self._law, self._feet, self._springs
+        stored, work = kernels.add_over_step(*given, self._over, out, ground)
+        self._look(self._over[:, kernels.PLACE])
+        τ, slip = self._over[:, kernels.TRACTION], self._over[:, kernels.SLIP]
+        holds = self._law.holds
+        self._ahead = np.asarray(τ / holds)
+        held, before = (
+            0.5 / holds * float(τ @ τ),
+            0.5 * holds * float(self._springs @ self._springs),
+        )
+        rubbed = float(τ @ slip)
+        return Done(stored + held, work + rubbed, max(0.0, rubbed - (held - before)))
+
+    def tangent_over_step(self, ends: Ends, H: Array) -> Array:
+        """See the base class."""
+        return self._tangents(H, self._over, 2.0)
+
+    def overlaps(self, H: Array) -> bool:
+        """See the base class: always."""
+        return True
+
+    @property
+    def contents(self) -> tuple[Array | Indices, ...]:
+        """See the base class."""
+        return *self._ropes, self._path
+
+    # --- what is carried ---
+
+    @property
+    def carried(self) -> Array:
+        """See the base class."""
+        return np.concatenate([self._feet, self._springs])
+
+    def restore(self, carried: Array) -> None:
+        """See the base class."""
+        self._feet, self._springs = (part.copy() for part in np.split(carried, 2))
+
+    def accept(self, H: Array) -> None:
+        """See the base class."""
+        self._forces(H, np.zeros((len(H), 6)))
+        τ = self._found[:, kernels.TRACTION]
+        held = np.asarray(τ / self._law.holds)
+        self._springs = held if self._ahead is None else self._ahead
+        self._feet, self._ahead = self._found[:, kernels.END].copy(), None
+
+    def carry(self, H: Array, h: Array) -> None:
+        """See the base class; places wait for accepted frames."""
+
+    def reset_stress(self, H: Array) -> None:
+        """See the base class; likewise."""
+
+    def clear_stress(self) -> None:
+        """See the base class; likewise."""
+
+    # --- results ---
+
+    @property
+    def feet(self) -> Array:
+        """Unloaded lengths of the rope before its rings, at the last accepted frames, (r,)."""
+        return self._feet
+
+    def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
+        """What rings do; from one set of frames to the next places are followed.
+
+        Returns:
+            Pairs (piece, ring), by how much they are apart as a negative gap, places, and forces on
+            the rope but for friction, (r, …).
+        """
+        self.accept(H)
+        count = len(self._feet)
+        X, places = np.empty((2, count, 3))
+        kernels.set_places(H, self._ropes, self._feet, X, places)
+        pieces = np.array([piece_of(self._ropes, σ) for σ in self._feet])
+        pairs = np.stack([pieces, np.arange(count)], axis=1)
+        return pairs, -self._found[:, kernels.DISTANCE], places, self._law.k * (X - places)
+
+
+def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
+    """For compiled code."""
+    slots, powers = rope.powers()
+    path = nodes(rope.body)[rope.path]
+    slots = np.where(slots < 0, -1, path[slots])
+    owners = np.array([number_of(p.body, p.node, nodes) for p in rings.of], dtype=np.int64)
+    bodies = dict.fromkeys([rope.body, *(p.body for p in rings.of if p.body is not None)])
+    kinds = np.zeros(1 + max(int(nodes(body).max()) for body in bodies), dtype=np.int64)
+    for body in bodies:
+        own = body.node_kinds
+        kinds[nodes(body)] = np.where(own == NodeKind.FRAME, 0, own)
+    starts = np.concatenate([[0.0], np.cumsum(rope.lengths)])
+    return Ropes(slots, powers, starts, owners, rings.factors(), kinds)
+
+
+def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
+    """Places on the rope in the beginning, unloaded lengths before them, shape (r,)."""
+    H = np.zeros((len(ropes.kinds), 4, 3))
+    for body in (rope.body, *(point.body for point in rings.of)):
+        if body is not None:
+            H[nodes(body)] = body.frames
+    found = np.empty(len(rings.of))
+    kernels.set_feet(H, ropes, _near(rope, rings), found)
+    return found
+
+
+def _near(rope: Rope, rings: Rings) -> Array:
+    """The same among places that are a part of an element apart."""
+    slots, powers = rope.powers()
+    lengths, H = rope.lengths, rope.body.frames[rope.path]
+    starts = np.cumsum(lengths) - lengths
+    s = np.linspace(0.0, 1.0, 17)
+    W = np.einsum("makq,qs->smak", powers, s ** np.arange(4)[:, np.newaxis])
+    rows = np.where(slots[:, :, np.newaxis, np.newaxis] < 0, 0.0, H[slots][:, :, :2])
+    curve = np.einsum("smak,makj->msj", W, rows)
+    found = np.empty(len(rings.of))
+    for k, place in enumerate(rings.places):
+        distance = np.linalg.norm(curve - place, axis=2)
+        piece, part = np.unravel_index(distance.argmin(), distance.shape)
+        found[k] = starts[piece] + s[part] * lengths[piece]
+    return found

@@ -1,0 +1,300 @@
+"""Forces between a rope and its rings, and their derivatives; compiled.
+
+On the rows ``q`` of nodes of whatever kind, with ``Δ = W q``, ``m = W'ᵀ Δ + Wᵀ P'`` and
+``s = P'·P' + Δ·P''``, the place on the rope moves by ``δσ = −m·δq/s``, and ::
+
+    force k Wᵀ Δ,   stiffness k (Wᵀ W − m mᵀ/s),   friction −τ m/s
+
+Friction has neither resultant nor moment, since ``σ`` does not change in rigid motions.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.rings.curves import (
+    Ropes,
+    foot,
+    place_between,
+    ring,
+    set_factors,
+    store_place,
+)
+from fem_lie.forms.term import Ends
+from fem_lie.lie.kinds.forces import pull, pull_derivative, push
+from fem_lie.lie.kinds.kind import SLOPE, first, straight
+from fem_lie.lie.tuples import cross, dot, load, load_row, minus, plus, scaled, store
+
+PLACE, DISTANCE, TRACTION, SLIP, END = range(5)
+"""Columns of what is found of each ring: where the force acts, ``|Δ|`` there, friction, by how much
+the rope has slid over a step, and where it is at the end."""
+COLUMNS = 5
+
+
+class Law(NamedTuple):
+    """Numbers.
+
+    Attributes:
+        k: Stiffness.
+        μ: Of friction.
+        holds: Stiffness until it slips.
+    """
+
+    k: float
+    μ: float
+    holds: float
+
+
+@inlined_uncounted
+def _set_m(H: Array, G: tuple[Indices, Array, Array], X: Array, at: Array, m: Array) -> float:
+    """``m`` on the rows of the nodes of a ring, (5, 4, 3), and ``s``."""
+    nodes, W, by_place = G
+    t, apart = load_row(at, 1), minus(load_row(at, 0), load(X, 0))
+    for a in range(5):
+        for row in range(4 if nodes[a] >= 0 else 0):
+            for j in range(3):
+                m[a, row, j] = by_place[a, row] * apart[j] + W[a, row] * t[j]
+    return dot(t, t) + dot(apart, load_row(at, 2))
+
+
+@inlined_uncounted
+def _limited(law: Law, τ: float, distance: float, s: float) -> float:
+    """Friction, which Coulomb's law limits."""
+    most = law.μ * law.k * distance * np.sqrt(max(s, 0.0))
+    return min(most, max(-most, τ))
+
+
+@compiled
+def set_feet(H: Array, ropes: Ropes, kept: Array, out: Array) -> None:
+    """Places on the rope that are nearest to rings, from those that are kept, into a column."""
+    C = np.empty((4, 3))
+    for k in range(out.shape[0]):
+        out[k] = foot(H, ropes, kept[k], ring(H, ropes, k), C)
+
+
+@compiled
+def add_forces(
+    H: Array,
+    ropes: Ropes,
+    law: Law,
+    kept: Array,
+    springs: Array,
+    grounded: bool,
+    found: Array,
+    out: Array,
+) -> None:
+    """Forces at frames, of all rings or of those on ground.
+
+    Args:
+        H: Frames.
+        ropes: The rope.
+        law: Numbers.
+        kept: Places of the last accepted frames, (r,).
+        springs: By how much those of friction were stretched there, (r,).
+        grounded: Whether only rings on ground count.
+        found: Overwritten, (r, 5).
+        out: Forces along the axes of nodes, updated.
+    """
+    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
+    f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
+    for k in range(found.shape[0]):
+        store(X, 0, ring(H, ropes, k))
+        σ = foot(H, ropes, kept[k], load(X, 0), C)
+        store_place(H, ropes, σ, C, at)
+        set_factors(ropes, k, σ, G)
+        apart = minus(load_row(at, 0), load(X, 0))
+        s = _set_m(H, G, X, at, m)
+        distance = np.sqrt(dot(apart, apart))
+        τ = _limited(law, law.holds * (springs[k] + σ - kept[k]), distance, s)
+        found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
+        found[k, SLIP], found[k, END] = σ - kept[k], σ
+        if grounded and ropes.rings[k] >= 0:
+            continue
+        for a in range(5):
+            node = G[0][a]
+            if node < 0:
+                continue
+            for row in range(4):
+                for j in range(3):
+                    f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+            pull(ropes.kinds[node], H[node], f, 1.0, out[node])
+
+
+@compiled
+def add_over_step(
+    ends: Ends,
+    ropes: Ropes,
+    law: Law,
+    kept: Array,
+    springs: Array,
+    found: Array,
+    out: Array,
+    ground: Array,
+) -> tuple[float, float]:
+    """Forces over a step, as :meth:`~fem_lie.forms.term.Term.add_over_step` has them.
+
+    Arguments as of :func:`add_forces`; returns the energy at the end, without friction's, and the
+    work by which it has changed.
+    """
+    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
+    f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
+    stored = work = 0.0
+    for k in range(found.shape[0]):
+        X0, X1 = ring(ends.start, ropes, k), ring(ends.end, ropes, k)
+        σ0 = foot(ends.start, ropes, kept[k], X0, C)
+        σ1 = foot(ends.end, ropes, σ0, X1, C)
+        store_place(ends.start, ropes, σ0, C, at)
+        before = minus(load_row(at, 0), X0)
+        store_place(ends.end, ropes, σ1, C, at)
+        after = minus(load_row(at, 0), X1)
+        σ = place_between(ends.start, ends.end, ropes, (σ0, σ1, 0.0), (before, after), C)
+        store(X, 0, ring(ends.mean, ropes, k))
+        store_place(ends.mean, ropes, σ, C, at)
+        set_factors(ropes, k, σ, G)
+        apart = minus(load_row(at, 0), load(X, 0))
+        s, slip = _set_m(ends.mean, G, X, at, m), 0.0
+        for a in range(5):
+            for row in range(4 if G[0][a] >= 0 else 0):
+                slip -= dot(load_row(m[a], row), load_row(ends.delta[G[0][a]], row)) / s
+        distance = np.sqrt(dot(apart, apart))
+        τ = _limited(law, law.holds * (springs[k] + slip), distance, s)
+        found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
+        found[k, SLIP], found[k, END] = slip, σ1
+        stored += 0.5 * law.k * dot(after, after)
+        work += 0.5 * law.k * (dot(after, after) - dot(before, before))
+        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for a in range(5):
+            node = G[0][a]
+            if node < 0:
+                continue
+            for row in range(4):
+                for j in range(3):
+                    f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+                force = plus(force, load_row(f, row) if row == 0 else (0.0, 0.0, 0.0))
+                moment = plus(moment, cross(load_row(ends.mean[node], row), load_row(f, row)))
+            _add_along(ropes.kinds[node], ends.mean[node], f, out[node])
+        if ropes.rings[k] < 0:
+            for j in range(3):
+                ground[j] -= force[j]
+                ground[3 + j] -= moment[j]
+    return stored, work
+
+
+@inlined_uncounted
+def _add_along(kind: int, mean: Array, f: Array, out: Array) -> None:
+    """Add forces on rows as forces and moments on frames, else along increments."""
+    if kind < SLOPE:
+        moment = load(out, 3)
+        for row in range(1, 4):
+            moment = plus(moment, cross(load_row(mean, row), load_row(f, row)))
+        store(out, 0, plus(load(out, 0), load_row(f, 0)))
+        store(out, 3, moment)
+        return
+    for row in range(straight(kind)):
+        own = load_row(f, first(kind) + row)
+        store(out, 3 * row, plus(load(out, 3 * row), own))
+
+
+@compiled
+def tangents(
+    H: Array,
+    ropes: Ropes,
+    law: Law,
+    found: Array,
+    factor: float,
+    windows: Indices,
+    blocks: Array,
+) -> None:
+    """Add derivatives of the forces in twists to blocks.
+
+    Args:
+        H: Frames.
+        ropes: The rope.
+        law: Numbers.
+        found: Of the forces, (r, 5).
+        factor: Of friction that sticks: 1 at frames, 2 over a step.
+        windows: First node along the rope of each ring's blocks, how many there are, and for nodes
+            by number where they are along the rope; see :class:`~.forces.Window`.
+        blocks: Updated, (r c², 6, 6) with ``c`` nodes of the rope and the ring.
+    """
+    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
+    m, F, rates = np.zeros((5, 4, 3)), np.empty((5, 4, 3)), np.empty((4, 3))
+    A, g, unit, where = np.empty((5, 6, 3)), np.empty((5, 6)), np.empty(6), np.empty(5, np.int64)
+    count = windows.shape[1]
+    for k in range(found.shape[0]):
+        σ, τ = found[k, PLACE], found[k, TRACTION]
+        store(X, 0, ring(H, ropes, k))
+        store_place(H, ropes, σ, C, at)
+        set_factors(ropes, k, σ, G)
+        apart = minus(load_row(at, 0), load(X, 0))
+        s = _set_m(H, G, X, at, m)
+        slides = 0.0 if σ <= ropes.starts[0] or σ >= ropes.starts[-1] else 1.0
+        distance = np.sqrt(dot(apart, apart))
+        most = law.μ * law.k * distance * np.sqrt(max(s, 0.0))
+        sticks = law.μ > 0.0 and abs(τ) < most
+        n = scaled(1.0 / distance if distance > 0.0 else 0.0, apart)
+        rises = 0.0
+        if law.μ > 0.0 and not sticks:
+            rises = (1.0 if τ > 0.0 else -1.0) * law.μ * law.k * np.sqrt(max(s, 0.0))
+        for a in range(5):
+            node = G[0][a]
+            if node < 0:
+                continue
+            where[a] = _place_in(windows[k], node)
+            for i in range(6):
+                unit[:] = 0.0
+                unit[i] = 1.0
+                push(ropes.kinds[node], H[node], unit, rates)
+                total, along = (0.0, 0.0, 0.0), 0.0
+                for row in range(4):
+                    total = plus(total, scaled(G[1][a, row], load_row(rates, row)))
+                    along += dot(load_row(m[a], row), load_row(rates, row))
+                store(A[a, i], 0, total)
+                g[a, i] = along
+            for row in range(4):
+                for j in range(3):
+                    F[a, row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
+        for a in range(5):
+            for b in range(5):
+                if G[0][a] < 0 or G[0][b] < 0:
+                    continue
+                block = blocks[(k * count + where[a]) * count + where[b]]
+                for i in range(6):
+                    for j in range(6):
+                        own = dot(load(A[a, i], 0), load(A[b, j], 0))
+                        both = g[a, i] * g[b, j]
+                        block[i, j] += law.k * (own - slides * both / s)
+                        if sticks:
+                            block[i, j] += factor * law.holds * both / (s * s)
+                        elif rises != 0.0:
+                            block[i, j] -= rises * g[a, i] / s * dot(n, load(A[b, j], 0))
+            if G[0][a] >= 0:
+                node = G[0][a]
+                block = blocks[(k * count + where[a]) * count + where[a]]
+                pull_derivative(ropes.kinds[node], H[node], F[a], 1.0, block)
+
+
+@uncounted
+def _place_in(window: Indices, node: int) -> int:
+    """Where a node is in a window."""
+    for c in range(window.shape[0]):
+        if window[c] == node:
+            return c
+    return 0
+
+
+@compiled
+def set_places(H: Array, ropes: Ropes, feet: Array, X: Array, out: Array) -> None:
+    """Places of rings and of the rope there, (r, 3) each; overwritten."""
+    C, at = np.empty((4, 3)), np.empty((3, 3))
+    for k in range(feet.shape[0]):
+        store(X[k], 0, ring(H, ropes, k))
+        store_place(H, ropes, feet[k], C, at)
+        out[k] = at[0]

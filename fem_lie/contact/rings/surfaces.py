@@ -1,0 +1,213 @@
+"""Ropes, as smooth curves through their nodes, and rings that they run through.
+
+Along its unloaded length ``σ`` a rope is a cubic between nodes, linear in the rows of at most four
+of them: Hermite's, of the slopes that nodes have, or of those of the parabola through the node and
+both beside it. So the curve has no kinks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices, indices_of, instance, numbers
+from fem_lie.bodies.beams.line_body import LineBody
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.points import require_node, require_point
+from fem_lie.contact.sides.surfaces import Surface, initial_frame
+from fem_lie.lie.kinds import NodeKind
+
+_HERMITE = np.array(
+    [[1.0, 0.0, -3.0, 2.0], [0.0, 0.0, 3.0, -2.0], [0.0, 1.0, -2.0, 1.0], [0.0, 0.0, -1.0, 1.0]]
+)
+"""Powers of both ends and of the slopes there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rope(Surface):
+    """What runs through rings: a cable, a thread of a net, a beam.
+
+    Attributes:
+        body: With the nodes.
+        nodes: Of it, one after the other; default: all, in their order.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.001, steel)
+        >>> rope = fl.Cable.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> bead = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), position=(0.5, 0, 0))
+        >>> scene = fl.Scene()
+        >>> for body in (rope, bead):
+        ...     _ = scene.add(body)
+        ...
+        >>> rings, law = fl.Rings([bead.centre]), fl.Penalty(1e5, friction=0.2)
+        >>> _ = scene.add(fl.Contact(fl.Rope(rope), rings, law))
+        >>> len(scene.contacts)
+        1
+    """
+
+    body: LineBody
+    nodes: Sequence[int] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for what is no body along lines, or no nodes."""
+        instance(self.body, LineBody, "Rope: body", "a Cable, a Net or a Beam")
+        if self.nodes is not None:
+            indices_of(self.nodes, len(self.body.frames), "Rope: nodes")
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """Two, at its ends."""
+        path = self.path
+        return [Point(self.body, int(path[0])), Point(self.body, int(path[-1]))]
+
+    @property
+    def path(self) -> Indices:
+        """Nodes, one after the other."""
+        given = range(len(self.body.frames)) if self.nodes is None else self.nodes
+        return np.array(given, dtype=np.int64)
+
+    @property
+    def lengths(self) -> Array:
+        """Unloaded, from node to node.
+
+        Raises:
+            ValueError: Two that follow each other have no element between them.
+        """
+        known: dict[frozenset[int], float] = {}
+        first, second = self.body.elements[:, 0], self.body.elements[:, 1]
+        for one, other, length in zip(first, second, self.body.lengths, strict=True):
+            known[frozenset((int(one), int(other)))] = float(length)
+        path = [int(node) for node in self.path]
+        pairs = [frozenset(pair) for pair in pairwise(path)]
+        for pair, (a, b) in zip(pairs, pairwise(path), strict=True):
+            if pair not in known:
+                raise ValueError(
+                    f"{self.label}: nodes {a} and {b} follow each other, but no element has them as"
+                    " ends; give nodes=... along the rope"
+                )
+        return np.array([known[pair] for pair in pairs])
+
+    def check(self) -> None:
+        """Refuse what is no open line of one kind of nodes.
+
+        Raises:
+            ValueError: It is none, or its nodes have no places and slopes along it.
+        """
+        path, kinds = self.path, self.body.node_kinds[self.path]
+        if len(path) < 3 or len(np.unique(path)) < len(path) or (kinds != kinds[0]).any():
+            raise ValueError(
+                f"{self.label}: a rope has three nodes or more of one kind, each once, got "
+                f"{len(path)}"
+            )
+        if kinds[0] not in (NodeKind.FRAME, NodeKind.SLOPE, NodeKind.POINT):
+            self.body.require_frames(self.label)
+        _ = self.lengths
+
+    @property
+    def places(self) -> Array:
+        """Of the nodes, in the beginning, shape (n, 3)."""
+        return np.asarray(self.body.frames[self.path, 0])
+
+    def powers(self) -> tuple[Indices, Array]:
+        """Of the cubic of each piece, in its part from 0 to 1.
+
+        Returns:
+            Places along the path of the nodes that it depends on, −1: none, (m, 4), and powers of
+            the factors of their rows 0 and 1, (m, 4, 2, 4).
+        """
+        lengths, m = self.lengths, len(self.path) - 1
+        slots, powers = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
+        by_places = self.body.node_kinds[self.path[0]] == NodeKind.POINT
+        for k in range(m):
+            first, count = (max(k - 1, 0), min(m, k + 2)) if by_places else (k, k + 1)
+            slots[k, : count - first + 1] = range(first, count + 1)
+            for end in range(2):
+                powers[k, k + end - first, 0] += _HERMITE[end]
+                if not by_places:
+                    powers[k, end, 1] += lengths[k] * _HERMITE[2 + end]
+                    continue
+                for node, factor in _slope(lengths, k + end).items():
+                    powers[k, node - first, 0] += lengths[k] * factor * _HERMITE[2 + end]
+        return slots, powers
+
+
+def _slope(lengths: Array, k: int) -> dict[int, float]:
+    """Factors of places in the slope at one of them, that of the parabola through three."""
+    m = len(lengths)
+    if k in (0, m):
+        # straight on from the parabola of the neighbour
+        inner, side = (1, 0) if k == 0 else (m - 1, m - 1)
+        found = {node: -factor for node, factor in _slope(lengths, inner).items()}
+        found[side + 1] = found.get(side + 1, 0.0) + 2.0 / lengths[side]
+        found[side] = found.get(side, 0.0) - 2.0 / lengths[side]
+        return found
+    a, b = lengths[k - 1], lengths[k]
+    before, after = b / (a * (a + b)), a / (b * (a + b))
+    return {k - 1: -before, k: before - after, k + 1: after}
+
+
+@dataclass(frozen=True, eq=False)
+class Rings(Surface):
+    """Rings without width that a rope runs through, each fixed to a point.
+
+    Attributes:
+        of: The points: nodes of any kind, points of rigid bodies, or of ground.
+        at: Initial places of the rings, shape (k, 3); default: those of the points.
+
+    Example:
+        >>> hook = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4))
+        >>> rings = fl.Rings([hook.centre, fl.ground()], at=[(0, 0, 0.1), (1, 0, 0)])
+        >>> len(rings.places)
+        2
+    """
+
+    of: Sequence[Point]
+    at: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for what are no points."""
+        instance(self.of, Sequence, "Rings: of", "points in a list")
+        for point in self.of:
+            require_point(point, "Rings: of")
+        if not len(self.of):
+            raise ValueError("Rings: of must have a point, got none")
+        if self.at is not None and numbers(self.at, "Rings: at").shape != (len(self.of), 3):
+            raise ValueError(f"Rings: at must be {len(self.of)} places, got {self.at!r}")
+
+    @property
+    def places(self) -> Array:
+        """In the beginning, shape (k, 3)."""
+        if self.at is None:
+            return np.array([point.position for point in self.of])
+        return numbers(self.at, "Rings: at")
+
+    @property
+    def points(self) -> Sequence[Point]:
+        """All of them."""
+        return self.of
+
+    def check(self) -> None:
+        """Refuse what no ring can be fixed to.
+
+        Raises:
+            ValueError: A point is no node, or a ring is beside a node without axes.
+        """
+        for point, place in zip(self.of, self.places, strict=True):
+            require_node(point, self.label)
+            if point.body is not None and (place != point.body.frames[point.node, 0]).any():
+                point.body.require_frames(f"{self.label}: a ring beside its node")
+
+    def factors(self) -> Array:
+        """Of rows (x, d₁, d₂, d₃) of nodes in the places of rings; on ground places, (k, 4)."""
+        found = np.zeros((len(self.of), 4))
+        for k, (point, place) in enumerate(zip(self.of, self.places, strict=True)):
+            H = initial_frame(point.body, point.node)
+            found[k, 0] = float(point.body is not None)
+            if point.body is None or (place != H[0]).any():
+                found[k, 1:] = H[1:] @ (place - H[0])
+        return found

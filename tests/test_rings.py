@@ -1,0 +1,146 @@
+"""Ropes through rings: workless, with momenta, against closed forms, with friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+THREAD = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
+CELLS = 20
+
+
+def place(s: float) -> tuple[float, float, float]:
+    return (s, 0.05 * np.sin(3.0 * s), 0.02 * s * s)
+
+
+def rope(kind: str) -> fl.Net | fl.Cable | fl.Beam:
+    """The same curve as places, places and slopes, frames."""
+    if kind == "net":
+        points = [place(s) for s in np.linspace(0, 1, CELLS + 1)]
+        return fl.Net(points, [range(CELLS + 1)], THREAD)
+    return (fl.Cable if kind == "cable" else fl.Beam).curve(place, THREAD, cells=CELLS)
+
+
+def free(kind: str, ring: str, friction: float = 0.0) -> fl.Scene:
+    """A free rope, and a free body or thread with a ring on it that is thrown along it."""
+    scene, one, at = fl.Scene(), rope(kind), np.array(place(0.52))
+    scene.add(one)
+    if ring == "body":
+        other = scene.add(fl.RigidBody(0.01, 1e-5 * np.eye(3), at - [0, 0, 0.03]))
+        rings = fl.Rings([other.centre], at=[at])
+    else:
+        other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], THREAD))
+        rings = fl.Rings([other.node(0)])
+    other.move((2.0, 0, -1.0))
+    scene.add(fl.Contact(fl.Rope(one), rings, fl.Penalty(1e4, friction=friction)))
+    return scene
+
+
+OPTIONS = {"duration": 0.02, "step": 5e-4, "progress": False}
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("kind", "ring"), [("net", "body"), ("net", "place"), ("cable", "body"), ("cable", "place")]
+)
+def test_conserving_steps_keep_energy_and_momenta(kind, ring, friction):
+    result = fl.EnergyMomentum().run(free(kind, ring, friction), **OPTIONS)
+    assert result.balance_error < 2e-11
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
+    lost = result.balance[:, 1]
+    assert np.diff(lost).min() >= 0.0
+    assert (lost[-1] > 1e-2 * result.kinetic[0]) == (friction > 0.0)
+
+
+def test_rings_on_beams_among_frames_alone():
+    result = fl.EnergyMomentum().run(free("beam", "body"), **{**OPTIONS, "duration": 0.005})
+    assert result.balance_error < 2e-11
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
+
+
+@pytest.mark.parametrize("kind", ["net", "cable", "beam"])
+def test_schemes_agree_on_all_kinds_of_nodes(kind):
+    """The rope is what it is made of: places, slopes or frames."""
+    found = []
+    for scheme in (fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=1.0)):
+        scene = free(kind, "place")
+        result = scheme.run(scene, duration=0.01, step=2.5e-4, progress=False)
+        first = len(scene.bodies[0].frames)
+        found.append(result.frames[-1, first, 0])
+    moved = np.linalg.norm([2.0, 0, -1.0]) * 0.01
+    assert np.abs(found[0] - found[1]).max() < 2e-3 * moved
+
+
+def taut(friction: float, weight: float = 1.0) -> tuple[fl.Scene, fl.RigidBody]:
+    """A bead on a straight rope under tension, between pins."""
+    scene = fl.Scene(gravity=(0, 0, -9.81 * weight))
+    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=20, length=0.9))
+    cable.pin(cable.start, cable.end)
+    bead = scene.add(fl.RigidBody(0.02, 1e-6 * np.eye(3), (0.31, 0, 0)))
+    bead.move((1.0, 0, 0))
+    rings = fl.Rings([bead.centre])
+    scene.add(fl.Contact(fl.Rope(cable), rings, fl.Penalty(1e5, friction=friction)))
+    return scene, bead
+
+
+def test_a_bead_glides_along_a_straight_rope_over_its_elements():
+    scene, _ = taut(0.0, weight=0.0)
+    result = fl.EnergyMomentum().run(scene, duration=0.4, step=2e-3, progress=False)
+    x = result.frames[:, 21, 0]
+    np.testing.assert_allclose(x[:, 0], 0.31 + result.times, atol=1e-10)
+    np.testing.assert_allclose(x[:, 1:], 0.0, atol=1e-12)
+
+
+def test_friction_is_that_of_coulomb():
+    """On a rope that is nearly straight a bead is slowed down by μ g, and rests in the end."""
+    friction, time = 0.2, 0.3
+    scene, _ = taut(friction)
+    scheme = fl.GeneralisedAlpha(radius=0.5)
+    result = scheme.run(scene, duration=time, step=1e-3, progress=False)
+    x = result.frames[:, 21, 0, 0]
+    speed = (x[-1] - x[-41]) / (result.times[-1] - result.times[-41])
+    middle = 0.5 * (result.times[-1] + result.times[-41])
+    assert 1.0 - speed == pytest.approx(friction * 9.81 * middle, rel=0.05)
+
+
+@pytest.mark.parametrize("scheme", [fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=0.8)])
+def test_a_run_goes_on_to_the_last_bit(tmp_path, scheme):
+    options = {**OPTIONS, "checkpoint_every": 25}
+    whole = scheme.run(free("net", "body", 0.3), **options, file=tmp_path / "whole.h5")
+    scheme.run(free("net", "body", 0.3), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(free("net", "body", 0.3), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "elastic", "iterations"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+def refused(rope: object, rings: object, law: object = fl.Penalty(1e4)) -> None:
+    scene = fl.Scene()
+    for point in rings.points:
+        if point.body is not None:
+            scene.add(point.body)
+    if rope.body not in scene.bodies:
+        scene.add(rope.body)
+    scene.add(fl.Contact(rope, rings, law))
+    fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
+
+
+def test_bad_input():
+    thread, at = rope("net"), place(0.5)
+    ground = fl.Rings([fl.ground()], at=[at])
+    with pytest.raises(ValueError, match=r"ring 0 is 0\..* off the rope"):
+        refused(fl.Rope(rope("net")), fl.Rings([fl.ground()], at=[(0.5, 0.5, 0)]))
+    with pytest.raises(ValueError, match="fixed to a node of its rope"):
+        refused(fl.Rope(thread), fl.Rings([thread.node(10)]))
+    with pytest.raises(ValueError, match="by Penalty without damping"):
+        refused(fl.Rope(rope("net")), ground, fl.Penalty(1e4, damping=1.0))
+    with pytest.raises(ValueError, match="nodes 2 and 5 follow each other"):
+        refused(fl.Rope(rope("net"), [0, 1, 2, 5]), ground)
+    with pytest.raises(ValueError, match="three nodes or more"):
+        refused(fl.Rope(rope("net"), [0, 1]), ground)
+    with pytest.raises(ValueError, match=r"a ring beside its node needs nodes with frames"):
+        other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
+        refused(fl.Rope(rope("net")), fl.Rings([other.node(1)], at=[at]))
+    with pytest.raises(ValueError, match="at must be 1 places"):
+        fl.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])
