@@ -407,6 +407,8 @@ def test_goals_of_no_use_are_refused_before_anything_is_solved():
 
     with pytest.raises(ValueError, match="in proportion"):
         fl.adapt(warm, line, tolerance=0.1, goal=fl.CriticalLoad(), solve=never)
+    with pytest.raises(ValueError, match="inertia"):
+        fl.adapt(cantilever, line, tolerance=0.1, goal=fl.Frequency(1), solve=never)
     with pytest.raises(ValueError, match="number"):
         fl.CriticalLoad(0)
     with pytest.raises(ValueError, match="mode"):

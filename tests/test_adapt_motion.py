@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from demos import adaptive_wave
 
 MATERIAL = fl.Material(E=2e8, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.01, 0.01, MATERIAL)
@@ -98,3 +99,11 @@ def test_more_elements_than_are_allowed():
     with pytest.raises(fl.ConvergenceError, match="more than 5") as caught:
         fl.adapt_motion(pendulum, LINE, duration=0.1, every=0.05, tolerance=0.01, size=1.0, most=5)
     assert caught.value.result is None
+
+
+def test_demo():
+    """A third of the way: with as many elements as the wave takes, and none where it is not."""
+    record = adaptive_wave.main(duration=3e-4, tolerance=0.2, compare=False, pictures=False)
+    assert record["error"] < 3 * record["tolerance"]
+    assert record["momentum_error"] < 1e-12
+    assert record["cells"][1] < 150

@@ -33,6 +33,7 @@ HELPERS = (
     "diagrams",
     "extrapolation",
     "goal_problems",
+    "moving_meshes",
     "newton_on_frames",
     "records",
     "rigid",

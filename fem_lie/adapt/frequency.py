@@ -40,9 +40,10 @@ class Frequency(Goal):
         whole(self.mode, "mode")
 
     def check(self, scene: Scene) -> None:
-        """Raise ``ValueError`` if joints bind velocities."""
+        """Raise ``ValueError`` if joints bind velocities, or there is no inertia."""
         if any(joint.velocity_ties() for joint in scene.joints):
             raise ValueError("a frequency needs constraints of positions, got one of velocities")
+        Equations(scene, dynamics=True)  # refuses what has none
 
     def solve(self, scene: Scene) -> StaticResult:
         """Equilibrium in load steps, also without loads."""

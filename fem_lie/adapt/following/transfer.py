@@ -175,15 +175,17 @@ def _kept(
     H: Array,
     v: Array,
 ) -> Array:
-    """Twists with the momenta of before, changed at new nodes alone if there are enough."""
+    """Twists with the momenta of before, changed at new nodes alone if all others are there."""
     unknowns, leader = equations.unknowns, equations.tables.leader
-    new, changed = np.zeros((2, unknowns.moving), dtype=bool)
+    (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
     for name, place in found.items():
-        nodes = leader[unknowns.bodies[after[name]]]
+        nodes, count = leader[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
         new[nodes[place.between]] = True
-        gone = len(place.nodes) != len(result.info.body(name).nodes)
+        gone = len(np.unique(place.nodes[~place.between])) < count
+        lost |= gone
         changed[nodes] |= gone or bool(place.between.any())
-    free = new if np.count_nonzero(new) >= _ENOUGH else changed
+    # what was lost where nodes are gone is not for a few new ones to have
+    free = new if np.count_nonzero(new) >= _ENOUGH and not lost else changed
     if not free.any():
         return v
     momenta = np.concatenate([result.momentum[at], result.angular_momentum[at]])
