@@ -57,7 +57,7 @@ def check_velocities(equations: Equations, step: float) -> None:
 
 def _rates_at_start(equations: Equations, step: float) -> tuple[Array, Array]:
     """Velocities with those of motions, and rates of all constraints less those of their drives."""
-    frames, given = equations.start
+    frames, given, _ = equations.start
     prescribed = equations.prescribed(0.0, step)
     velocities = _moved(equations, given, prescribed.velocities)
     first, _ = equations.constraints(frames).rates(velocities)
@@ -66,7 +66,7 @@ def _rates_at_start(equations: Equations, step: float) -> tuple[Array, Array]:
 
 def _check_held(equations: Equations, bound: float) -> None:
     """Check the velocities of what bodies hold; shells of five parameters may be said to drill."""
-    unknowns, (frames, given) = equations.unknowns, equations.start
+    unknowns, (frames, given, _) = equations.unknowns, equations.start
     v = given[: unknowns.moving].copy()
     equations.supports.turn(frames, v)
     wrong = unknowns.held & (np.abs(v) > bound * np.repeat([unknowns.length, 1.0], 3))

@@ -68,7 +68,7 @@ def buckling(
         factors=factors,
         shapes=shapes,
         turns_only=turns_only,
-        frames=equations.report(equations.unloaded).frames.copy(),
+        frames=equations.report(equations.start.unloaded).frames.copy(),
         size=model.diameter,
         info=equations.info,
         seconds=watch.seconds,

@@ -65,9 +65,9 @@ class Pursuit:
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
-        self.initial, self.info = self.all_frames(equations.unloaded), equations.info
+        self.initial, self.info = self.all_frames(equations.start.unloaded), equations.info
         placed = self.model.placed
-        self._places = equations.unloaded[: unknowns.moving, 0][placed]
+        self._places = equations.start.unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to = inf

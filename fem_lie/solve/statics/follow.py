@@ -296,7 +296,7 @@ def _result(
         iterations=np.diff(counts[ends]),
         failed_iterations=path.failed_iterations,
         info=equations.info,
-        initial=equations.report(equations.unloaded).frames.copy(),
+        initial=equations.report(equations.start.unloaded).frames.copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         reactions=np.array(reactions).reshape(len(states), len(unknowns.supported), 6),
         load_steps=len(path.iterations),

@@ -77,7 +77,7 @@ class LoadSteps:
             np.array(self._counts, dtype=np.int64),
             self._failed,
             equations.info,
-            equations.report(equations.unloaded).frames.copy(),
+            equations.report(equations.start.unloaded).frames.copy(),
             self._rotation,
             self._watch.seconds,
             np.array(self._reactions).reshape(k, len(unknowns.supported), 6),

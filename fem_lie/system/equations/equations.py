@@ -40,7 +40,6 @@ class Equations:
         scene: What there is.
         unknowns: Which there are.
         start: Frames and velocities from which solvers go on.
-        unloaded: Frames where nothing is strained, of the same rows.
         tables: Arrays for compiled code.
         matrix: What :meth:`fill` fills.
         supports: Nodes whose unknowns are along axes fixed in space, and the way there and back.
@@ -81,9 +80,8 @@ class Equations:
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.settles for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
-        self.unloaded: Array = self._system.frames
         rows, began = self._system.rows, scene.began
-        self.start = Start(rows.begins_at, rows.velocities)
+        self.start = Start(rows.begins_at, rows.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
         self.tables = Tables.of(self._system)
         self.matrix: KKT = self._system.kkt

@@ -131,10 +131,12 @@ class Start(NamedTuple):
     Attributes:
         frames: Shape (n + 1 + p, 4, 3).
         velocities: Local twists, same rows, (…, 6).
+        unloaded: Frames where nothing is strained, same rows.
     """
 
     frames: Array
     velocities: Array
+    unloaded: Array
 
 
 class Tables(NamedTuple):
