@@ -205,3 +205,24 @@ def test_frames_to_begin_at_that_are_none():
     scene.bodies[0].begins_at = np.zeros((2, 4, 3))
     with pytest.raises(ValueError, match="begins at"):
         at_rest(scene)
+
+
+# --- shells ---------------------------------------------------------------------------------------
+
+
+def plate(mesh):
+    """A free plate, thrown and turned, pushed at a corner."""
+    scene = fl.Scene()
+    shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL), name="plate"))
+    shell.turn((3.0, -2.0, 5.0), about=(0.2, 0.1, 0.0))
+    shell.move((1.0, 2.0, -3.0))
+    return scene
+
+
+def test_momenta_of_shells():
+    mesh = fl.surface(lambda a, b: np.array([a, b, 0.0]), (2, 2), cell="triangle")
+    coarse, fine = plate(mesh), plate(fl.refine(mesh, [0, 3]))
+    result = fl.GeneralisedAlpha().run(coarse, duration=4e-3, step=1e-3)
+    told = fl.transfer(result, coarse, fine)
+    assert told.momentum_error < 1e-12
+    assert abs(told.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
