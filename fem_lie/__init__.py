@@ -123,6 +123,7 @@ from fem_lie.reduce.derivatives import with_derivatives
 from fem_lie.reduce.frequencies import reduced_frequencies
 from fem_lie.reduce.krylov import krylov
 from fem_lie.reduce.parts.expansion import expand
+from fem_lie.reduce.parts.files import load_reduced, save_reduced
 from fem_lie.reduce.parts.making import reduced_body
 from fem_lie.reduce.pod import pod
 from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
@@ -420,6 +421,7 @@ __all__ = [
     "imperfect",
     "krylov",
     "load_basis",
+    "load_reduced",
     "local_frame_forms",
     "pod",
     "polyline",
@@ -434,6 +436,7 @@ __all__ = [
     "resultant_colours",
     "resultant_series",
     "resultants",
+    "save_reduced",
     "section_forces",
     "smooth_patch",
     "solid_stresses",

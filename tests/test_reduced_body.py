@@ -223,6 +223,11 @@ def test_bad_input():
         body.node(2)
     with pytest.raises(ValueError, match="no point 'middle'"):
         body["middle"]
+    damped, section = fl.Scene(), fl.Section.rectangle(0.02, 0.03, STEEL)
+    rod = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2, damping=fl.Damping(mass=1.0))
+    damped.add(rod)
+    with pytest.raises(ValueError, match="has damping"):
+        fl.reduced_body(damped, [rod.start], 2)
     scene.add(fl.Clamp(beam.end))
     with pytest.raises(ValueError, match="held"):
         fl.reduced_body(scene, [beam.start], 3)
@@ -233,3 +238,28 @@ def test_bad_input():
 def replace_name(body):
     body.name = "another"
     return body
+
+
+def test_a_part_is_kept_in_a_file(tmp_path):
+    body, full = reduced(4)
+    path = tmp_path / "part.h5"
+    fl.save_reduced(body, path)
+    again = fl.load_reduced(path, full)
+    assert again.point_names == body.point_names and again.name == body.name
+    here, there = (swing(each).frames for each in (body, again))
+    np.testing.assert_array_equal(here, there)
+    with pytest.raises(ValueError, match="another mesh: 9 nodes"):
+        fl.load_reduced(path, part(4)[1])
+    with pytest.raises(ValueError, match="elsewhere"):
+        fl.load_reduced(path, part(8, 0.2)[1])
+    with pytest.raises(ValueError, match="no basis"):
+        fl.load_basis(path, full)
+
+
+def test_reduced_pendulum():
+    from demos.reduced_pendulum import main
+
+    record = main(duration=0.02, pictures=False)
+    assert record["modes"] == 12
+    assert record["motion_error"] < 1e-6
+    assert record["stress_error"] < 0.1

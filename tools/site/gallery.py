@@ -44,7 +44,7 @@ GROUPS = {
     "Motion": (
         "double_pendulum heavy_top free_rigid_body tumbling_body rotating_beam spin_up "
         "flapping_plate tumbling_plate wave_in_a_net space_net "
-        "variational_pendulum order_four adaptive_wave"
+        "variational_pendulum order_four adaptive_wave reduced_pendulum"
     ),
     "Studies": (
         "local_frame_claims speed_against_error speed_against_error_shells time_error "

@@ -37,7 +37,7 @@ def reduced_body(
 
     Raises:
         ValueError: There is no interface, the basis is of another body, parts of the body are held,
-            or as :func:`craig_bampton` says.
+            the body has damping, or as :func:`craig_bampton` says.
 
     Example:
         >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
@@ -59,6 +59,8 @@ def reduced_body(
         raise ValueError(
             f"{body.label} is held: a reduced body is free, and held by its interfaces"
         )
+    if rest.pencil.C is not None:
+        raise ValueError(f"{body.label} has damping, and reduced bodies have none yet")
     first = _SIX * len(nodes)
     static: Array = basis.shapes[:first].reshape(len(nodes), _SIX, -1, _SIX)
     own = static[np.arange(len(nodes)), :, nodes].diagonal(axis1=1, axis2=2)
