@@ -65,3 +65,15 @@ def test_capstan():
     record = importlib.import_module("demos.capstan").main()
     assert record["error"] < 0.005
     assert record["iterations"] <= 8 * record["load_steps"]
+
+
+@pytest.mark.slow
+def test_folding_sheet():
+    """A tube that lies on itself: as wide as its closed equations say, without overlap."""
+    record = importlib.import_module("demos.folding_sheet").main(mesh=16, pictures=False)
+    later = np.array(record["pressures"]) >= 8.0
+    wanted = np.array(record["wanted_widths"])[later]
+    np.testing.assert_allclose(np.array(record["widths"])[later], wanted, rtol=0.011)
+    wanted = np.array(record["wanted_forces"])[later]
+    np.testing.assert_allclose(np.array(record["forces"])[later], wanted, rtol=0.07)
+    assert record["overlap"] < 1e-2

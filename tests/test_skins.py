@@ -134,3 +134,27 @@ def test_what_skins_refuse():
     scene.add(ball)
     with pytest.raises(ValueError, match="needs nodes that turn about all axes"):
         scene.add(fl.Contact(fl.Skin(five), fl.Sphere(ball.centre, 0.1), law))
+
+
+def rubbing(start: float) -> fl.Scene:
+    """A sheet that lies on another one, between edges of its cells, and slides aslant."""
+    lower, upper = plate(0, (4, 3)), plate(0.9999 * THICK, (2, 2), 0.21, 0.4)
+    lower.clamp("a=0")
+    lower.clamp("a=1")
+    upper.move((start, 0.2 * start, 0))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(lower)
+    scene.add(upper)
+    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7, friction=0.2)))
+    return scene
+
+
+def test_goes_on_to_the_last_bit_from_the_middle_of_slip(tmp_path):
+    """From a checkpoint between steps in which it slides."""
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    options = {"duration": 5e-3, "step": 2.5e-4, "checkpoint_every": 13, "progress": False}
+    whole = scheme.run(rubbing(0.5), **options, file=tmp_path / "whole.h5")
+    scheme.run(rubbing(0.5), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(rubbing(0.5), tmp_path / "run.h5", progress=False)
+    for name in ("frames", "velocities", "balance", "iterations"):
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
