@@ -191,7 +191,7 @@ def parts_summed(q: NodalFrames, part: sp.csr_matrix, diagonal: np.ndarray | Non
     return A
 
 
-def solver(A: PETSc.Mat, asked: Case) -> PETSc.KSP:
+def solver(A: PETSc.Mat, asked: Case, threshold: float = THRESHOLD) -> PETSc.KSP:
     """Conjugate gradients with BDDC, or those of FETI-DP."""
     kind, prefix, adaptive = SOLVERS[asked.solver]
     ksp = PETSc.KSP().create(PETSc.COMM_WORLD)
@@ -201,7 +201,7 @@ def solver(A: PETSc.Mat, asked: Case) -> PETSc.KSP:
     options = PETSc.Options(f"{asked.solver}_{prefix}")
     if adaptive:
         options["pc_bddc_use_deluxe_scaling"] = True
-        options["pc_bddc_adaptive_threshold"] = THRESHOLD
+        options["pc_bddc_adaptive_threshold"] = threshold
     if kind == "fetidp":
         PETSc.Options(f"{asked.solver}_")["fetidp_ksp_type"] = "cg"
         options["pc_bddc_deluxe_singlemat"] = True
@@ -259,7 +259,7 @@ def loaded(q: NodalFrames, A: PETSc.Mat, asked: Case) -> PETSc.Vec:
     return b
 
 
-def run(name: str, cells: tuple[int, int]) -> str:
+def run(name: str, cells: tuple[int, int], threshold: float = THRESHOLD) -> str:
     """One row."""
     world, asked = MPI.COMM_WORLD, case(name)
     q = NodalFrames(square(cells, asked.curved), 2)
@@ -269,7 +269,7 @@ def run(name: str, cells: tuple[int, int]) -> str:
     A = matrix(q, asked)
     b, found = loaded(q, A, asked), A.createVecRight()
     A.setNearNullSpace(rigid_motions(q, A, nodes.size_local))
-    ksp, before = solver(A, asked), megabytes()
+    ksp, before = solver(A, asked, threshold), megabytes()
     begin = process_time()
     ksp.setUp()
     middle = process_time()
@@ -296,9 +296,10 @@ def main() -> None:
     asking = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
     asking.add_argument("--cells", type=int, nargs=2, required=True)
     asking.add_argument("--cases", nargs="+", default=["flat-step-0.01-adaptive"])
+    asking.add_argument("--threshold", type=float, default=THRESHOLD)
     asked = asking.parse_args()
     for name in asked.cases:
-        row = run(name, tuple(asked.cells))
+        row = run(name, tuple(asked.cells), asked.threshold)
         if MPI.COMM_WORLD.rank == 0:
             print(row, flush=True)
 
