@@ -311,7 +311,11 @@ def tables(name: str) -> dict[str, list[list[Row]]]:
     if name not in BEAMS:
         return {"HR": all_shell_rows(SHELLS[name], ESTIMATES)}
     force = BEAMS[name]
-    return {k: [beam_rows(f, force, e) for e in ESTIMATES] for k, f in FORMULATIONS.items()}
+    found = {k: [beam_rows(f, force, e) for e in ESTIMATES] for k, f in FORMULATIONS.items()}
+    for k, f in FORMULATIONS.items():
+        if f.degree == 1:
+            found[f"{k}, by Hierarchical"] = [beam_rows(f, force, fl.Hierarchical())] * 2
+    return found
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from fem_lie.adapt.critical_load import CriticalLoad
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
+from fem_lie.adapt.estimates.hierarchical import Hierarchical
 from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.adapt.estimates.residual import Residual
 from fem_lie.adapt.following.motion import adapt_motion
@@ -279,6 +280,7 @@ __all__ = [
     "Hamel",
     "HellingerReissner",
     "HermiteCable",
+    "Hierarchical",
     "HuWashizu",
     "Hyperelastic",
     "Impact",

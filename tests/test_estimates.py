@@ -168,6 +168,36 @@ def test_layers_along_free_edges():
     assert errors(scene, fl.Residual()).total == pytest.approx(expected, rel=0.02)
 
 
+# --- more unknowns --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1)], ids=repr)
+@pytest.mark.parametrize("force", effectivity.BEAMS.values(), ids=list(effectivity.BEAMS))
+def test_halves_of_elements_say_the_same(formulation, force):
+    solved = effectivity.arc(16, formulation, force)
+    a, b = (fl.space_error(*solved, estimate=e) for e in (fl.Recovery(), fl.Hierarchical()))
+    assert b.total == pytest.approx(a.total, rel=0.05)
+    if formulation == fl.Geodesic():
+        np.testing.assert_allclose(b.squares, a.squares, rtol=0.1, atol=1e-3 * a.squares.max())
+
+
+def test_halves_under_line_loads():
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (10, 0, 0), SECTION, cells=20, name="b"))
+    scene.add(fl.Clamp(beam["start"]))
+    scene.add(fl.LineLoad(beam, force=(0, 0, 50.0)))
+    a, b = (errors(scene, e).total for e in (fl.Recovery(), fl.Hierarchical()))
+    assert b == pytest.approx(a, rel=0.02)
+
+
+def test_halves_of_what_has_more_nodes():
+    scene = cantilever(fl.Director(2))
+    with pytest.raises(ValueError, match=r"two nodes, those of .* have 3"):
+        errors(scene, fl.Hierarchical(), load_steps=2)
+    with pytest.raises(ValueError, match="estimated for Beams, got"):
+        errors(sheet("triangle", (0.0, 0.0, 1e-3)), fl.Hierarchical())
+
+
 # --- in the loop, and bad input -------------------------------------------------------------------
 
 

@@ -55,7 +55,7 @@ def _errors(found: SectionForces, k: int) -> ElementErrors:
     shape = legendre.legval(x, np.eye(g)[-1])
     balance = _turning(_rates(beam, found.frames[k], x), stress)
     residual = (g - 0.5) * np.einsum("q,q,mqb->mb", w, shape, balance)
-    residual = residual + _along_the_line(found, k, g - 1)
+    residual = residual + along_the_line(found, k, g - 1)
     missing = beam.lengths[:, np.newaxis] * residual / (2.0 * (2 * g - 1))
     squares = np.einsum("mi,mij,mj->m", missing, compliance, missing) * beam.lengths / (2 * g + 1)
     energy = np.einsum("q,mqi,mij,mqj,m->", 0.5 * w, stress, compliance, stress, beam.lengths)
@@ -87,7 +87,7 @@ def _rates(beam: Beam, frames: Array, x: Array) -> Array:
     return np.asarray(np.concatenate([stretch, curvature], axis=-1) / arc[..., np.newaxis])
 
 
-def _along_the_line(found: SectionForces, k: int, degree: int) -> Array:
+def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
     """Force and moment per length, its mean or, of degree 1, half of its change, shape (m, 6)."""
     beam = found.beam
     # what is viscous is no elastic stress
