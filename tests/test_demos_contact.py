@@ -77,3 +77,13 @@ def test_folding_sheet():
     wanted = np.array(record["wanted_forces"])[later]
     np.testing.assert_allclose(np.array(record["forces"])[later], wanted, rtol=0.07)
     assert record["overlap"] < 1e-2
+
+
+def test_net_capture():
+    """Energy stays until the rope is pulled, and is accounted for afterwards."""
+    demo = importlib.import_module("demos.net_capture")
+    found = demo.main(rings=1, cells=4, step=5e-4, time=0.03)
+    assert found["energy_error"] < 1e-11
+    assert found["balance_error"] < 1e-11
+    assert found["momentum_error"] < 1e-11
+    assert found["angular_momentum_error"] < 1e-11
