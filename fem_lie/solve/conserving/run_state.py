@@ -114,7 +114,7 @@ class RunState(Integration[History]):
         self._lost = False  # whether each iteration of the present step has a matrix
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
-        now = Instant(*equations.start, still, self.s.weights)
+        now = Instant(*equations.start[:2], still, self.s.weights)
         self._found = equations.residual(now, self.model.scale, self._r)
         self.rates, self._end = EndRates.at(np.zeros((self.moving, 6))), 0.0
 
@@ -139,7 +139,7 @@ class RunState(Integration[History]):
     def start(self) -> None:
         """Velocities, multipliers, energies and constraints at the start; scaling."""
         equations, s, n = self.equations, self.s, self.moving
-        frames, v = equations.start
+        frames, v = equations.start[:2]
         check_velocities(equations, self.h)
         push(frames[:n], v[:n], s.V)
         solver = DirectSolver(equations.matrix, PREFIX)

@@ -108,7 +108,7 @@ class AnyState(Integration[Recorder]):
         self._measure = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
         self._x, self._y = z((2, 6 * n + m))
         self._still, self._work = z((n, 6)), z(unknowns.size)
-        at_rest = Instant(*equations.start, self._still, self.s.weights)
+        at_rest = Instant(*equations.start[:2], self._still, self.s.weights)
         self._found = equations.residual(at_rest, self.s.scale, self._work)
         self._viscous = viscous_terms(equations)
         self._twists, self._viscous_forces = z((2, n, 6))
@@ -133,7 +133,7 @@ class AnyState(Integration[Recorder]):
     def start(self) -> None:
         """See the base class."""
         equations, s, n, kinds = self.equations, self.s, self._n, self.model.kinds
-        frames, v = equations.start
+        frames, v = equations.start[:2]
         check_velocities(equations, self.h)
         rate = np.empty((n, 6))
         push_all(kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V)
