@@ -6,37 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-
-THREAD = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
-CELLS = 20
-
-
-def place(s: float) -> tuple[float, float, float]:
-    return (s, 0.05 * np.sin(3.0 * s), 0.02 * s * s)
-
-
-def rope(kind: str) -> fl.Net | fl.Cable | fl.Beam:
-    """The same curve as places, places and slopes, frames."""
-    if kind == "net":
-        points = [place(s) for s in np.linspace(0, 1, CELLS + 1)]
-        return fl.Net(points, [range(CELLS + 1)], THREAD)
-    return (fl.Cable if kind == "cable" else fl.Beam).curve(place, THREAD, cells=CELLS)
-
-
-def free(kind: str, ring: str, friction: float = 0.0) -> fl.Scene:
-    """A free rope, and a free body or thread with a ring on it that is thrown along it."""
-    scene, one, at = fl.Scene(), rope(kind), np.array(place(0.52))
-    scene.add(one)
-    if ring == "body":
-        other = scene.add(fl.RigidBody(0.01, 1e-5 * np.eye(3), at - [0, 0, 0.03]))
-        rings = fl.Rings([other.centre], at=[at])
-    else:
-        other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], THREAD))
-        rings = fl.Rings([other.node(0)])
-    other.move((2.0, 0, -1.0))
-    scene.add(fl.Contact(fl.Rope(one), rings, fl.Penalty(1e4, friction=friction)))
-    return scene
-
+from benchmarks.rings import THREAD, free, place, rope
 
 OPTIONS = {"duration": 0.02, "step": 5e-4, "progress": False}
 
