@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.direct import CHAINS, MOTION
+from fem_lie.linear.direct import CHAINS, LATTICES
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.methods import methods_in_time
@@ -248,7 +248,7 @@ def ladder(rungs: int = 4) -> fl.Scene:
 
 
 def test_solvers_are_chosen_by_what_is_left_without_chains():
-    assert methods_in_time(Equations(ladder(), dynamics=True)) == MOTION
+    assert methods_in_time(Equations(ladder(), dynamics=True)) == LATTICES
     assert methods_in_time(Equations(chain(4), dynamics=True)) == CHAINS
     assert methods_in_time(Equations(chain(4, closed=True), dynamics=True)) == CHAINS
 

@@ -99,6 +99,8 @@ def adapt_motion(
     if not number(ahead, "ahead") >= 0.0:
         raise ValueError(f"ahead must not be negative, got {ahead!r}")
     refine(mesh, np.arange(0), onto=onto)
+    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
+        raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
     allowed = sqrt(share) * tolerance, sqrt(1.0 - share) * tolerance
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))

@@ -10,8 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.reduced import kernels
 from fem_lie.forms.body_term import BodyTerm, NodalInertia
-from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellSum
+from fem_lie.forms.cell_sums import CellSum, CellTerm
 
 
 class ReducedData(Protocol):
@@ -23,7 +22,7 @@ class ReducedData(Protocol):
     density: Array
 
 
-class ReducedAssembly(BodyTerm):
+class ReducedAssembly(CellTerm, BodyTerm):
     """Bodies as cells of all their nodes; nodes are as in the bodies, one after the other."""
 
     label, carries = "reduced bodies", False
@@ -50,23 +49,6 @@ class ReducedAssembly(BodyTerm):
     def contents(self) -> tuple[str, Array]:
         """What the energy is."""
         return "reduced body", self._values[:, 12 * self.cells.shape[1] :].copy()
-
-    @property
-    def tables(self) -> tuple[FormTable, FormTable]:
-        """Of forces and of energy."""
-        return self._forces.table, self._energy.table
-
-    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
-        self._forces.add_vector(H, out.reshape(-1))
-
-    def energy(self, H: Array) -> float:
-        """See the base class."""
-        return self._energy.scalar(H)
-
-    def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
-        return self._matrix.matrix(H, self._pattern)
 
     def restore(self, carried: Array) -> None:
         """Nothing is carried."""

@@ -14,7 +14,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import callback, compiled
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
-from fem_lie.lie.kinds.floating import Rows, coordinates, spread
+from fem_lie.lie.kinds.floating_coordinates import Rows, coordinates, spread
 from fem_lie.lie.kinds.forces import pull, pull_derivative, push
 from fem_lie.lie.kinds.kind import AMPLITUDE
 

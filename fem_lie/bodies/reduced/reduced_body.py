@@ -13,7 +13,7 @@ from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.lie.kinds import NodeKind
-from fem_lie.lie.kinds.floating import all_coordinates, all_rates
+from fem_lie.lie.kinds.floating_coordinates import all_coordinates, all_rates
 
 
 class ReducedBody(Body):
@@ -36,6 +36,19 @@ class ReducedBody(Body):
         full: The body that was reduced.
         shapes: Displacement and rotation of each of its nodes for each coordinate, components along
             the frame, shape (m, n, 6).
+
+    Example:
+        >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
+        >>> full = fl.Scene()
+        >>> beam = full.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
+        >>> rod = fl.reduced_body(full, [beam.start, beam.end], 4)
+        >>> scene = fl.Scene(gravity=(0, 0, -9.81))
+        >>> rod = scene.add(rod)
+        >>> hinge = scene.add(fl.Revolute(fl.ground(), rod["start"], axis=(0, 1, 0)))
+        >>> scheme = fl.GeneralisedAlpha(radius=0.8)
+        >>> result = scheme.run(scene, duration=0.2, step=2e-3, progress=False)
+        >>> bool(result.position(rod["end"])[-1, 2] < -0.2)
+        True
     """
 
     def __init__(

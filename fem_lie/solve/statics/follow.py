@@ -71,7 +71,9 @@ def beyond(scene: Scene, levels: Sequence[float]) -> list[float]:
 
     Raises:
         ValueError: See :func:`~fem_lie.solve.statics.arc_length.increasing`, or one is below.
+        TypeError: It is no scene.
     """
+    require_scene(scene)
     wanted, factor = increasing(levels), scene.began.factor
     if wanted[0] < factor:
         raise ValueError(

@@ -25,25 +25,16 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Flags
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
-from fem_lie.contact.impact.shown import (
-    GAP,
-    IMPULSE,
-    PAIR,
-    POSITION,
-    SLIP,
-    STICKS,
-    TIME,
-    WIDTH,
-)
 from fem_lie.lie.kinds import all_from_local, all_to_group
 from fem_lie.solve.alpha.ends import coupled_cones
 from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies, Kept, to_twists
 from fem_lie.solve.alpha.ends.coupled_bounds import Bounds, Chosen, bounds_of
-from fem_lie.solve.alpha.ends.coupled_rows import choose_axes, show_places
+from fem_lie.solve.alpha.ends.coupled_rows import choose_axes
+from fem_lie.solve.alpha.ends.last_contacts import Last
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
 from fem_lie.system.equations import Equations
@@ -87,36 +78,6 @@ class Moved(NamedTuple):
     slips: Array
 
 
-class Last(NamedTuple):
-    """What contacts did in the last step.
-
-    Attributes:
-        pairs: Which took part, shape (k,).
-        axis: By which tangents were chosen.
-        gaps: At the end.
-        impulses: Along the normal and tangents, shape (k, 3).
-        speeds: Along tangents at the end, shape (k, 2).
-        sticks: Whether that is none.
-    """
-
-    pairs: Indices
-    axis: Indices
-    gaps: Array
-    impulses: Array
-    speeds: Array
-    sticks: Flags
-
-
-_NOTHING = Last(
-    np.zeros(0, dtype=np.int64),
-    np.zeros(0, dtype=np.int64),
-    np.zeros(0),
-    np.zeros((0, 3)),
-    np.zeros((0, 2)),
-    np.zeros(0, dtype=np.bool_),
-)
-
-
 class CoupledContacts(CoupledBodies):
     """All contacts by impacts of a run.
 
@@ -132,7 +93,7 @@ class CoupledContacts(CoupledBodies):
         """As the base class."""
         super().__init__(contacts, equations, scheme, kept)
         self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
-        self._last = _NOTHING
+        self._last = Last.nothing()
 
     def begin(self, H: Array, v: Array, time: float) -> None:
         """Remember where a step begins.
@@ -185,7 +146,7 @@ class CoupledContacts(CoupledBodies):
         smooth = self._gaps(s.H)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
-            self._last = _NOTHING
+            self._last = Last.nothing()
             return False
         end, V = s.H.copy(), self._all_rows(s.twist1, time)
         defect = self._rates(end, V, time)
@@ -393,14 +354,9 @@ class CoupledContacts(CoupledBodies):
         self.near.work.impulses[chosen.pairs] = impulses
         slips = speeds.reshape(-1, 3)[:, 1:]
         slow = self.near.touch.closed[chosen.pairs] / self._h
-        self._last = Last(
-            chosen.pairs,
-            chosen.axis,
-            gaps[chosen.pairs],
-            impulses,
-            slips,
-            np.linalg.norm(slips, axis=1) <= slow,
-        )
+        sticks = np.linalg.norm(slips, axis=1) <= slow
+        at = gaps[chosen.pairs]
+        self._last = Last(chosen.pairs, chosen.axis, at, impulses, slips, sticks)
 
     def shown(self, H: Array, time: float) -> Array:
         """What results have of the contacts of the last step, as :meth:`.Touching.named`.
@@ -409,15 +365,7 @@ class CoupledContacts(CoupledBodies):
             H: Frames of all rows.
             time: Its end.
         """
-        pairs, axis, gaps, impulses, speeds, sticks = self._last
-        at = np.empty((len(pairs), 4, 3))
-        show_places(H, self.near.touch, pairs, axis, at)
-        rows = np.empty((len(pairs), WIDTH))
-        rows[:, TIME], rows[:, PAIR], rows[:, GAP], rows[:, STICKS] = time, pairs, gaps, sticks
-        rows[:, POSITION:IMPULSE] = at[:, 0]
-        rows[:, IMPULSE:SLIP] = np.einsum("km,kmx->kx", impulses, at[:, 1:])
-        rows[:, SLIP:STICKS] = np.einsum("km,kmx->kx", speeds, at[:, 2:])
-        return self.near.named(rows[impulses[:, 0] > 0.0])
+        return self._last.shown(self.near, H, time)
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

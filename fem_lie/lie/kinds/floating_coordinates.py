@@ -1,0 +1,107 @@
+r"""Coordinates within the frame of a body that deforms in few shapes: compiled.
+
+The nodes of such a body are its frame, frames of its other interfaces, and amplitudes (see
+:mod:`fem_lie.lie.kinds`), one after the other. Coordinates ``z`` within the frame ``(x, d_k)`` are
+for each other interface ``(x_i, d_in)``, with ``X`` and ``D_n`` its place and directors at the
+start as components along the frame::
+
+    z_u = d_k·(x_i − x) − X_k,    z_θ = ½ Σ_n D_n × (d_k·d_in)
+
+and then the amplitudes. They are bilinear in the rows of nodes, so that their rates and forces on
+rows need no more than products.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled
+from fem_lie.lie.kinds.forces import push
+
+Rows: TypeAlias = npt.NDArray[Any]
+"""Real, or complex for derivatives."""
+
+
+@compiled
+def add_products(d: Rows, q: Rows, interfaces: Array, factor: float, out: Rows) -> None:
+    """Add ``factor`` times the products in ``z`` of directors ``d`` (4, 3) and rows (k, 4, 3)."""
+    for i in range(interfaces.shape[0]):
+        for k in range(3):
+            for j in range(3):
+                out[6 * i + k] += factor * d[1 + k, j] * (q[1 + i, 0, j] - q[0, 0, j])
+        for n in range(3):
+            D, row = interfaces[i, 1 + n], q[1 + i, 1 + n]
+            c0 = d[1, 0] * row[0] + d[1, 1] * row[1] + d[1, 2] * row[2]
+            c1 = d[2, 0] * row[0] + d[2, 1] * row[1] + d[2, 2] * row[2]
+            c2 = d[3, 0] * row[0] + d[3, 1] * row[1] + d[3, 2] * row[2]
+            out[6 * i + 3] += 0.5 * factor * (D[1] * c2 - D[2] * c1)
+            out[6 * i + 4] += 0.5 * factor * (D[2] * c0 - D[0] * c2)
+            out[6 * i + 5] += 0.5 * factor * (D[0] * c1 - D[1] * c0)
+
+
+@compiled
+def add_amplitudes(q: Rows, others: int, out: Rows) -> None:
+    """Add those in rows (k, 4, 3) of a body with so many other interfaces, to ``out`` (m,)."""
+    first = 6 * others
+    for a in range(out.shape[0] - first):
+        out[first + a] += q[1 + others + a // 6, 1 + (a % 6) // 3, a % 3]
+
+
+@compiled
+def coordinates(q: Rows, interfaces: Array, z: Rows) -> None:
+    """Set ``z`` (m,) at rows (k, 4, 3) of a body's nodes."""
+    z[:] = 0.0
+    add_products(q[0], q, interfaces, 1.0, z)
+    for i in range(interfaces.shape[0]):
+        for k in range(3):
+            z[6 * i + k] -= interfaces[i, 0, k]
+    add_amplitudes(q, interfaces.shape[0], z)
+
+
+@compiled
+def spread(g: Rows, q: Rows, interfaces: Array, f: Rows) -> None:
+    """Add what forces ``g`` (m,) on coordinates are on rows, to ``f`` (k, 4, 3)."""
+    others = interfaces.shape[0]
+    for i in range(others):
+        for j in range(3):
+            for k in range(3):
+                part = g[6 * i + k] * q[0, 1 + k, j]
+                f[1 + i, 0, j] += part
+                f[0, 0, j] -= part
+                f[0, 1 + k, j] += g[6 * i + k] * (q[1 + i, 0, j] - q[0, 0, j])
+        m0, m1, m2 = 0.5 * g[6 * i + 3], 0.5 * g[6 * i + 4], 0.5 * g[6 * i + 5]
+        for n in range(3):
+            D = interfaces[i, 1 + n]
+            w = m1 * D[2] - m2 * D[1], m2 * D[0] - m0 * D[2], m0 * D[1] - m1 * D[0]
+            for k in range(3):
+                for j in range(3):
+                    f[1 + i, 1 + n, j] += w[k] * q[0, 1 + k, j]
+                    f[0, 1 + k, j] += w[k] * q[1 + i, 1 + n, j]
+    for a in range(g.shape[0] - 6 * others):
+        f[1 + others + a // 6, 1 + (a % 6) // 3, a % 3] += g[6 * others + a]
+
+
+@compiled
+def all_coordinates(H: Array, interfaces: Array, size: int) -> Array:
+    """Coordinates (s, m) in states (s, k, 4, 3) of a body's nodes."""
+    z = np.zeros((H.shape[0], size))
+    for s in range(H.shape[0]):
+        coordinates(H[s], interfaces, z[s])
+    return z
+
+
+@compiled
+def all_rates(kinds: Indices, H: Array, v: Array, interfaces: Array, size: int) -> Array:
+    """Their rates, of twists (s, k, 6)."""
+    dz, rate = np.zeros((H.shape[0], size)), np.empty(H.shape[1:])
+    for s in range(H.shape[0]):
+        for i in range(kinds.shape[0]):
+            push(kinds[i], H[s, i], v[s, i], rate[i])
+        add_products(rate[0], H[s], interfaces, 1.0, dz[s])
+        add_products(H[s, 0], rate, interfaces, 1.0, dz[s])
+        add_amplitudes(rate, interfaces.shape[0], dz[s])
+    return dz
