@@ -359,6 +359,22 @@ def with_cable() -> fl.Scene:
     return scene
 
 
+def with_guide() -> fl.Scene:
+    ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
+    scene = floored(ball, fl.Sphere(ball.centre, 0.1), fl.Impact())
+    mesh = fl.surface(lambda a, b: np.array([a, b, 2.0]), (2, 2))
+    sheet = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.05, STEEL)))
+    sheet.guide("a=0", (1, 0, 0))
+    return scene
+
+
+def with_few_shapes() -> fl.Scene:
+    full = fl.Scene()
+    beam = full.add(fl.Beam.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4))
+    rod = fl.reduced_body(full, [beam.start, beam.end], 2)
+    return floored(rod, fl.Sphere(rod["end"], 0.1), fl.Impact())
+
+
 def with_disc() -> fl.Scene:
     disc = fl.RigidBody(1.0, (0.1, 0.1, 0.2), (0, 0, 0.3))
     scene = fl.Scene()
@@ -371,6 +387,8 @@ def with_disc() -> fl.Scene:
 
 REFUSED = {
     "cable": (with_cable, "nodes are frames, not for cables"),
+    "guide": (with_guide, "not held along fixed axes"),
+    "few shapes": (with_few_shapes, "solids, thin shells and bodies in few shapes"),
     "rolls": (with_disc, "without joints that roll"),
 }
 

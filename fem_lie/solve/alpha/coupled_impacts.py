@@ -175,7 +175,10 @@ def equations_of(options: Options, scene: Scene) -> Equations:
     unknowns = equations.unknowns
     wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
     if (unknowns.kinds >= SLOPE).any():
-        raise ValueError(f"{wanted}, not for cables, nets, solids and thin shells; give Penalty")
+        raise ValueError(
+            f"{wanted}, not for cables, nets, solids, thin shells and bodies in few shapes; give "
+            "Penalty"
+        )
     if equations.supports:
         raise ValueError(f"{wanted} and are not held along fixed axes (Shell.guide); give Penalty")
     if unknowns.of_velocities:
