@@ -82,7 +82,7 @@ def test_folding_sheet():
 def test_net_capture():
     """Energy stays until the rope is pulled, and is accounted for afterwards."""
     demo = importlib.import_module("demos.net_capture")
-    found = demo.main(rings=1, cells=4, step=5e-4, time=0.03)
+    found = demo.main(rings=1, cells=4, step=5e-4, time=0.03, pictures=False)
     assert found["energy_error"] < 1e-11
     assert found["balance_error"] < 1e-11
     assert found["momentum_error"] < 1e-11

@@ -34,6 +34,7 @@ HELPERS = (
     "extrapolation",
     "goal_problems",
     "moving_meshes",
+    "net_scene",
     "newton_on_frames",
     "records",
     "rigid",
