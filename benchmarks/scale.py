@@ -4,7 +4,12 @@ A chain of rigid bodies with spherical joints hangs between ground and nothing, 
 under gravity by generalised-α. Set-up is all that comes before the first step: bodies and joints,
 the equations, the search for redundant constraints, initial accelerations.
 
+A weave is of rods along both directions of a plane, each across twenty others, to which spherical
+joints bind it: ten joints for each body. Neighbours in a row begin at other places, so that all is
+one. Without steps (--steps 0) it is told what bodies and joints take, and what the equations do.
+
     python3 -m benchmarks.scale --scene chain --bodies 1000 --json chain.json
+    python3 -m benchmarks.scale --scene weave --bodies 10000 --steps 0
 """
 
 from __future__ import annotations
@@ -12,11 +17,14 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import resource
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import fem_lie as fl
+from fem_lie.system.equations import Equations
 
 LINK, RADIUS, MASS = 0.1, 0.01, 0.25
 STEP = 1e-3
@@ -35,7 +43,37 @@ def chain(bodies: int) -> fl.Scene:
     return scene
 
 
-SCENES: dict[str, Callable[[int], fl.Scene]] = {"chain": chain}
+ACROSS = 20
+"""Rods that one of a weave crosses."""
+
+
+def weave(bodies: int) -> fl.Scene:
+    """About so many rods of which each is bound to ``ACROSS`` others where it crosses them."""
+    scene = fl.Scene(gravity=(0.0, 0.0, -9.81))
+    tube = fl.Section.circle(RADIUS, fl.Material(E=2.1e11, nu=0.3, density=7850.0))
+    side = max(1, round((bodies / 2 * ACROSS) ** 0.5 / ACROSS)) * ACROSS
+    crossing: list[dict[tuple[int, int], fl.Point]] = [{}, {}]
+    for way, found in enumerate(crossing):
+        for row in range(side):
+            # in a row the first is shorter, by an amount that changes from row to row
+            starts = {0, *range((7 * row) % ACROSS, side, ACROSS)}
+            bounds = sorted({start for start in starts if start < side} | {side})
+            for begin, end in pairwise(bounds):
+                if end - begin < 2:
+                    continue
+                ends = [(LINK * begin, LINK * row, 0.0), (LINK * (end - 1), LINK * row, 0.0)]
+                if way:
+                    ends = [(y, x, z) for x, y, z in ends]
+                rod = fl.Beam.straight(*ends, tube, cells=end - begin - 1, up=(0.0, 0.0, 1.0))
+                scene.add(rod)
+                for k in range(begin, end):
+                    found[(row, k) if way else (k, row)] = rod.node(k - begin)
+    for place in crossing[0].keys() & crossing[1].keys():
+        scene.add(fl.Spherical(crossing[0][place], crossing[1][place]))
+    return scene
+
+
+SCENES: dict[str, Callable[[int], fl.Scene]] = {"chain": chain, "weave": weave}
 
 
 def measure(name: str, bodies: int, steps: int) -> dict[str, float]:
@@ -60,6 +98,30 @@ def measure(name: str, bodies: int, steps: int) -> dict[str, float]:
     }
 
 
+def set_up(name: str, bodies: int) -> dict[str, float]:
+    """Seconds of bodies and joints, and of the equations, by the clock and of the processor."""
+    Equations(SCENES[name](bodies // 50 + 10), dynamics=True)
+    times = [(time.perf_counter(), time.process_time())]
+    scene = SCENES[name](bodies)
+    times.append((time.perf_counter(), time.process_time()))
+    equations = Equations(scene, dynamics=True)
+    times.append((time.perf_counter(), time.process_time()))
+    (scene_seconds, scene_cpu), (seconds, cpu) = (
+        (later[0] - one[0], later[1] - one[1]) for one, later in pairwise(times)
+    )
+    return {
+        "bodies": len(scene.bodies),
+        "joints": len(scene.joints),
+        "unknowns": 6 * equations.unknowns.moving,
+        "constraints": equations.unknowns.m,
+        "scene_seconds": scene_seconds,
+        "scene_processor_seconds": scene_cpu,
+        "equations_seconds": seconds,
+        "equations_processor_seconds": cpu,
+        "memory_gb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
+    }
+
+
 def main() -> None:
     """Measure one scene of one size."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -69,7 +131,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="file for the figures")
     given = parser.parse_args()
     logging.disable(logging.WARNING)
-    figures = measure(given.scene, given.bodies, given.steps)
+    none = given.steps == 0
+    figures = (
+        set_up(given.scene, given.bodies)
+        if none
+        else measure(given.scene, given.bodies, given.steps)
+    )
     for key, value in figures.items():
         print(f"{key:20} {value:.6g}")
     if given.json:

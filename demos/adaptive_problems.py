@@ -7,7 +7,8 @@ deflection in the middle of the corner square.
 The cylinder: pinched between two diaphragms by two unit forces, R = 300, L = 600, t = 3, E = 3e6,
 nu = 0.3 (T. Belytschko et al., CMAME 51 (1985) 221), an eighth of it is solved. Under a force on
 one point a shell with shear moves ever further as its mesh is refined, so it is spread over a pad
-of 60 x 94. The goal is the deflection in the middle of the pad.
+of 60 x 94, or of 15 x 24, five times the thickness. The goal is the deflection in the middle of the
+pad. The mesh that is refined by the error begins with cells that are small at the pad alone.
 """
 
 from __future__ import annotations
@@ -26,12 +27,17 @@ RADIUS, CELLS = 300.0, 10
 
 
 class Problem(NamedTuple):
-    """Its first mesh, a scene on any mesh, the goal, and the true surface."""
+    """First meshes, of cells that follow the error and of equal ones; the goal, the true surface.
+
+    With ``fall`` meshes are made anew, each with so much of the error of the one before.
+    """
 
     mesh: Callable[[], fl.SurfaceMesh]
+    equal: Callable[[], fl.SurfaceMesh]
     build: Callable[[fl.SurfaceMesh], fl.Scene]
     goal: fl.PointDisplacement
     onto: Callable[[np.ndarray], np.ndarray] | None
+    fall: float | None
 
 
 def l_plate(mesh: fl.SurfaceMesh) -> fl.Scene:
@@ -49,15 +55,26 @@ def on_cylinder(x: np.ndarray) -> np.ndarray:
     return np.array([x[0], *(RADIUS * x[1:] / np.hypot(*x[1:]))])
 
 
-def eighth() -> fl.SurfaceMesh:
-    """From the force to the side, and from mid-length to a diaphragm."""
+def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.SurfaceMesh:
+    """From the force to the side, and from mid-length to a diaphragm.
+
+    The pad is one of so many parts of each side; cells there are cut until it is made of them.
+    """
 
     def place(a: float, b: float) -> np.ndarray:
         angle = a * np.pi / 2
         return RADIUS * np.array([b, -np.sin(angle), np.cos(angle)])
 
-    mesh = fl.surface(place, (CELLS, CELLS), cell="triangle")
-    return replace(mesh, groups={"pad": np.flatnonzero((mesh.cells == 0).any(axis=1))})
+    mesh, parts = fl.surface(place, (cells, cells), cell="triangle"), cells
+    while parts < pad:
+        mesh, parts = fl.refine(mesh, under(mesh, parts), onto=on_cylinder), 2 * parts
+    return replace(mesh, groups={"pad": under(mesh, pad)})
+
+
+def under(mesh: fl.SurfaceMesh, parts: int) -> np.ndarray:
+    """Cells in the first of so many parts of each side."""
+    x, y, z = mesh.points[mesh.cells].mean(axis=1).T
+    return np.flatnonzero((x < RADIUS / parts) & (np.arctan2(-y, z) < np.pi / 2 / parts))
 
 
 def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
@@ -76,19 +93,33 @@ def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
         shell.guide("b=1", direction)
     scene = fl.Scene()
     scene.add(shell)
-    pad = RADIUS * np.pi / 2 * RADIUS / CELLS**2
+    pad = shell.areas()[mesh.group("pad")].sum()
     scene.add(fl.AreaLoad(shell, force=(0, 0, -0.25 / pad), cells="pad"))
     return scene
 
 
+def plate_mesh() -> fl.SurfaceMesh:
+    """Triangles a quarter of a side long."""
+    return fl.read_gmsh_surface(MESHES / "l_plate.geo")
+
+
+PAD = fl.PointDisplacement("cylinder.00", (0, 0, -1))
 PROBLEMS = {
     "l_plate": Problem(
-        lambda: fl.read_gmsh_surface(MESHES / "l_plate.geo"),
+        plate_mesh,
+        plate_mesh,
         l_plate,
         fl.PointDisplacement("plate.middle", (0, 0, -1)),
         None,
+        0.75,
     ),
-    "pinched_cylinder": Problem(
-        eighth, pinched_cylinder, fl.PointDisplacement("cylinder.00", (0, 0, -1)), on_cylinder
+    "pinched_cylinder": Problem(eighth, eighth, pinched_cylinder, PAD, on_cylinder, None),
+    "small_pad": Problem(
+        lambda: eighth(4 * CELLS),
+        lambda: eighth(4 * CELLS, 4 * CELLS),
+        pinched_cylinder,
+        PAD,
+        on_cylinder,
+        None,
     ),
 }

@@ -59,13 +59,13 @@ def quarter(
 
 def pinched(
     thickness: float,
-    mesh: fl.SurfaceMesh | fl.SmoothPatch,
+    mesh: fl.SurfaceMesh | fl.SmoothPatch | fl.SplineMesh,
     formulation: fl.ShellFormulation | fl.AncfPlate | None = None,
 ) -> fl.Scene:
     """A quarter with its supports and loads."""
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
     shell: fl.Shell | fl.ThinShell | fl.AncfShell
-    if isinstance(mesh, fl.SmoothPatch):
+    if isinstance(mesh, fl.SmoothPatch | fl.SplineMesh):
         make = fl.AncfShell if isinstance(formulation, fl.AncfPlate) else fl.ThinShell
         shell = make(mesh, section, name="hemisphere")
     else:

@@ -1,4 +1,4 @@
-"""The net of net_capture.py, its rope, the ball, and what they look like."""
+"""The net of net_capture.py, its rope, and the ball."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from command_line import in_results
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
 import fem_lie as fl
 
-SIZE, BALL, SPEED, PULL = 1.0, 0.3, 10.0, 20.0
+SIZE, BALL, SPEED, PULL = 1.0, 0.3, 10.0, 10.0
 THREAD = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
+
+
+LAID = fl.DiscreteCable(natural=True)
+"""Threads are naturally as they are laid: straight ones about hexagons would spring open."""
 
 
 def corner(k: float) -> np.ndarray:
@@ -47,50 +47,49 @@ def hexagons(rings: int, cells: int) -> tuple[np.ndarray, list[list[int]], list[
 
 
 def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
-    """A net with masses and a rope in its edge, whose ends are pulled from ``start`` on."""
+    """A net with masses and a rope in its edge, whose tied ends are pulled from ``start`` on."""
     flat, threads, edge = hexagons(rings, cells)
     places = np.column_stack([SIZE * flat, np.full(len(flat), BALL + 0.01)])
     scene = fl.Scene()
-    net = scene.add(fl.Net(places, threads, THREAD, name="net"))
-    path = places[[*threads[rings - 1]]]
-    rope = scene.add(fl.Net(path, [range(len(path))], THREAD, name="rope"))
+    net = scene.add(fl.Net(places, threads, THREAD, formulation=LAID, name="net"))
+    path = rope_path(places, threads[rings - 1][:-cells], cells)
+    own = [range(len(path))]
+    rope = scene.add(fl.Net(path, own, THREAD, formulation=LAID, name="rope"))
     for body in (net, rope):
         body.move((0.0, 0.0, -SPEED))
-    for k in range(6):
-        mass = scene.add(fl.RigidBody(0.02, np.full(3, 1e-6), places[edge[k * rings]]))
+    ends = [*(net.node(edge[k * rings]) for k in range(6)), rope.node(0), rope.node(len(path) - 1)]
+    masses = []
+    for point in ends[:-1]:
+        mass = scene.add(fl.RigidBody(0.02, np.full(3, 1e-6), point.position))
         mass.move((0.0, 0.0, -SPEED))
-        scene.add(fl.Spherical(net.node(edge[k * rings]), mass.centre))
+        masses.append(mass)
+    for point, mass in zip(ends, [*masses, masses[-1]], strict=True):
+        scene.add(fl.Spherical(point, mass.centre))
     k = 2.0 * THREAD.stiffness[0, 0] * rings * cells / SIZE
-    inner = [net.node(node) for node in edge[1:]]
-    scene.add(fl.Contact(fl.Rope(rope), fl.Rings(inner), fl.Penalty(k), name="rings"))
+    knots = fl.Rings([net.node(node) for node in edge])
+    scene.add(fl.Contact(fl.Rope(rope), knots, fl.Penalty(k), name="rings"))
     every = [fl.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
     ball = fl.Sphere(fl.ground(), BALL)
     scene.add(fl.Contact(fl.Vertices(every, 1e-3), ball, fl.Penalty(2e2), name="net-ball"))
     pull = fl.Table((0.0, start, start + 0.01), (0.0, 0.0, PULL))
-    for node in (0, len(path) - 1):
-        scene.add(fl.PointLoad(rope.node(node), force=(0.5, 0.0, -1.0), history=pull))
+    scene.add(fl.PointLoad(masses[-1].centre, force=(0.0, 0.0, -1.0), history=pull))
     return scene, len(net.elements) + len(rope.elements)
 
 
-VIEW = np.array([[1.0, 0.0], [0.35, 0.3], [0.0, 1.0]])
-"""Oblique: x to the right, z upwards, y away."""
+def rope_path(places: np.ndarray, along: list[int], cells: int) -> np.ndarray:
+    """From where both ends are tied along the edge and back, in even parts."""
+    first, last = places[along[0]], places[along[-1]]
+    tied = 0.5 * (first + last)
+    tied[:2] *= 1.0 + 0.3 / np.linalg.norm(tied[:2])
+    parts = np.arange(1, cells)[:, np.newaxis] / cells
+    there = np.vstack([[tied], tied + parts * (first - tied)])
+    back = np.vstack([last + parts * (tied - last), [tied]])
+    return np.vstack([there, places[along], back])
 
 
-def motion(result: fl.Result, scene: fl.Scene, name: str) -> None:
-    """Six times, from the start to the end."""
-    figure = Figure(figsize=(13.0, 8.0), layout="constrained")
-    panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
-    net, rope, *masses = scene.bodies
-    assert isinstance(net, fl.Net)
-    assert isinstance(rope, fl.Net)
-    for panel, part in zip(panels, np.linspace(0.0, 1.0, 6), strict=True):
-        row = result.index(part * result.times[-1])
-        places, nodes = result.frames[row, :, 0] @ VIEW, result.info.body
-        panel.add_patch(Circle((0.0, 0.0), BALL, color="#dddddd"))
-        for body, colour, width in ((net, "#0072B2", 0.7), (rope, "#D55E00", 1.4)):
-            threads = list(places[nodes(body.name).nodes[body.elements]])
-            panel.add_collection(LineCollection(threads, colors=colour, linewidths=width))
-        at = np.array([places[nodes(mass.name).nodes[0]] for mass in masses])
-        panel.plot(*at.T, "ko", ms=4)
-        panel.set(title=f"t = {1e3 * result.times[row]:.0f} ms", aspect="equal")
-    figure.savefig(in_results(f"{name}.png"), dpi=110)
+def mouth(result: fl.Result, rings: int, cells: int) -> tuple[float, float]:
+    """How far the edge is from the axis, over the ball's radius, and above its lowest place."""
+    _, _, edge = hexagons(rings, cells)
+    places = result.frames[-1, result.info.body("net").nodes[edge], 0]
+    wide = np.hypot(places[:, 0], places[:, 1]).max() / BALL
+    return float(wide), float(places[:, 2].max() + BALL)

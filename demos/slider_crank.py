@@ -37,8 +37,15 @@ EVERY = 0.05
 """Time between two rows of the reference."""
 
 
-def mechanism(elements: int = 0, modulus: float = 2e8) -> Mechanism:
-    """The scene, the crank's and the slider's joint; without elements the rod is rigid."""
+def flexible(elements: int, modulus: float) -> fl.Beam:
+    """A round rod of the mass of the rigid one."""
+    density = ROD_MASS / (np.pi * ROD_RADIUS**2 * 0.3)
+    section = fl.Section.circle(ROD_RADIUS, fl.Material(modulus, 0.3, density))
+    return fl.Beam.straight(CRANK_END, SLIDER, section, cells=elements, name="rod")
+
+
+def mechanism(rod: fl.Body | None = None) -> Mechanism:
+    """The scene, the crank's and the slider's joint; the rod is rigid if none is given."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     middle, J = 0.5 * (PIVOT + CRANK_END), (1e-4, 1e-4, 1e-5)
     crank = scene.add(fl.RigidBody(0.12, J, middle, name="crank"))
@@ -48,20 +55,16 @@ def mechanism(elements: int = 0, modulus: float = 2e8) -> Mechanism:
     speed = np.array([velocity_b @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), SLIDER, name="slider"))
     slider.move(speed)
-    if elements:
-        density = ROD_MASS / (np.pi * ROD_RADIUS**2 * 0.3)
-        section = fl.Section.circle(ROD_RADIUS, fl.Material(modulus, 0.3, density))
-        rod = fl.Beam.straight(CRANK_END, SLIDER, section, cells=elements, name="rod")
-    else:
-        middle, axes = 0.5 * (CRANK_END + SLIDER), axes_along(along)
+    ends = ("start", "end")
+    if rod is None:
+        middle, axes, ends = 0.5 * (CRANK_END + SLIDER), axes_along(along), ("centre", "centre")
         rod = fl.RigidBody(ROD_MASS, (4e-4, 4e-3, 4e-3), middle, axes, name="rod")
     scene.add(rod)
     rod.move(velocity_b)
     rod.turn(np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
-    start, end = (rod.start, rod.end) if elements else (rod.centre, rod.centre)
     pivot = scene.add(fl.Revolute(fl.ground(), crank.centre, at=PIVOT, axis=(1, 0, 0)))
-    scene.add(fl.Spherical(crank.centre, start, at=CRANK_END))
-    scene.add(fl.Spherical(slider.centre, end, at=SLIDER))
+    scene.add(fl.Spherical(crank.centre, rod[ends[0]], at=CRANK_END))
+    scene.add(fl.Spherical(slider.centre, rod[ends[1]], at=SLIDER))
     guide = scene.add(fl.Prismatic(fl.ground(), slider.centre, axis=(1, 0, 0)))
     return scene, pivot, guide
 
@@ -79,7 +82,7 @@ def main(
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-9 if elements else 1e-11)
     results = []
     for h in (step / 2**k for k in range(runs)):
-        scene, pivot, guide = mechanism(elements, modulus)
+        scene, pivot, guide = mechanism(flexible(elements, modulus) if elements else None)
         result = scheme.run(scene, duration=duration, step=h, save_every=round(EVERY / h))
         slide, turn = result.coordinate(guide)[1:], result.coordinate(pivot)[1:]
         results.append(np.column_stack([0.2 + slide, turn]))

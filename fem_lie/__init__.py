@@ -5,6 +5,7 @@ from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.estimates.hierarchical import Hierarchical
 from fem_lie.adapt.estimates.recovery import Recovery
 from fem_lie.adapt.estimates.residual import Residual
+from fem_lie.adapt.following.loads import AdaptedLoads, LoadStretch, adapt_loads
 from fem_lie.adapt.following.motion import adapt_motion
 from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch
 from fem_lie.adapt.following.transfer import Transferred, transfer
@@ -29,6 +30,7 @@ from fem_lie.bodies.rods.rod import Rod
 from fem_lie.bodies.rods.spline import SplineCable
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
+from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, spline_mesh
 from fem_lie.bodies.thin_shells.patch import SmoothPatch, smooth_patch
 from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.spline_patch import bspline_patch, spline_patch
@@ -117,7 +119,7 @@ from fem_lie.pictures.page.page import Page
 from fem_lie.pictures.units import Units
 from fem_lie.pictures.vtk import write_resultants
 from fem_lie.ranks.together import end_together
-from fem_lie.reduce.axes import MeanAxes, NodeAxes
+from fem_lie.reduce.axes import FixedAxes, MeanAxes, NodeAxes
 from fem_lie.reduce.basis import Basis, Reduced, load_basis
 from fem_lie.reduce.craig_bampton import craig_bampton
 from fem_lie.reduce.derivatives import with_derivatives
@@ -125,9 +127,14 @@ from fem_lie.reduce.frequencies import reduced_frequencies
 from fem_lie.reduce.krylov import krylov
 from fem_lie.reduce.parts.expansion import expand
 from fem_lie.reduce.parts.files import load_reduced, save_reduced
+from fem_lie.reduce.parts.inertial import inertial_shapes
 from fem_lie.reduce.parts.making import reduced_body
 from fem_lie.reduce.pod import pod
 from fem_lie.reduce.reduced_statics import ReducedEquilibrium, reduced_statics
+from fem_lie.reduce.regions.merging import merged_motion
+from fem_lie.reduce.regions.motion import MergedMotion, RegionStretch
+from fem_lie.reduce.sampling.ecsw import CellSample, ecsw
+from fem_lie.reduce.sampling.sampled_statics import SampledEquilibria, sampled_statics
 from fem_lie.results.equilibrium import PathResult, StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.mode_shapes import BucklingModes
@@ -210,6 +217,7 @@ __all__ = [
     "MITC6",
     "MITC9",
     "Adapted",
+    "AdaptedLoads",
     "AdaptedMotion",
     "AdaptiveStep",
     "AncfBeam",
@@ -228,6 +236,7 @@ __all__ = [
     "BucklingModes",
     "BulkLoad",
     "Cable",
+    "CellSample",
     "Choices",
     "Clamp",
     "CoarseElementsWarning",
@@ -269,6 +278,7 @@ __all__ = [
     "FieldImperfection",
     "FiveStages",
     "Fixed",
+    "FixedAxes",
     "Formulation",
     "FrameMap",
     "Frequency",
@@ -298,11 +308,13 @@ __all__ = [
     "LineLoad",
     "LineMesh",
     "LoadControl",
+    "LoadStretch",
     "LocalFrameForms",
     "MassLoad",
     "Material",
     "MeanAxes",
     "MeanDilatation",
+    "MergedMotion",
     "ModeImperfection",
     "Modes",
     "MultiRate",
@@ -341,6 +353,7 @@ __all__ = [
     "ReducedBody",
     "ReducedEquilibrium",
     "Redundant",
+    "RegionStretch",
     "Residual",
     "Result",
     "Resultants",
@@ -352,6 +365,7 @@ __all__ = [
     "RollingDisc",
     "Rope",
     "SaintVenantKirchhoff",
+    "SampledEquilibria",
     "Scene",
     "Screw",
     "Seam",
@@ -376,6 +390,7 @@ __all__ = [
     "Spherical",
     "Spline",
     "SplineCable",
+    "SplineMesh",
     "Spring",
     "StaticResult",
     "StepHistory",
@@ -402,6 +417,7 @@ __all__ = [
     "VolumeMesh",
     "Warping",
     "adapt",
+    "adapt_loads",
     "adapt_motion",
     "block",
     "branch",
@@ -412,6 +428,7 @@ __all__ = [
     "craig_bampton",
     "curve",
     "director_strains",
+    "ecsw",
     "estimate_error",
     "expand",
     "follow_loads",
@@ -421,10 +438,12 @@ __all__ = [
     "gram_from_rigid",
     "ground",
     "imperfect",
+    "inertial_shapes",
     "krylov",
     "load_basis",
     "load_reduced",
     "local_frame_forms",
+    "merged_motion",
     "pod",
     "polyline",
     "read_curve",
@@ -438,11 +457,13 @@ __all__ = [
     "resultant_colours",
     "resultant_series",
     "resultants",
+    "sampled_statics",
     "save_reduced",
     "section_forces",
     "smooth_patch",
     "solid_stresses",
     "space_error",
+    "spline_mesh",
     "spline_patch",
     "statics",
     "straight",

@@ -12,9 +12,9 @@ from mpi4py import MPI
 import pytest
 
 
-def on_ranks(script: ModuleType, ranks: int, out: Path) -> None:
-    """``mpirun -n ranks script out``; the script has to end well and without warnings."""
-    code, text = output_of_ranks(script, ranks, str(out))
+def on_ranks(script: ModuleType, ranks: int, out: Path, *given: str) -> None:
+    """``mpirun -n ranks script out given…``; the script has to end well and without warnings."""
+    code, text = output_of_ranks(script, ranks, str(out), *given)
     assert code == 0, text
 
 

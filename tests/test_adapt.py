@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks import effectivity
+from benchmarks import effectivity, refined_quadrilaterals
 from demos import adaptive_goals, adaptive_problems, adaptive_shell, deep_arch, goal_problems
 from fem_lie.adapt.goals import GoalError
 from fem_lie.adapt.loop import _calibration
@@ -54,9 +54,43 @@ def test_of_beams_it_is_the_error(formulation, force, monkeypatch):
 
 def test_of_shells_it_is_near_the_error():
     case = effectivity.SHELLS["plate with a hole"]
-    for *_, error, ratio in effectivity.shell_rows(case._replace(meshes=(8, 16, 48))):
-        assert error < 0.2
-        assert 0.8 < ratio < 1.25
+    estimates = fl.Recovery(), fl.Hierarchical()
+    for rows in effectivity.all_shell_rows(case._replace(meshes=(8, 16, 48)), estimates):
+        for *_, error, ratio in rows:
+            assert error < 0.2
+            assert 0.8 < ratio < 1.25
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+def test_cut_cells_find_nothing_that_is_not_missing(cell):
+    """Pulled evenly: loads on edges go to the nodes that are new, too."""
+
+    scene, layer = fl.Scene(), fl.ShellSection.layer(0.1, fl.Material(1e6, 0.0, 1.0))
+    shell = scene.add(fl.Shell(square(3, cell), layer, name="sheet"))
+    shell.clamp("a=0")
+    scene.add(fl.EdgeLoad(shell, "a=1", force=(1e3, 0.0, 0.0)))
+    found = fl.space_error(fl.statics(scene), shell, scene, estimate=fl.Hierarchical())
+    assert found.energy > 0
+    assert found.relative < 1e-6
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+def test_cut_cells_of_a_plate_that_bends(cell):
+    """Half the size, half the error; as much as is recovered."""
+    found = []
+    for cells in (4, 8):
+        scene = sheet(square(cells, cell))
+        result = fl.statics(scene)
+        body = scene.bodies[0]
+        found.append(
+            [
+                fl.space_error(result, body, scene, estimate=e).relative
+                for e in (fl.Hierarchical(), fl.Recovery())
+            ]
+        )
+    (coarse, _), (fine, recovered) = found
+    assert fine < 0.65 * coarse
+    assert fine == pytest.approx(recovered, rel=0.35)
 
 
 def test_nothing_is_wrong_with_what_is_constant():
@@ -259,17 +293,9 @@ def test_quadrilaterals_by_all_patterns():
 
 def test_quadrilaterals_are_refined_where_stress_is_rough():
     """A corner of a plate, re-entrant: fewer cells than with equal ones, and names are kept."""
-
-    def build(mesh):
-        scene = fl.Scene()
-        section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
-        shell = scene.add(fl.Shell(mesh, section, name="plate"))
-        shell.clamp("rim")
-        scene.add(fl.SurfacePressure(shell, 0.01))
-        return scene
-
     mesh = effectivity.l_plate(4).bodies[0].mesh
-    found = fl.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=fl.Residual())
+    build, estimate = refined_quadrilaterals.plate, fl.Residual()
+    found = fl.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=estimate)
     assert found.error.relative <= 0.2
     size = np.ptp(found.mesh.points[found.mesh.cells], axis=1).max(axis=1)
     near = np.linalg.norm(found.mesh.points[found.mesh.cells].mean(axis=1)[:, :2] - 1, axis=1) < 0.1
@@ -296,6 +322,28 @@ def test_a_line_is_refined_where_it_bends():
     assert found.error.relative <= 0.02
     assert (np.diff(found.unknowns) > 0).all()
     assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
+
+
+def test_elements_grow_again_where_they_were_too_small():
+    """Made anew from the first mesh: in the end all elements have about the same error."""
+    line = fl.straight((0, 0, 0), (10, 0, 0), 4)
+    goal = fl.PointDisplacement("beam.end", (0, 0, 1))
+    found = fl.adapt(cantilever, line, tolerance=2e-3, goal=goal, fall=0.3)
+    cut = fl.adapt(cantilever, line, tolerance=2e-3, goal=goal)
+    assert 1e-3 < found.error.relative <= 2e-3
+    assert found.unknowns[-1] <= cut.unknowns[-1]
+    assert np.ptp(np.log2(found.error.squares)) < 4, "of the third power of sizes, which are halved"
+
+
+@pytest.mark.parametrize("fall", [0.0, 1.0, -0.5])
+def test_a_fall_that_is_none(fall):
+    with pytest.raises(ValueError, match="fall"):
+        fl.adapt(never, square(2, "triangle"), tolerance=0.1, fall=fall)
+
+
+def test_quadrilaterals_are_not_made_anew():
+    with pytest.raises(ValueError, match="quadrilaterals"):
+        fl.adapt(never, square(2, "quadrilateral"), tolerance=0.1, fall=0.5)
 
 
 def test_a_tip_is_as_accurate_as_was_asked_for():

@@ -60,6 +60,33 @@ def test_as_on_a_fine_mesh_with_small_steps(swung):
     assert coarse < 64 * 400 / 4
 
 
+def test_what_is_small_beside_what_comes_needs_no_fine_mesh():
+    given = {"duration": 0.1, "every": 0.05, "tolerance": 0.1, "size": 1.0}
+    largest = fl.adapt_motion(pendulum, LINE, **given, least=1e3)
+    assert (largest.cells == len(LINE.cells)).all()
+    assert max(part.error for part in largest.stretches) < 0.01
+
+
+def test_a_shell_of_triangles():
+    """A flap that falls about its clamped edge, against equal triangles."""
+
+    def flap(mesh):
+        scene = fl.Scene(gravity=(0, 0, -9.81))
+        layer = fl.ShellSection.layer(0.01, fl.Material(E=2e7, nu=0.3, density=1000.0))
+        scene.add(fl.Shell(mesh, layer, name="flap")).clamp("a=0")
+        return scene
+
+    def mesh(a, b):
+        return fl.surface(lambda s, t: (0.5 * s, 0.2 * t, 0.0), (a, b), cell="triangle")
+
+    found = fl.adapt_motion(flap, mesh(3, 1), duration=0.1, every=0.05, tolerance=0.3, size=0.5)
+    assert len(set(found.cells)) > 1
+    assert found.momentum_error < 1e-12
+    fine = fl.GeneralisedAlpha().run(flap(mesh(12, 5)), duration=0.1, step=2e-3)
+    gap = found.position("flap.10")[-1] - fine.position("flap.10")[-1]
+    assert np.linalg.norm(gap) < 0.1 * found.tolerance * 0.5
+
+
 def never(mesh):
     pytest.fail("a scene was made")
 
@@ -74,6 +101,7 @@ def never(mesh):
         ({"size": 0.0}, "size"),
         ({"share": 1.0}, "share"),
         ({"ahead": -0.1}, "ahead"),
+        ({"least": -1.0}, "least"),
         ({"most": 0}, "most"),
     ],
 )

@@ -7,6 +7,7 @@ import scipy.sparse as sp
 import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie.linear.bordered import KKT, Border
+from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
 from fem_lie.linear.direct import CHAINS, LATTICES, THREADS, ByChains, DirectSolver
 from fem_lie.solve import methods
@@ -105,6 +106,34 @@ def test_solutions_are_those_of_the_whole_matrix(name, seed):
         solver.solve()
         wanted = np.linalg.solve(A, b)
         np.testing.assert_allclose(solver.solution, wanted, atol=1e-11 * np.abs(wanted).max())
+    assert isinstance(solver._methods[0], ByChains)
+
+
+@pytest.mark.parametrize("name", ["chain on constraints", "net"])
+def test_chains_keep_their_factors_while_constraints_change(name, monkeypatch):
+    pairs, touched, _ = CASES[name]
+    kkt = random_matrix(pairs, touched)
+    n = len(kkt.indptr) - 1
+    nodes = sp.csr_matrix(kkt.csr).toarray()[: 6 * n, : 6 * n].reshape(n, 6, n, 6)
+    blocks = nodes[np.repeat(np.arange(n), np.diff(kkt.indptr)), :, kkt.indices]
+    made = []
+    factors = preconditioner.factorise
+    monkeypatch.setattr(
+        preconditioner, "factorise", lambda *args: made.append(args) or factors(*args)
+    )
+    solver = DirectSolver(kkt, "test_condensed_", THREADS)
+    m, rng = len(kkt.measure), np.random.default_rng(1)
+    for factor, anew, times in ((1.0, True, 1), (1.0, False, 1), (2.0, True, 2), (2.0, False, 2)):
+        rows = np.zeros((m, 6))
+        rows[:, :3] = np.eye(3)[np.arange(m) % 3] + 0.3 * rng.normal(size=(m, 3))
+        kkt.fill(factor * blocks, rows.copy(), rows.copy(), np.ones(m), anew=anew)
+        solver.refresh()
+        b = rng.normal(size=6 * n + m)
+        solver.right_hand_side[:] = b
+        solver.solve()
+        wanted = np.linalg.solve(sp.csr_matrix(kkt.csr).toarray(), b)
+        np.testing.assert_allclose(solver.solution, wanted, atol=1e-11 * np.abs(wanted).max())
+        assert len(made) == times
     assert isinstance(solver._methods[0], ByChains)
 
 

@@ -346,3 +346,30 @@ def test_pictures_show_forces_as_arrows(tmp_path):
 
     nothing = orange("none.png", found.arrows(0))
     assert orange("arrows.png", arrows) > nothing + 200
+
+
+# --- a stiffness that is chosen ---
+
+
+def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
+    """A fifth of that of an element, per length and area where forces are."""
+    E, r, t, cells = 1e9, 0.01, 0.02, 4
+    steel, floor = fl.Material(E, 0.0, 1e3), fl.Plane(fl.ground(), (0, 0, 1))
+    beam = fl.Beam.straight((0, 0, 1), (2, 0, 1), fl.Section.circle(r, steel), cells=cells)
+    mesh = fl.surface(lambda a, b: np.array([2 * a, 2 * b, 1]), (cells, cells))
+    sheet = fl.Shell(mesh, fl.ShellSection.layer(t, steel))
+    ball = fl.RigidBody(1.0, np.eye(3), (0, 0, 3))
+    EA, length = E * np.pi * r**2, 2 / cells
+    for surface, other, wanted in (
+        (fl.Vertices([beam.start, beam.end], r), floor, EA / length),
+        (fl.Line(beam, r), floor, EA / length**2),
+        (fl.Skin(sheet), floor, E * t / length**2),
+        (fl.Sphere(ball.centre, 0.1), fl.Skin(sheet), E * t),
+    ):
+        with caplog.at_level("INFO"):
+            law = fl.Contact(surface, other, fl.Penalty(friction=0.1)).law
+        assert law.stiffness == pytest.approx(0.2 * wanted, rel=1e-6)
+        assert law.holds == law.stiffness
+        assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
+    with pytest.raises(ValueError, match="Penalty needs a stiffness, for there is neither"):
+        fl.Contact(fl.Sphere(ball.centre, 0.1), floor, fl.Penalty())

@@ -88,7 +88,7 @@ VALUES = {
 SURFACES = {
     "overlap": (
         lambda: checked(sphere(ball((0, 0, 0.05))), FLOOR),
-        r"two: they overlap by 0\.05 at \(0, 0, -0\.05\); start apart",
+        r"two: they overlap by 0\.05 at \(0, 0, -0\.05\); start apart, or give ignore_initial=True",
     ),
     "the same body": (
         lambda: checked(fl.Sphere(ONE[0].at((0, 0, 2)), 0.1), fl.Plane(ONE[0].centre, (0, 0, 1))),

@@ -209,3 +209,13 @@ def test_wrong_options_are_named(demo, wrong):
 def test_wrong_case_is_named():
     with pytest.raises(ValueError, match="case must be one of all, scordelis_lo"):
         study("linear_shells", case="dome")
+
+
+def test_adaptive_splines():
+    """Cells that are cut by the estimate have the order of the element, equal ones half of it."""
+    record = main("adaptive_splines", tolerance=0.01, cells=4)
+    assert record["error"] < 0.012
+    assert 0.8 < record["effectivity"] < 1.25
+    assert record["unknowns"] < 2500
+    assert record["order"] < -0.95
+    assert record["order_equal"] == pytest.approx(-0.5, abs=0.1)

@@ -5,7 +5,7 @@ import pytest
 
 from fem_lie.contact.sides.apart import are_apart
 from fem_lie.contact.sides.curves import Opposite, Strands, at, overlaps, set_curves
-from fem_lie.contact.sides.detection import near
+from fem_lie.contact.sides.detection import near, near_between
 from fem_lie.contact.sides.table import GROUND
 
 RADIUS = 0.1
@@ -20,6 +20,18 @@ def test_pairs_are_the_same_in_any_order_and_as_all_against_all():
     order = rng.permutation(400)
     again = np.sort(order[near(places[order], reach[order])], axis=1)
     np.testing.assert_array_equal(again[np.lexsort(again.T[::-1])], wanted)
+
+
+@pytest.mark.parametrize("first", [3, 200])
+def test_pairs_between_two_sides_are_those_of_all(first):
+    """Few places beside many, that may be large, and as many on both sides."""
+    rng = np.random.default_rng(1)
+    places, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
+    reach[:first] *= 4.0 if first == 3 else 1.0
+    pairs = near(places, reach)
+    wanted = pairs[(pairs[:, 0] < first) & (pairs[:, 1] >= first)]
+    assert len(wanted) > 5
+    np.testing.assert_array_equal(near_between(places, reach, first), wanted)
 
 
 def curved(count: int, bend: float, seed: int) -> Strands:

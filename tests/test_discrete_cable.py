@@ -284,3 +284,22 @@ def test_a_net_that_is_hit_converges():
     assert runs[0].unknowns == 3 * 11 * 11
     moved = [nets.distance(*pair) for pair in pairwise(runs)]
     assert moved[1] < 8e-4 and moved[1] < 0.6 * moved[0]
+
+
+@pytest.mark.parametrize("cells", [4, 5, 6])
+def test_threads_that_are_naturally_as_laid_move_freely(cells):
+    """Along oblique straight lines curvature is round-off, and must not become a direction."""
+    turns = np.exp(1j * np.pi / 3 * np.arange(7))
+    corners = np.column_stack([turns.real, turns.imag])
+    parts = np.arange(cells)[:, np.newaxis] / cells
+    flat = np.vstack([a + parts * (b - a) for a, b in pairwise(corners)])
+    points = np.column_stack([flat, np.full(len(flat), 0.31)])
+    thread = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
+    natural = fl.DiscreteCable(natural=True)
+    net = fl.Net(points, [[*range(len(points)), 0]], thread, formulation=natural)
+    net.move((0.0, 0.0, -10.0))
+    scene = fl.Scene()
+    scene.add(net)
+    result = fl.EnergyMomentum().run(scene, duration=5e-3, step=2.5e-4, progress=False)
+    moved = result.frames[-1, result.info.body(net.name).nodes, 0] - points
+    np.testing.assert_allclose(moved, np.tile([0.0, 0.0, -0.05], (len(points), 1)), atol=1e-14)

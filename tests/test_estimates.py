@@ -15,6 +15,16 @@ ESTIMATES = list(effectivity.ESTIMATES)
 CELLS = ["triangle", "quadrilateral"]
 each_estimate = pytest.mark.parametrize("estimate", ESTIMATES, ids=repr)
 each_cell = pytest.mark.parametrize("cell", CELLS)
+each_of_beams = pytest.mark.parametrize(
+    ("estimate", "formulation"),
+    [
+        (estimate, formulation)
+        for estimate in ESTIMATES
+        for formulation in (fl.Geodesic(), fl.Director(1), fl.Director(2))
+        if not (isinstance(estimate, fl.Hierarchical) and formulation.degree == 2)
+    ],
+    ids=repr,
+)
 
 
 def sheet(cell, force, cells=4, turn=None):
@@ -47,8 +57,7 @@ def errors(scene, estimate, **options):
 # --- zero where the solution is in the space ------------------------------------------------------
 
 
-@each_estimate
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=repr)
+@each_of_beams
 def test_pure_bending_has_no_error(estimate, formulation):
     scene = fl.Scene()
     beam = scene.add(
@@ -56,8 +65,10 @@ def test_pure_bending_has_no_error(estimate, formulation):
     )
     scene.add(fl.Clamp(beam["start"]))
     scene.add(fl.PointLoad(beam["end"], moment=(0, 2e4, 0), following=True))
-    scale = 1.0 if formulation == fl.Director(2) else 1e-7
-    assert errors(scene, estimate, load_steps=2).relative < 1e-3 * scale + 1e-8
+    # directors of degree 2 do not bend to an arc; two halves in degree 1 are not quite their whole
+    halves = isinstance(estimate, fl.Hierarchical) and formulation == fl.Director(1)
+    bound = 1e-3 if formulation == fl.Director(2) else 1e-4 if halves else 1e-8
+    assert errors(scene, estimate, load_steps=2).relative < bound
 
 
 @each_estimate
@@ -113,8 +124,7 @@ def test_beams_turned_as_a_whole(estimate):
 # --- order and size -------------------------------------------------------------------------------
 
 
-@each_estimate
-@pytest.mark.parametrize("formulation", [fl.Geodesic(), fl.Director(1), fl.Director(2)], ids=repr)
+@each_of_beams
 @pytest.mark.parametrize("force", effectivity.BEAMS.values(), ids=list(effectivity.BEAMS))
 def test_of_beams_it_is_the_error(estimate, formulation, force, monkeypatch):
     monkeypatch.setattr(effectivity, "FINEST", 128)
@@ -194,8 +204,12 @@ def test_halves_of_what_has_more_nodes():
     scene = cantilever(fl.Director(2))
     with pytest.raises(ValueError, match=r"two nodes, those of .* have 3"):
         errors(scene, fl.Hierarchical(), load_steps=2)
-    with pytest.raises(ValueError, match="estimated for Beams, got"):
-        errors(sheet("triangle", (0.0, 0.0, 1e-3)), fl.Hierarchical())
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+    layer, scene = fl.ShellSection.layer(0.1, MATERIAL), fl.Scene()
+    shell = scene.add(fl.Shell(mesh, layer, formulation=fl.Displacement(), name="sheet"))
+    shell.clamp("a=0")
+    with pytest.raises(ValueError, match="cells of degree 1, those of sheet are of degree 2"):
+        errors(scene, fl.Hierarchical())
 
 
 # --- in the loop, and bad input -------------------------------------------------------------------

@@ -48,6 +48,21 @@ def test_a_block_sticks_or_slides(degrees, sticks):
         np.testing.assert_allclose(a, GRAVITY * (np.sin(angle) - μ * np.cos(angle)), rtol=1e-3)
 
 
+def test_a_block_on_a_body_that_a_joint_holds_slides_to_rest():
+    """And stays there, though no load or damping is booked from outside the compiled loop."""
+    μ, k, speed = 0.3, 1e6, 0.3
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    slab = scene.add(fl.RigidBody(1e3, 1e3 * np.eye(3), (0, 0, -0.5)))
+    scene.add(fl.Prismatic(fl.ground(), slab.centre, axis=(0, 1, 0)))
+    body = scene.add(fl.RigidBody(1.0, np.eye(3), (0, 0, SIZE - GRAVITY / (4 * k))))
+    body.move((speed, 0, 0))
+    top = fl.Plane(slab.at((0, 0, 0)), (0, 0, 1))
+    scene.add(fl.Contact(block(body.centre), top, fl.Penalty(k, friction=μ)))
+    x = run(scene, 0.3, 1e-3).position(body.centre)[:, 0]
+    assert x[-1] == pytest.approx(speed**2 / (2 * μ * GRAVITY), rel=0.02)
+    assert np.ptp(x[-100:]) < 1e-5
+
+
 def test_a_ball_rolls():
     """Springs go along: 5/7 of what it has without friction."""
     k, angle = 1e5, np.radians(20)
@@ -80,8 +95,31 @@ def line_on_plane() -> tuple[list[fl.Body], fl.Contact]:
     return [line], (fl.Line(line, 0.1), FLOOR)
 
 
+def sheet(height: float, cells: int) -> fl.Shell:
+    """A square, 0.1 m thick, that is smaller the higher it is, so that edges do not meet."""
+    mesh = fl.surface(lambda a, b: np.array([a, b, 0]) * (1 - height) + [0, 0, height], (cells, 1))
+    return fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(1e9, 0.3, 1.0)))
+
+
+def skin_on_skin() -> tuple[list[fl.Body], fl.Contact]:
+    upper, lower = sheet(0.097, 1), sheet(0.0, 2)
+    return [upper, lower], (fl.Skin(upper), fl.Skin(lower))
+
+
+def skin_on_plane() -> tuple[list[fl.Body], fl.Contact]:
+    one = sheet(0.048, 1)
+    return [one], (fl.Skin(one), FLOOR)
+
+
+def ball_on_skin() -> tuple[list[fl.Body], fl.Contact]:
+    one, body = sheet(0.0, 1), fl.RigidBody(1.0, np.eye(3), (0.3, 0.4, 0.148))
+    return [body, one], (fl.Sphere(body.centre, 0.1), fl.Skin(one))
+
+
 @pytest.mark.parametrize("friction", [100.0, 0.1])
-@pytest.mark.parametrize("make", [ball_on_ball, ball_on_plane, line_on_plane])
+@pytest.mark.parametrize(
+    "make", [ball_on_ball, ball_on_plane, line_on_plane, skin_on_skin, skin_on_plane, ball_on_skin]
+)
 def test_derivatives(make, friction):
     """By differences, sticking and slipping."""
     bodies, surfaces = make()

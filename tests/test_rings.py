@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from benchmarks.rings import THREAD, free, place, rope
+from benchmarks.rings import THREAD, capstan, free, place, rope
 
 OPTIONS = {"duration": 0.02, "step": 5e-4, "progress": False}
 
@@ -73,6 +73,15 @@ def test_friction_is_that_of_coulomb():
     speed = (x[-1] - x[-41]) / (result.times[-1] - result.times[-41])
     middle = 0.5 * (result.times[-1] + result.times[-41])
     assert 1.0 - speed == pytest.approx(friction * 9.81 * middle, rel=0.05)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_tension_grows_from_ring_to_ring_as_on_a_capstan(friction):
+    """Rings that bend a rope by 11° each."""
+    found = capstan(180, 16, 4, friction)
+    assert abs(found["error"]) < 0.01
+    assert abs(found["angle"] - 180) < 1
+    assert (found["ratio"] > 2.0) == (friction > 0.0)
 
 
 @pytest.mark.parametrize("scheme", [fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=0.8)])

@@ -136,25 +136,140 @@ def test_what_skins_refuse():
         scene.add(fl.Contact(fl.Skin(five), fl.Sphere(ball.centre, 0.1), law))
 
 
-def rubbing(start: float) -> fl.Scene:
-    """A sheet that lies on another one, between edges of its cells, and slides aslant."""
-    lower, upper = plate(0, (4, 3)), plate(0.9999 * THICK, (2, 2), 0.21, 0.4)
+# --- friction ---
+
+
+def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) -> fl.Scene:
+    """A sheet that lies on another one, or falls, between edges of its cells, and slides aslant."""
+    lower, upper = plate(0, (4, 3)), plate(THICK + drop, (2, 2), 0.21, 0.4)
     lower.clamp("a=0")
     lower.clamp("a=1")
     upper.move((start, 0.2 * start, 0))
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(lower)
     scene.add(upper)
-    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7, friction=0.2)))
+    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7, friction=friction)))
     return scene
 
 
-def test_goes_on_to_the_last_bit_from_the_middle_of_slip(tmp_path):
-    """From a checkpoint between steps in which it slides."""
+@pytest.mark.parametrize(("speed", "drop", "friction"), [(1e-3, -5e-6, 0.2), (0.0, 1e-3, 0.4)])
+def test_tractions_do_not_drill(speed, drop, friction):
+    """A sheet that lies, or falls, on another: tractions have no levers along the sheets."""
+    scene = rubbing(speed, drop, friction)
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    result = scheme.run(scene, duration=0.025, step=2.5e-4, progress=False)
+    turned = result.frames[:, :, 1] @ [0, 1, 0]
+    assert np.abs(turned).max() < 1e-3
+    assert result.iterations[-1] < 8 * (len(result.times) - 1)
+
+
+@pytest.mark.parametrize(("degrees", "sticks"), [(20, True), (26, True), (27.2, False)])
+def test_a_sheet_sticks_or_slides_on_a_slope(degrees, sticks):
+    """By Coulomb's law with μ = 0.5, whose limit is 26.57°, on a sheet that hardly sags."""
+    angle, k, g, stiff = np.radians(degrees), 1e8, 9.81, fl.Material(1e10, 0.3, 1000.0)
+    layer = fl.ShellSection.layer(THICK, stiff)
+    rests = THICK * (1 - 1e3 * g * np.cos(angle) / k)
+    lower = fl.Shell(plate(0, (4, 3)).mesh, layer)
+    upper = fl.Shell(plate(rests, (2, 2), 0.21, 0.4).mesh, layer)
+    for edge in ("a=0", "a=1", "b=0", "b=1"):
+        lower.clamp(edge)
+    scene = fl.Scene(gravity=(g * np.sin(angle), 0, -g * np.cos(angle)))
+    scene.add(lower)
+    scene.add(upper)
+    law = fl.Penalty(k, damping=3e4, ramp=1e-6, friction=0.5)
+    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), law))
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    result = scheme.run(scene, duration=0.15, step=1e-3, progress=False)
+    x = np.mean([result.position(fl.Point(upper, k))[75:, 0] for k in range(9)], axis=0)
+    if sticks:
+        assert np.ptp(x) < 1e-7
+    else:
+        found = 2 * np.polyfit(result.times[75:], x, 2)[0]
+        assert found == pytest.approx(g * (np.sin(angle) - 0.5 * np.cos(angle)), rel=2e-3)
+
+
+@pytest.mark.parametrize("start", [0.5, 1e-3])
+def test_goes_on_to_the_last_bit_from_the_middle_of_slip_and_stick(tmp_path, start):
+    """From a checkpoint between steps in which it slides, or begins to."""
     scheme = fl.GeneralisedAlpha(radius=0.8)
     options = {"duration": 5e-3, "step": 2.5e-4, "checkpoint_every": 13, "progress": False}
-    whole = scheme.run(rubbing(0.5), **options, file=tmp_path / "whole.h5")
-    scheme.run(rubbing(0.5), **options, file=tmp_path / "run.h5")
-    resumed = scheme.resume(rubbing(0.5), tmp_path / "run.h5", progress=False)
+    whole = scheme.run(rubbing(start), **options, file=tmp_path / "whole.h5")
+    scheme.run(rubbing(start), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(rubbing(start), tmp_path / "run.h5", progress=False)
     for name in ("frames", "velocities", "balance", "iterations"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+
+
+# --- what goes through ---
+
+
+def shot(speed: float) -> tuple[fl.Scene, fl.RigidBody]:
+    """A ball above a sheet."""
+    sheet = plate(0, (4, 3))
+    sheet.clamp("a=0")
+    sheet.clamp("a=1")
+    ball = fl.RigidBody(1.0, 1e-2 * np.eye(3), (0.43, 0.52, 0.3), name="ball")
+    ball.move((0, 0, -speed))
+    scene = fl.Scene()
+    scene.add(sheet)
+    scene.add(ball)
+    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    return scene, ball
+
+
+@pytest.mark.parametrize("step", [1.5e-2, 2e-2])
+def test_a_ball_that_goes_through_a_sheet_fails_the_step(step):
+    """In 1.5e-2 s it gets as far as the middle surface."""
+    scene, _ = shot(20.0)
+    with pytest.raises(fl.ConvergenceError, match=r"on ball; Skin .* went through the other"):
+        fl.GeneralisedAlpha(radius=0.8).run(scene, duration=3 * step, step=step, progress=False)
+
+
+def test_a_sheet_that_goes_through_a_sheet_fails_the_step():
+    lower, upper = plate(0, (4, 3)), plate(0.2, (2, 2), 0.21, 0.4)
+    upper.move((30, 0, -100))
+    scene = fl.Scene()
+    scene.add(lower)
+    scene.add(upper)
+    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7)))
+    with pytest.raises(fl.ConvergenceError, match=r"failed: .* moved by 0.31, .* 0.05 thick"):
+        fl.GeneralisedAlpha(radius=0.8).run(scene, duration=6e-3, step=3e-3, progress=False)
+
+
+def test_fast_sheets_that_do_not_meet_are_let_go():
+    """One goes past the edge of the other, which moves with it."""
+    lower, upper = plate(0, (4, 3)), plate(0.2, (2, 2), 1.1, 0.4)
+    lower.move((100, 0, 0))
+    upper.move((100, 0, -100))
+    scene = fl.Scene()
+    scene.add(lower)
+    scene.add(upper)
+    scene.add(fl.Contact(fl.Skin(upper), fl.Skin(lower), fl.Penalty(1e7)))
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=6e-3, step=3e-3, progress=False)
+    assert result.position(fl.Point(upper, 0))[-1, 2] == pytest.approx(-0.4)
+
+
+def test_adaptive_steps_shrink_before_a_ball_goes_through():
+    scene, ball = shot(2.0)
+    choice = fl.AdaptiveStep(tolerance=1.0, rotation_tolerance=100.0, first=0.16, largest=0.16)
+    scheme = fl.GeneralisedAlpha(radius=0.8)
+    result = scheme.run(scene, duration=0.16, step=choice, progress=False)
+    assert result.steps.rejected[0] == pytest.approx(0.16)
+    assert result.position(ball.centre)[:, 2].min() > 0.05
+
+
+def test_statics_divide_a_step_that_goes_through():
+    """A ball on a rail is driven down on a sheet, in one step to the other side of it."""
+    sheet = plate(0, (4, 3))
+    sheet.clamp("a=0")
+    sheet.clamp("a=1")
+    ball = fl.RigidBody(1.0, 1e-2 * np.eye(3), (0.43, 0.52, 0.2))
+    scene = fl.Scene()
+    scene.add(sheet)
+    scene.add(ball)
+    rail = scene.add(fl.Prismatic(fl.ground(), ball.centre, axis=(0, 0, 1)))
+    scene.add(fl.Drive(rail.displacement, lambda t: -0.22 * t))
+    scene.add(fl.Contact(fl.Sphere(ball.centre, 0.05), fl.Skin(sheet), fl.Penalty(1e6)))
+    result = fl.statics(scene, load_steps=1)
+    assert len(result.factors) > 1
+    assert fl.contact_forces(result, scene.contacts[0]).total[-1, 2] > 1e3

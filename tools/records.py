@@ -38,6 +38,7 @@ HELPERS = (
     "newton_on_frames",
     "records",
     "rigid",
+    "shell_errors",
     "soft_bars",
     "truss_scene",
 )

@@ -20,6 +20,7 @@ from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.estimates.recovery import fields_of
 from fem_lie.adapt.estimates.stress_fields import StressFields
 from fem_lie.adapt.space_error import worst
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.pictures.units import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import nodes_in
@@ -63,10 +64,15 @@ def goal_error(
 
     Raises:
         ValueError: See :func:`~fem_lie.adapt.space_error.space_error` and the goal; a beam whose
-            elements bow: their displacements are better than their stress says.
+            elements bow: their displacements are better than their stress says; a thin shell.
     """
     instance(goal, Goal, "goal", "a PointDisplacement, a Frequency or a CriticalLoad")
     for body in bodies:
+        if isinstance(body, ThinShell):
+            raise ValueError(
+                f"goals are estimated for beams and shells, not for thin shells as {body.label}: "
+                "leave out the goal, for its error in the energy norm"
+            )
         if getattr(getattr(body, "formulation", None), "bending_flexibility", False):
             raise ValueError(
                 f"elements of {body.label} have the flexibility of forces that vary within, and "

@@ -30,8 +30,11 @@ from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie.adapt.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adapt.goals import Goal, GoalError, goal_error
 from fem_lie.adapt.refinement import Onto, Refinable, refine
+from fem_lie.adapt.sizes import Sizes, order_of
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -41,6 +44,9 @@ from fem_lie.scene.scene import require_scene
 from fem_lie.solve.statics.follow import follow_loads
 
 _log = logging.getLogger("fem_lie")
+
+_AIM = 0.95  # of the tolerance, so that it is met
+_LARGEST = 2.0**0.5  # of the wanted size: cells are halved, so that many are smaller
 
 Solve = Callable[[Scene], StaticResult]
 Estimate = SpaceError | GoalError
@@ -57,6 +63,7 @@ class Adapted(Generic[Refinable]):
         error: The estimate for it.
         unknowns: Six for each node of each mesh, shape (k,).
         relative: Estimated relative error on each mesh, shape (k,), with the calibration.
+        values: The goal on each mesh, as computed, shape (k,); nan without one.
         calibration: By what the estimate of a goal is multiplied on each mesh, shape (k,), see
             :func:`adapt`; one without a goal and on the first mesh.
         meshes: All of them.
@@ -68,6 +75,7 @@ class Adapted(Generic[Refinable]):
     error: Estimate
     unknowns: Array
     relative: Array
+    values: Array
     calibration: Array
     meshes: tuple[Refinable, ...]
 
@@ -109,6 +117,7 @@ def adapt(
     body: str | None = None,
     solve: Solve | None = None,
     part: float = 0.5,
+    fall: float | None = None,
     most: int = 200_000,
     onto: Onto | None = None,
     estimate: ErrorEstimate | None = None,
@@ -117,7 +126,9 @@ def adapt(
 
     Each mesh is solved from the start. The elements that are cut are the fewest that have a part of
     the square of the error, which is what gives the best possible order (R. Stevenson, Found.
-    Comput. Math. 7 (2007) 245).
+    Comput. Math. 7 (2007) 245). With ``fall`` each mesh is made anew from the first, with elements
+    that are to have the same error each: fewer of them, on a few meshes more, as elements that have
+    turned out to be too small grow again.
 
     What is wrong with the stiffness of an element rather than with its stress, such as flat cells
     on a curved surface, an estimate cannot see; but from one mesh to the next the goal has moved by
@@ -126,7 +137,7 @@ def adapt(
 
     Args:
         build: From a mesh to a scene with a beam or shell on it.
-        mesh: To begin with: lines, or triangles or quadrilaterals of first degree.
+        mesh: To begin with: lines, triangles or quadrilaterals of first degree, or smooth patches.
         tolerance: Of the relative error, in the energy norm or of the goal.
         goal: What has to be accurate, a displacement, a frequency or a critical load; default: the
             stress, in the energy norm.
@@ -134,6 +145,8 @@ def adapt(
         solve: From a scene to its equilibrium, of a critical load to the path; default: what the
             goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
         part: Of the square of the error that the elements to be cut have.
+        fall: Error of each mesh over that of the one before, for meshes made anew from lines,
+            triangles or smooth patches; default: elements are cut.
         most: Unknowns; more are not solved for.
         onto: The true line or surface, for new points.
         estimate: How the error in the energy norm is found; default:
@@ -146,12 +159,14 @@ def adapt(
             its ``result`` is the :class:`Adapted` of the last mesh that was solved, if any.
     """
     _check(build, mesh, tolerance, goal, solve, part, onto)
+    _check_fall(fall, mesh)
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     if goal is not None and estimate is not None:
         raise ValueError(f"a goal is estimated by recovered stress: leave out {estimate!r}")
     whole(most, "most")
     refine(mesh, np.arange(0), onto=onto)
-    history: list[tuple[int, float, float]] = []
+    first = mesh
+    history: list[tuple[int, float, float, float]] = []
     meshes: list[Refinable] = []
     found: Adapted[Refinable] | None = None
     while True:
@@ -178,14 +193,36 @@ def adapt(
             else goal_error(result, [chosen], scene, goal)
         )
         factor = _calibration(found.error, error) if found else 1.0
-        history.append((count, factor * error.relative, factor))
+        value = error.value if isinstance(error, GoalError) else float("nan")
+        history.append((count, factor * error.relative, value, factor))
         meshes.append(mesh)
-        unknowns, relative, factors = np.array(history, dtype=np.float64).T
-        found = Adapted(mesh, scene, result, error, unknowns, relative, factors, tuple(meshes))
+        counts, relative, values, factors = np.array(history, dtype=np.float64).T
+        found = Adapted(
+            mesh, scene, result, error, counts, relative, values, factors, tuple(meshes)
+        )
         _log.info("%d unknowns: %s, times %.2g", count, error, factor)
-        if relative[-1] <= tolerance:
+        if found.relative[-1] <= tolerance:
             return found
-        mesh = refine(mesh, error.worst(part), onto=onto)
+        if fall is None:
+            mesh = refine(mesh, error.worst(part), onto=onto)
+        else:
+            aim = max(_AIM * tolerance, fall * found.relative[-1])
+            mesh = _anew(first, found, aim, order_of(chosen), onto)
+
+
+def _anew(
+    first: Refinable, found: Adapted[Refinable], relative: float, order: int, onto: Onto | None
+) -> Refinable:
+    """A mesh for a relative error, its elements all with the same part of it."""
+    error, factor = found.error, float(found.calibration[-1])
+    # what elements have of a goal is added up, as squares are in the energy norm
+    allowed = (
+        relative * np.sqrt(error.energy)
+        if isinstance(error, SpaceError)
+        else np.sqrt(relative * abs(found.value))
+    )
+    sizes = Sizes.of(found.mesh, factor * error.squares, allowed, order)
+    return sizes.mesh(first, onto=onto, largest=_LARGEST)
 
 
 def _solved(scene: Scene, goal: Goal | None, solve: Solve | None) -> StaticResult:
@@ -212,7 +249,7 @@ def _check(
     onto: object,
 ) -> None:
     instance(build, Callable, "build", "a function from a mesh to a Scene")
-    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
     positive(tolerance, "tolerance")
     instance(goal, Goal | None, "goal", "a PointDisplacement, a Frequency, a CriticalLoad or None")
     instance(solve, Callable | None, "solve", "a function from a Scene to its equilibrium, or None")
@@ -221,7 +258,20 @@ def _check(
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
 
 
-def named_body(scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh) -> Estimated:
+def _check_fall(fall: object, mesh: LineMesh | SurfaceMesh | SplineMesh) -> None:
+    if fall is None:
+        return
+    if not 0.0 < positive(fall, "fall") < 1.0:
+        raise ValueError(f"fall must be between 0 and 1, got {fall!r}")
+    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
+        raise ValueError(
+            f"meshes are made anew from lines, triangles and smooth patches, got {mesh.cell}s"
+        )
+
+
+def named_body(
+    scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh | SplineMesh
+) -> Estimated:
     """The beam or shell that is refined.
 
     Raises:
@@ -234,10 +284,16 @@ def named_body(scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh) -> 
         wanted = "one beam or shell, or body=..." if name is None else f"a beam or shell {name!r}"
         raise ValueError(f"build must make {wanted}; it made {known}")
     (body,) = chosen
-    own = len(body.elements if isinstance(body, Beam) else body.mesh.cells)
+    own = _elements(body)
     if own != len(mesh.cells):
         raise ValueError(
             f"{body.label} must be on the mesh that build is given, of {len(mesh.cells)} cells; it "
             f"has {own}"
         )
     return body
+
+
+def _elements(body: Estimated) -> int:
+    if isinstance(body, Beam):
+        return len(body.elements)
+    return len(body.connectivity if isinstance(body, ThinShell) else body.mesh.cells)

@@ -12,11 +12,14 @@ from scipy.spatial import cKDTree
 from fem_lie import _compat, lie
 from fem_lie._arrays import Array, Indices, indices_of, instance, vector
 from fem_lie.adapt.quadrilaterals import cut_quadrilaterals
+from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.shapes import cell_normals
 from fem_lie.mesh.surfaces import SurfaceMesh
 
-Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh)
+Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh, SplineMesh)
+Followed = TypeVar("Followed", LineMesh, SurfaceMesh)
+"""Those that states are carried to."""
 Onto = Callable[[Array], npt.ArrayLike]
 """From a place (3,) near the true line or surface to the place on it."""
 
@@ -29,21 +32,27 @@ def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -
     Lines are cut in the middle of the arc between the tangents at both ends. Triangles are cut by
     DOLFINx, after A. Plaza & G. F. Carey, Appl. Numer. Math. 32 (2000) 195: each marked one in
     four, and as few neighbours as leave no node on an edge. Quadrilaterals are cut in nine, and
-    those beside them by patterns, see :mod:`fem_lie.adapt.quadrilaterals`. Points keep their
-    numbers, new ones come behind them; groups, curves and named points are those of before, cut as
-    the cells are.
+    those beside them by patterns, see :mod:`fem_lie.adapt.quadrilaterals`. Cells of spline meshes
+    are cut in four, and those beside them that differ by two levels then; their surface stays as it
+    is. Points keep their numbers, new ones come behind them; groups, curves and named points are
+    those of before, cut as the cells are.
 
     Args:
-        mesh: Lines, or triangles or quadrilaterals of first degree.
+        mesh: Lines, triangles or quadrilaterals of first degree, or smooth patches.
         cells: Which ones to cut.
         onto: The true line or surface, for new points; default: the middles of arcs and edges.
 
     Raises:
-        ValueError: There is no such cell, or the mesh is a surface of second degree.
+        ValueError: There is no such cell, the mesh is a surface of second degree, or ``onto`` is
+            given for smooth patches.
     """
-    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
     instance(onto, Callable | None, "onto", "a function of a place, or None")
     marked = np.unique(indices_of(np.atleast_1d(cells), len(mesh.cells), "cells"))
+    if isinstance(mesh, SplineMesh):
+        if onto is not None:
+            raise ValueError("a SplineMesh stays on its own surface when it is cut: leave out onto")
+        return mesh.cut(marked)
     if isinstance(mesh, LineMesh):
         return _refined_lines(mesh, marked, onto)
     if mesh.degree != 1:

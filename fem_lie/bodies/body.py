@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, choice, instance, text, vector
+from fem_lie._arrays import Array, Indices, choice, instance, text, vector
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.nodes import Nodes
 from fem_lie.grips.grip import Grip
@@ -98,6 +98,29 @@ class Body(Nodes):
             holds: What takes hold of the rotations of their nodes.
         """
         return None
+
+    @property
+    def elastic_cells(self) -> Indices:
+        """Nodes of each cell that :meth:`cells_apart` knows, shape (m, k); default: none."""
+        return np.empty((0, 0), dtype=np.int64)
+
+    def cells_apart(self, cells: Indices, weights: Array) -> BodyTerm:
+        """Some elastic cells, each on nodes of its own, that it shares with no other.
+
+        Args:
+            cells: Their numbers, shape (s,).
+            weights: Factors of their energies, shape (s,).
+
+        Returns:
+            On s k nodes, in the order of :attr:`elastic_cells`.
+
+        Raises:
+            ValueError: The body has no cells that can be taken one by one.
+        """
+        raise ValueError(
+            f"cells of {self.label} cannot be taken one by one: that is for beams and shells whose "
+            "nodes are frames"
+        )
 
     def __getitem__(self, name: str) -> Point:
         """The point with this name.

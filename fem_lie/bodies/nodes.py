@@ -89,17 +89,13 @@ class Nodes(Loadable):
         """Whether it goes slack, with an energy that is convex all the same."""
         return False
 
-    @property
-    def floats(self) -> bool:
-        """Whether it deforms within one frame, with inertia that nodes do not have each."""
-        return False
+    def within_frame(self) -> tuple[Array, Array] | None:
+        """Of a body that deforms within one frame, with inertia that nodes do not have each.
 
-    def within_frame(self) -> tuple[Array, Array]:
-        """Interfaces in that frame, (i, 4, 3), and the matrix of that inertia, of one that floats.
-
-        See :class:`~fem_lie.lie.kinds.floating.Floating`.
+        Interfaces in that frame, (i, 4, 3), and the matrix of that inertia, see
+        :class:`~fem_lie.lie.kinds.floating.Floating`; ``None`` of any other body.
         """
-        raise NotImplementedError
+        return None
 
     def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes turn about their third directors.

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import logging
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 from zlib import crc32
 
 import numpy as np
 
-from fem_lie._arrays import Array, instance, text
+from fem_lie._arrays import Array, flag, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.held import HeldRotation
+from fem_lie.contact.chosen import chosen_stiffness
 from fem_lie.contact.laws import Impact, Penalty
 from fem_lie.contact.penalty import PenaltyForces
 from fem_lie.contact.rings.forces import RingForces
@@ -26,6 +28,8 @@ from fem_lie.contact.sides.table import Nodes, Side, balls_side, number_of, plan
 from fem_lie.contact.skins import Skin, meeting_of, numbers_of
 
 Law: TypeAlias = Penalty | Impact
+
+_log = logging.getLogger(__name__)
 
 OVERLAP = 0.05
 """Part of a size by which surfaces may overlap in the beginning."""
@@ -56,6 +60,8 @@ class Contact:
         b: The other; the same one: its balls touch each other.
         law: Of the forces.
         name: For messages and results.
+        ignore_initial: Whether pairs of places that overlap in the beginning are left out until
+            they have parted; of points, balls, corners and planes.
 
     Example:
         >>> ball = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
@@ -71,6 +77,7 @@ class Contact:
     b: Surface
     law: Law
     name: str = ""
+    ignore_initial: bool = False
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument is of another kind than wanted."""
@@ -78,6 +85,11 @@ class Contact:
             instance(given, Surface, f"Contact: {side}", "a surface such as Plane or Sphere")
         instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6) or Impact()")
         text(self.name, "Contact: name")
+        flag(self.ignore_initial, "Contact: ignore_initial")
+        if isinstance(self.law, Penalty) and self.law.stiffness is None:
+            k = chosen_stiffness(self.a, self.b, self.label)
+            object.__setattr__(self, "law", replace(self.law, stiffness=k))
+            _log.info("%s: stiffness %g was chosen", self.label, k)
 
     @property
     def label(self) -> str:
@@ -99,6 +111,8 @@ class Contact:
         """
         self.a.check()
         self.b.check()
+        if self.ignore_initial and not self._of_balls:
+            raise ValueError(f"{self.label}: ignore_initial is for points, balls, boxes and planes")
         if isinstance(self.a, Rope | Rings) or isinstance(self.b, Rope | Rings):
             self._check_rings()
             return
@@ -211,7 +225,8 @@ class Contact:
             first, second = (_numbers_of(each, nodes) for each in (self.a, self.b))
             return *first, *second, repr(self.law)
         a, b, flat, same = self.sides(nodes)
-        return *a, *b, flat, same, repr(self.law)
+        ignores = ("ignore_initial",) if self.ignore_initial else ()
+        return *a, *b, flat, same, repr(self.law), *ignores
 
     def key(self, nodes: Nodes) -> int:
         """A number that tells it from others of its scene, of :meth:`contents`."""
@@ -223,8 +238,7 @@ class Contact:
 
     def _rings(self, rope: Rope, rings: Rings, nodes: Nodes) -> RingForces:
         assert isinstance(self.law, Penalty)
-        holding = self.law.stiffness if self.law.holding is None else self.law.holding
-        numbers = self.law.stiffness, self.law.friction, holding
+        numbers = self.law.k, self.law.friction, self.law.holds
         return RingForces(rope, rings, RingLaw(*(float(n) for n in numbers)), nodes)
 
     def term(self, nodes: Nodes) -> PenaltyForces | RingForces:
@@ -244,9 +258,11 @@ class Contact:
         if isinstance(self.a, Rope) and isinstance(self.b, Rings):
             return self._rings(self.a, self.b, nodes)
         sides, friction = self._meeting(nodes), None
+        if self.ignore_initial:
+            sides.near.ignore(self._frames(nodes))
         if self.law.friction > 0.0:
             friction = Friction(sides, self.law, self._frames(nodes))
-        return PenaltyForces(sides, self.law, self.label, friction)
+        return PenaltyForces(sides, self.law, self.label, friction, parts=self.ignore_initial)
 
     @property
     def rubs(self) -> bool:
@@ -256,6 +272,11 @@ class Contact:
     @property
     def _lines(self) -> bool:
         return bool(self.a.pieces() or self.b.pieces())
+
+    @property
+    def _of_balls(self) -> bool:
+        rings = isinstance(self.a, Rope | Rings) or isinstance(self.b, Rope | Rings)
+        return not (rings or self._lines or self._skins)
 
     @property
     def _skins(self) -> list[Skin]:
@@ -312,10 +333,15 @@ class Contact:
 
     def _refuse(self, g: Array, places: Array, sizes: Array) -> None:
         """Overlaps by more than a part of sizes: the largest one."""
+        if self.ignore_initial:
+            return
+        instead = ", or give ignore_initial=True" if self._of_balls else ""
         too_deep = np.flatnonzero(g < -OVERLAP * sizes)
         for e in too_deep[np.argsort(g[too_deep], kind="stable")][:1]:
             at = ", ".join(f"{x:g}" for x in places[e])
-            raise ValueError(f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart")
+            raise ValueError(
+                f"{self.label}: they overlap by {-g[e]:.3g} at ({at}); start apart{instead}"
+            )
 
 
 def _numbers_of(surface: Surface, nodes: Nodes) -> list[Array]:

@@ -19,7 +19,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
 from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, place
+from fem_lie.contact.sides.kinematics import SLOTS, gap, place
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components, local_components
@@ -28,7 +28,6 @@ from fem_lie.lie.tuples import (
     combined,
     cross,
     dot,
-    load,
     load_row,
     minus,
     plus,
@@ -138,15 +137,24 @@ def _anchor(H: Array, side: Side, i: int, off: Vector, sign: float, out: Anchors
 
 
 @compiled
-def set_anchors(H: Array, at: Meeting, springs: Array, out: Anchors) -> None:
-    """Anchors at frames ``H`` with springs stretched by ``springs`` (m, 3), into empty ones."""
+def set_anchors(H: Array, at: Meeting, a: Side, b: Side, springs: Array, out: Anchors) -> None:
+    """Anchors at frames ``H`` with springs stretched by ``springs`` (m, 3), into empty ones.
+
+    Args:
+        H: Frames.
+        at: Pairs of places.
+        a: What anchors of the first side are fixed to.
+        b: Of the second.
+        springs: By how much the second is short.
+        out: Overwritten.
+    """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         _, n, P = gap(H, at.a, at.b, i, j, at.flat)
         off = scaled(-at.a.radii[i], n)
-        _anchor(H, at.a, i, off, 1.0, out, e)
+        _anchor(H, a, i, plus(off, minus(P, place(H, a, i))), 1.0, out, e)
         short = minus(plus(P, off), load_row(springs, e))
-        _anchor(H, at.b, j, minus(short, place(H, at.b, j)), -1.0, out, e)
+        _anchor(H, b, j, minus(short, place(H, b, j)), -1.0, out, e)
 
 
 @inlined_uncounted
@@ -161,7 +169,7 @@ def apart_of(H: Array, anchors: Anchors, q: int) -> Vector:
     return u
 
 
-class _Traction(NamedTuple):
+class Traction(NamedTuple):
     """Of one pair, for a weight of one.
 
     Attributes:
@@ -178,14 +186,14 @@ class _Traction(NamedTuple):
 
 
 @inlined_uncounted
-def traction(law: Rubbing, g: float, n: Vector, u: Vector) -> _Traction:
+def traction(law: Rubbing, g: float, n: Vector, u: Vector) -> Traction:
     """Of a pair that overlaps."""
     across = combined(1.0, u, -dot(n, u), n)
     size, most = np.sqrt(dot(across, across)), -law.μ * law.k * g
     if law.holds * size <= most or size == 0.0:
-        return _Traction(scaled(law.holds, across), (0.0, 0.0, 0.0), size, False)
+        return Traction(scaled(law.holds, across), (0.0, 0.0, 0.0), size, False)
     along = scaled(1.0 / size, across)
-    return _Traction(scaled(most, along), along, size, True)
+    return Traction(scaled(most, along), along, size, True)
 
 
 @compiled
@@ -221,96 +229,3 @@ def add_rubbing(
             for k in range(3):
                 out[node, k] += anchors.weights[q, s] * f[k]
                 out[node, 3 + k] += moment[k]
-
-
-@inlined_uncounted
-def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
-    """``[w R, −R ĉ]`` of an anchor, shape (3, 6)."""
-    for k in range(3):
-        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        moved, turned = global_components(H, e), global_components(H, cross(e, c))
-        for r in range(3):
-            D[r, k], D[r, 3 + k] = w * moved[r], turned[r]
-
-
-@inlined_uncounted
-def _change(
-    law: Rubbing, t: _Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
-) -> Vector:
-    """How a traction changes."""
-    δacross = combined(1.0, δu, -dot(n, δu) - dot(δn, u), n)
-    δacross = combined(1.0, δacross, -dot(n, u), δn)
-    if not t.slips:
-        return scaled(law.holds, δacross)
-    turned = combined(1.0, δacross, -dot(t.along, δacross), t.along)
-    return combined(dot(t.τ, t.along) / t.size, turned, -law.μ * law.k * δg, t.along)
-
-
-@compiled
-def add_rubbing_tangents(
-    H: Array,
-    at: Meeting,
-    anchors: Anchors,
-    which: Indices,
-    law: Rubbing,
-    given: Array,
-    blocks: Array,
-) -> None:
-    """Add derivatives of the forces in twists of frames, where anchors have the nodes of places.
-
-    ``given`` are gaps, normals and ``u`` at the end of a step, (m, ≥ 7), of which tractions depend
-    twice as much as all else in the middle; or nothing, (0, 7).
-    """
-    over_step = given.shape[0] > 0
-    nodes, rows = np.empty(SLOTS, dtype=np.int64), np.zeros((SLOTS, 6))
-    D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
-    A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
-    for e in range(at.pairs.shape[0]):
-        i, j = at.pairs[e]
-        q, weight = which[e], at.weight[e]
-        g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
-        if over_step and q >= 0:
-            g, n = given[e, 0], load(given[e], 1)
-        if g >= 0.0 or q < 0:
-            continue
-        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
-        if _others(nodes, anchors.nodes[q]):
-            continue
-        u = load(given[e], 4) if over_step else apart_of(H, anchors, q)
-        t, share = traction(law, g, n, u), 2.0 * weight if over_step else weight
-        for s in range(SLOTS):
-            if nodes[s] >= 0:
-                c = load_row(anchors.levers[q], s)
-                _motion(H[nodes[s]], anchors.weights[q, s], c, A[s])
-                for p in range(6):
-                    δu, δn = _column(A[s], p), _column(D[s, 1], p)
-                    δτ = _change(law, t, n, u, δu, δn, rows[s, p])
-                    T[s, 0, p], T[s, 1, p], T[s, 2, p] = δτ
-        block = at.first[e]
-        for s in range(SLOTS):
-            for o in range(SLOTS):
-                if nodes[s] < 0 or nodes[o] < 0:
-                    continue
-                for p in range(6):
-                    for r in range(6):
-                        total = dot(_column(A[s], p), _column(T[o], r))
-                        blocks[block, p, r] += share * total
-                if s == o:
-                    f = local_components(H[nodes[s]], scaled(weight, t.τ))
-                    c = load_row(anchors.levers[q], s)
-                    add_turning(f, anchors.weights[q, s], c, blocks[block])
-                block += 1
-
-
-@inlined_uncounted
-def _column(D: Array, p: int) -> Vector:
-    return D[0, p], D[1, p], D[2, p]
-
-
-@inlined_uncounted
-def _others(nodes: Indices, own: Indices) -> bool:
-    """Whether nodes are others than those of an anchor, which slid on to other elements."""
-    for s in range(SLOTS):
-        if nodes[s] != own[s] and (nodes[s] >= 0 or own[s] >= 0):
-            return True
-    return False

@@ -18,7 +18,8 @@ class Penalty:
     length of the first one.
 
     Attributes:
-        stiffness: k, force per length.
+        stiffness: k, force per length; default: a fifth of that of the softest element of beams
+            and shells behind the surfaces, which the contact then has and logs.
         damping: c, force per speed; ``2 √(k m)`` is critical for a mass m.
         ramp: Overlap over which damping grows from nothing to c. Without it the force jumps where
             surfaces meet, which Newton's method does not survive where c is large.
@@ -29,7 +30,7 @@ class Penalty:
         restitution: None: a penalty has damping.
     """
 
-    stiffness: float
+    stiffness: float | None = None
     damping: float = 0.0
     ramp: float = 0.0
     friction: float = 0.0
@@ -43,7 +44,8 @@ class Penalty:
                 "Penalty: restitution: a penalty has damping, not restitution; give damping, or "
                 "Impact(restitution=...)"
             )
-        positive(self.stiffness, "Penalty: stiffness")
+        if self.stiffness is not None:
+            positive(self.stiffness, "Penalty: stiffness")
         if number(self.damping, "Penalty: damping") < 0.0:
             raise ValueError(f"Penalty: damping must not be negative, got {self.damping}")
         if number(self.ramp, "Penalty: ramp") < 0.0:
@@ -52,6 +54,22 @@ class Penalty:
             raise ValueError(f"Penalty: friction must not be negative, got {self.friction}")
         if self.holding is not None:
             positive(self.holding, "Penalty: holding")
+
+    @property
+    def k(self) -> float:
+        """The stiffness, of a law that a contact has.
+
+        Raises:
+            ValueError: None was given or chosen.
+        """
+        if self.stiffness is None:
+            raise ValueError("Penalty: stiffness is chosen by the Contact that has it")
+        return self.stiffness
+
+    @property
+    def holds(self) -> float:
+        """That of springs across the normal, likewise."""
+        return self.k if self.holding is None else self.holding
 
 
 @dataclass(frozen=True)

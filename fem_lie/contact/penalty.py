@@ -16,7 +16,7 @@ from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
 from fem_lie.contact.sides.meeting import Sides
 from fem_lie.contact.sides.table import GROUND
-from fem_lie.forms.term import Done, Ends, Pairs, StiffRows, Term
+from fem_lie.forms.term import Done, Ends, Pairs, PassedThroughError, StiffRows, Term
 from fem_lie.lie.tuples import minus, scaled, store_row
 
 _log = logging.getLogger(__name__)
@@ -72,7 +72,13 @@ class PenaltyForces(Term):
     label = "contacts by penalty"
 
     def __init__(
-        self, sides: Sides, law: Penalty, name: str = "a contact", friction: Friction | None = None
+        self,
+        sides: Sides,
+        law: Penalty,
+        name: str = "a contact",
+        friction: Friction | None = None,
+        *,
+        parts: bool = False,
     ) -> None:
         """Keep both sides.
 
@@ -81,17 +87,24 @@ class PenaltyForces(Term):
             law: Stiffness and damping; of lines per length.
             name: For messages.
             friction: Of the law; default: none.
+            parts: Whether some of its pairs are ignored until they part.
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
-        self._law = Numbers(float(law.stiffness), float(law.damping), float(law.ramp))
+        self._law = Numbers(float(law.k), float(law.damping), float(law.ramp))
         self.viscous = self.in_space = law.damping > 0.0
         self.on_ground = sides.on_ground
         self._friction = friction
         self.carries = self.rubs = friction is not None
+        self.watches = sides.watches
         if friction is not None:
             self.label = "contacts by penalty with friction"
         self.apart = not self.viscous and friction is None
         self.conserved = self.secant = self.apart or (not self.viscous and sides.of_balls)
+        self.parts = parts
+        if parts:
+            # free flight of conserving steps does not say when they do
+            self.conserved = self.secant = False
+            self.label += " that ignore what overlaps in the beginning"
 
     @property
     def version(self) -> int:  # type: ignore[override]
@@ -189,8 +202,18 @@ class PenaltyForces(Term):
 
     def accept(self, H: Array) -> None:
         """See the base class."""
-        assert self._friction is not None
-        self._friction.accept(H)
+        self._sides.near.part(H)
+        if self._friction is not None:
+            self._friction.accept(H)
+
+    def check_passage(self, start: Array, end: Array) -> None:
+        """See the base class."""
+        if (moved := self._sides.passed(start, end)) is not None:
+            raise PassedThroughError(
+                f"{self._name}: one side went through the other (it moved by {moved:.2g}, both are "
+                f"{2.0 * self._sides.radius:.2g} thick or more): smaller steps, AdaptiveStep, or "
+                "thicker surfaces"
+            )
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class; anchors wait for accepted frames."""

@@ -9,12 +9,11 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.over_steps import BY_GAP, SLOPE
-from fem_lie.contact.sides.gauss_points import Meeting
+from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
 from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot
-from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled
+from fem_lie.lie.tuples import Vector, cross, dot, minus, scaled
 
 
 class Numbers(NamedTuple):
@@ -139,33 +138,23 @@ def normal_rows(
 def _slide(
     H: Array, at: Meeting, e: int, k: int, n: Vector, nodes: Indices, D: Array, G: Array
 ) -> None:
-    """``−m mᵀ/s``: the second place follows the first; see :class:`~.meeting.Sliding`."""
+    """``−m mᵀ/s``: the second place follows the first; see :class:`.Sliding`."""
     i, j = at.pairs[e]
-    t, slides = load_row(at.sliding.slopes[e], k), at.sliding
-    if t[0] == t[1] == t[2] == 0.0:
+    if not slides(at.sliding, e, k):
         return
     apart = minus(place(H, at.a, i), place(H, at.b, j))
     distance = np.sqrt(dot(apart, apart))
     for s in range(SLOTS):
-        if nodes[s] < 0:
-            continue
-        # −m, in what was room for turns of the normal
-        for p in range(6):
-            along = t[0] * D[s, 0, 0, p] + t[1] * D[s, 0, 1, p] + t[2] * D[s, 0, 2, p]
-            D[s, 1, 0, p] = along / distance
-        if s >= MOST_NODES:
-            f = local_components(H[nodes[s]], n)
-            turning = cross(load_row(slides.levers[e, k], s - MOST_NODES), f)
-            for p in range(3):
-                D[s, 1, 0, p] += slides.weights[e, k, s - MOST_NODES] * f[p]
-                D[s, 1, 0, 3 + p] += turning[p]
+        if nodes[s] >= 0:
+            # in what was room for turns of the normal
+            set_slide(H, at.sliding, e, k, s, nodes[s], n, distance, D[s, 0], D[s, 1, 0])
     for a in range(SLOTS):
         for b in range(SLOTS):
             if nodes[a] >= 0 and nodes[b] >= 0:
                 for p in range(6):
                     for q in range(6):
                         product = D[a, 1, 0, p] * D[b, 1, 0, q]
-                        G[a, b, p, q] -= product * distance / slides.bends[e, k]
+                        G[a, b, p, q] -= product * distance / at.sliding.bends[e, k]
 
 
 @inlined_uncounted

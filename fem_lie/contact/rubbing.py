@@ -10,7 +10,6 @@ from fem_lie.contact.friction import (
     Anchors,
     Rubbing,
     add_rubbing,
-    add_rubbing_tangents,
     empty_anchors,
     found,
     packed,
@@ -19,8 +18,9 @@ from fem_lie.contact.friction import (
     unpacked,
 )
 from fem_lie.contact.laws import Penalty
+from fem_lie.contact.rubbing_tangents import add_rubbing_tangents
 from fem_lie.contact.sides.gauss_points import Meeting
-from fem_lie.contact.sides.meeting import Sides
+from fem_lie.contact.sides.meeting import Sides, Stations
 from fem_lie.forms.term import Done, Ends
 
 
@@ -35,48 +35,47 @@ class Friction:
             law: With friction; of lines per length.
             H: Frames in the beginning.
         """
-        holding = law.stiffness if law.holding is None else law.holding
         self._sides = sides
-        self._law = Rubbing(float(law.stiffness), float(law.friction), float(holding))
+        self._law = Rubbing(float(law.k), float(law.friction), float(law.holds))
         self._anchors = empty_anchors(0)
         self._ahead: tuple[Indices, Array] | None = None
         self.accept(H)
 
-    def _rubs(self, H: Array) -> tuple[Meeting, Indices, Array]:
+    def _rubs(self, H: Array) -> tuple[Stations, Indices, Array]:
         """Pairs, their anchors, and tractions (m, 3)."""
-        at, keys = self._sides.stations(H)
-        which, τ = found(self._anchors.keys, keys), np.empty((len(at.pairs), 3))
-        tractions(H, at, self._anchors, which, self._law, τ)
-        return at, which, τ
+        stations = self._sides.stations(H)
+        which, τ = found(self._anchors.keys, stations.keys), np.empty((len(stations.keys), 3))
+        tractions(H, stations.at, self._anchors, which, self._law, τ)
+        return stations, which, τ
 
     def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
         """Add all forces, or those of what touches ground, to ``out`` (≥ nodes, 6)."""
-        at, which, τ = self._rubs(H)
-        add_rubbing(H, at, self._anchors, which, τ, grounded, out)
+        stations, which, τ = self._rubs(H)
+        add_rubbing(H, stations.at, self._anchors, which, τ, grounded, out)
 
     def energy(self, H: Array) -> float:
         """Of the springs."""
-        at, _, τ = self._rubs(H)
-        return 0.5 / self._law.holds * float((τ * τ).sum(axis=1) @ at.weight[: len(τ)])
+        stations, _, τ = self._rubs(H)
+        weight = stations.at.weight[: len(τ)]
+        return 0.5 / self._law.holds * float((τ * τ).sum(axis=1) @ weight)
 
     def add_tangent(self, H: Array, blocks: Array) -> None:
         """Add derivatives of the forces to blocks of the pairs that are near."""
-        at, keys = self._sides.stations(H)
-        which = found(self._anchors.keys, keys)
+        stations = self._sides.stations(H)
+        which = found(self._anchors.keys, stations.keys)
         none = np.empty((0, 7))
-        add_rubbing_tangents(H, at, self._anchors, which, self._law, none, blocks)
+        add_rubbing_tangents(H, stations.at, self._anchors, which, self._law, none, blocks)
 
     def accept(self, H: Array) -> None:
         """Anchor anew at frames ``H``, with springs as they are stretched there."""
-        at, _, τ = self._rubs(H)
-        keys = self._sides.stations(H)[1]
+        (at, keys, a, b), _, τ = self._rubs(H)
         if self._ahead is not None:
             known, over = self._ahead
             # those that were not near have the last row
             τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
             self._ahead = None
         anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, at, np.asarray(τ / self._law.holds), anchors)
+        set_anchors(H, at, a, b, np.asarray(τ / self._law.holds), anchors)
         anchors.keys[:] = keys
         self._anchors = anchors
 

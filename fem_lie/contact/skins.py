@@ -18,9 +18,17 @@ from scipy.sparse.csgraph import dijkstra
 from fem_lie._arrays import Array, Indices, instance, positive, whole
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.contact.sides.facing import Facing
 from fem_lie.contact.sides.meeting import Balls, Sides
-from fem_lie.contact.sides.patches import NET, ROWS, Patches, edge_ends, set_nets, set_shapes
+from fem_lie.contact.sides.patch_sides import Facing
+from fem_lie.contact.sides.patches import (
+    NET,
+    ROWS,
+    Patches,
+    edge_ends,
+    linear,
+    set_nets,
+    set_shapes,
+)
 from fem_lie.contact.sides.surfaces import MOST_NODES, Surface
 from fem_lie.contact.sides.table import UNUSED, Nodes, Side, balls_side, empty_side, planes_side
 from fem_lie.mesh.shapes import rule
@@ -116,15 +124,18 @@ class Skin(Surface):
         known = nodes(self.shell)
         return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
 
-    def places(self, patches: Patches) -> tuple[Side, Array]:
-        """Points of Gauss as balls, and their areas."""
+    def places(self, patches: Patches) -> tuple[Side, Side, Array]:
+        """Points of Gauss as balls, what anchors are fixed to there, and their areas."""
         triangle = self.shell.mesh.cell == "triangle"
         at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
         m, g = len(patches.nodes), len(at)
         found, areas, W = empty_side(m * g), np.empty((m, g)), np.zeros((ROWS, NET))
+        fixed = np.zeros((m * g, MOST_NODES))
         for q in range(g):
             set_shapes(triangle, float(at[q, 0]), float(at[q, 1]), W)
             found.weights[q::g] = W[0, :MOST_NODES]
+            for k in range(3 if triangle else 4):
+                fixed[q::g, k] = linear(triangle, k, float(at[q, 0]), float(at[q, 1]))
             tangents = W[0, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents
             found.levers[q::g] = tangents.sum(axis=2)
             across = np.cross(W[1] @ patches.nets, W[2] @ patches.nets)
@@ -133,7 +144,7 @@ class Skin(Surface):
         found.nodes[:, : used.shape[1]] = np.repeat(used, g, axis=0)
         found.radii[:] = np.repeat(patches.radii, g)
         found.owners[:] = found.nodes[:, 0]
-        return found, areas.ravel()
+        return found, found._replace(weights=fixed, levers=0.0 * found.levers), areas.ravel()
 
     def neighbours(self, patches: Patches) -> Indices:
         """Pairs of patches that are no further along the sheet than it could be folded, (m, 2)."""
@@ -162,26 +173,28 @@ def meeting_of(a: Surface, b: Surface, nodes: Nodes) -> Sides:
     patches = b.patches(nodes)
     none = np.empty((0, 2), dtype=np.int64)
     if isinstance(a, Skin):
-        places, areas = a.places(patches if a is b else a.patches(nodes))
+        places, fixed, areas = a.places(patches if a is b else a.patches(nodes))
         if a is not b:
-            return Facing(places, areas, patches, none)
+            return Facing(places, fixed, areas, patches, none)
         # each pair of faces is seen from both of them
         g = len(areas) // len(patches.nodes)
         pairs = b.neighbours(patches)
         first = (g * pairs[:, :1] + np.arange(g)).ravel()
         left_out = np.stack([first, np.repeat(pairs[:, 1], g)], axis=1)
-        return Facing(places, 0.5 * areas, patches, left_out)
+        return Facing(places, fixed, 0.5 * areas, patches, left_out)
     if balls := a.balls():
-        return Facing(balls_side(balls, nodes), np.ones(len(balls)), patches, none)
-    places, areas = b.places(patches)
-    return Balls(places, planes_side(a.faces(), nodes), flat=True, same=False, areas=areas)
+        places = balls_side(balls, nodes)
+        return Facing(places, places, np.ones(len(balls)), patches, none)
+    places, fixed, areas = b.places(patches)
+    planes = planes_side(a.faces(), nodes)
+    return Balls(places, planes, flat=True, same=False, areas=areas, fixed=fixed)
 
 
 def numbers_of(surface: Surface, nodes: Nodes) -> list[object]:
     """All that it consists of."""
     if isinstance(surface, Skin):
         patches = surface.patches(nodes)
-        _, areas = surface.places(patches)
+        _, _, areas = surface.places(patches)
         return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
     return [*balls_side(surface.balls(), nodes), *planes_side(surface.faces(), nodes)]
 

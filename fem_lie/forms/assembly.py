@@ -6,6 +6,8 @@ once; only the nodal frames are written anew before each call, by one compiled l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
@@ -14,7 +16,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.body_term import BodyTerm
 from fem_lie.forms.cell_forms import FormTable
-from fem_lie.forms.cell_sums import CellForm
+from fem_lie.forms.cell_sums import CellForm, CellSum
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
@@ -59,8 +61,9 @@ class Assembly(BodyTerm):
         super().__init__(cells, order, cell_order)
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
         self._residual = CellForm(forms.residual, forms.residual_kernel, cells)
-        self._energy = CellForm(forms.energy, kernels.energy_kernel, cells)
-        self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells)
+        known = self._residual
+        self._energy = CellForm(forms.energy, kernels.energy_kernel, cells, known)
+        self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells, known)
         self._unknowns = forms.increment.function_space.dofmap.bs
         self.viscous = forms.viscous is not None
         if forms.viscous is not None:
@@ -78,6 +81,11 @@ class Assembly(BodyTerm):
     def contents(self) -> tuple[str, list[Array], list[Array]]:
         """What its energy is, see :attr:`~fem_lie.forms.local_forms.LocalFrameForms.contents`."""
         return self._forms.contents
+
+    @property
+    def matrices(self) -> Sequence[CellSum]:
+        """See the base class."""
+        return (self._tangent, self._viscous_tangent) if self.viscous else (self._tangent,)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable] | None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.cell_sums import Pattern
-from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.term import Pairs, Term, add_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +66,8 @@ class BodyTerm(Term):
         """Blocks of element matrices (m, k, b, k, b) in the pattern, shape (nnz, b, b)."""
         size = elements.shape[2]
         blocks = np.zeros((len(self.indices), size, size))
-        np.add.at(
-            blocks, self._pattern.place, elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
-        )
+        pairs = elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
+        add_at(blocks, self._pattern.place, pairs)
         return blocks
 
     def reset(self, carried: Array) -> None:

@@ -117,6 +117,7 @@ def add_blocks(
     pair_of: Indices,
     place: Indices,
     unknowns: int,
+    used: int,
     out: Array,
 ) -> None:
     """Sum matrices of all forms over their cells, at nodal frames ``H``.
@@ -127,6 +128,7 @@ def add_blocks(
         pair_of: Of each two nodes of each cell of each form, its number among all pairs.
         place: Of each pair in ``out``.
         unknowns: Of each node.
+        used: How many of these there are entries for, the first ones; kernels leave the others nil.
         out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
     rows, nodes = table
@@ -138,14 +140,18 @@ def add_blocks(
         count = rows[f, _NODES]
         values = numba.carray(room, (count, unknowns, count, unknowns))
         for e in range(rows[f, _CELLS]):
-            values[:] = 0.0
+            for i in range(count):
+                for a in range(used):
+                    for j in range(count):
+                        for b in range(used):
+                            values[i, a, j, b] = 0.0
             _add_cell(H, rows[f], nodes, e, room)
             for i in range(count):
                 for j in range(count):
                     block = out[place[pair_of[pair]]]
                     pair += 1
-                    for a in range(unknowns):
-                        for b in range(unknowns):
+                    for a in range(used):
+                        for b in range(used):
                             block[a, b] += values[i, a, j, b]
 
 
@@ -156,12 +162,29 @@ def of_some_cells(table: FormTable, nodes: Flags) -> FormTable:
         table: Of forms that live on.
         nodes: Which, of all that the table numbers.
     """
-    found, kept, at = [], [table.nodes[:0]], 0
+    return of_cells(table, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(table)])
+
+
+def _cells(table: FormTable) -> list[Indices]:
+    """Nodes of the cells of each form, shape (m, k)."""
+    found: list[Indices] = []
     for row in table.rows:
         size, first = row[_NODES], row[_FIRST]
-        cells = table.nodes[first : first + row[_CELLS] * size].reshape(-1, size)
-        wanted = nodes[cells].any(axis=1)
-        edges = np.flatnonzero(np.diff(wanted, prepend=False, append=False))
+        found.append(table.nodes[first : first + row[_CELLS] * size].reshape(-1, size))
+    return found
+
+
+def of_cells(table: FormTable, wanted: Sequence[Flags]) -> FormTable:
+    """The forms on some cells alone.
+
+    Args:
+        table: Of forms that live on.
+        wanted: Which cells of each.
+    """
+    found, kept, at = [], [table.nodes[:0]], 0
+    for k, cells in enumerate(_cells(table)):
+        row: Indices = table.rows[k]
+        edges = np.flatnonzero(np.diff(wanted[k], prepend=False, append=False))
         # cells that follow each other in memory are one row
         for start, end in edges.reshape(-1, 2):
             some = row.copy()

@@ -9,6 +9,7 @@ cell, and adds a number, forces or a matrix to ``A``. Forms of DOLFINx are one s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import dolfinx
@@ -17,8 +18,8 @@ import numpy.typing as npt
 from dolfinx import fem
 
 from fem_lie import _compat
-from fem_lie._arrays import Array, Indices
-from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells, of_cells
 from fem_lie.forms.term import Term
 
 
@@ -53,7 +54,12 @@ class CellSum:
         cells: Nodes of each cell, shape (m, k).
         values: Data of each cell, which stay where they are, shape (m, ≥ 12 k).
         table: For :func:`~fem_lie.forms.cell_forms.add_cells`.
+        used: Unknowns of a node, the first ones, that matrices have entries for.
+        own_only: Whether matrices are of the cells alone of which :meth:`choose` was told.
     """
+
+    used: int = 6
+    own_only: bool = False
 
     def __init__(
         self,
@@ -91,7 +97,26 @@ class CellSum:
 
     def add_matrix(self, H: Array, pattern: Pattern, place: Indices, out: Array) -> None:
         """Add matrices at rows ``H`` to blocks (any, u, u), at places of the pattern's pairs."""
-        add_blocks(H, self._plain, pattern.place, place, out.shape[1], out)
+        table, pairs = self._plain, pattern.place
+        if self.own_only:
+            table, pairs = self._own, pairs.reshape(len(self.cells), -1)[self._chosen].ravel()
+        size = out.shape[1]
+        add_blocks(H, table, pairs, place, size, min(size, self.used), out)
+
+    def choose(self, cells: Flags) -> None:
+        """Which of the cells matrices are of while :attr:`own_only` is set, shape (m,)."""
+        own = of_cells(self.table, [cells])
+        self._chosen, self._own = cells, (own.rows, own.nodes)
+
+    def share(self, count: int) -> Array:
+        """Which part of the cells at each of so many nodes matrices are of, shape (count, 1)."""
+        if not self.own_only:
+            return np.ones((count, 1))
+        own, every = (
+            np.bincount(cells.ravel(), minlength=count)
+            for cells in (self.cells[self._chosen], self.cells)
+        )
+        return (own / np.maximum(every, 1))[:, np.newaxis]
 
     def matrix(self, H: Array, pattern: Pattern, unknowns: int = 6) -> Array:
         """Matrices at rows ``H`` in blocks of the pattern, shape (nnz, u, u)."""
@@ -114,6 +139,11 @@ class CellTerm(Term):
     _forces: CellSum
     _matrix: CellSum
     _pattern: Pattern
+
+    @property
+    def matrices(self) -> Sequence[CellSum]:
+        """See the base class."""
+        return (self._matrix,)
 
     @property
     def tables(self) -> tuple[FormTable, FormTable]:
@@ -166,19 +196,32 @@ class CellForm(CellSum):
 
     cells: npt.NDArray[np.int32]
 
-    def __init__(self, form: fem.Form, kernel: Any, cells: npt.NDArray[np.int32]) -> None:
+    def __init__(
+        self,
+        form: fem.Form,
+        kernel: Any,
+        cells: npt.NDArray[np.int32],
+        other: CellForm | None = None,
+    ) -> None:
         """Pack everything.
 
         Args:
             form: With one integral.
             kernel: See :mod:`fem_lie.forms.kernels`.
             cells: Nodes of each cell.
+            other: One on the same cells, with which it shares coordinates, and coefficients if
+                these are the same.
         """
         self._form = form._cpp_object
-        mesh = form.mesh
-        x = mesh.geometry.x[_compat.geometry_dofmap(mesh)].reshape(len(cells), -1)
         constants = dolfinx.cpp.fem.pack_constants(self._form)
-        super().__init__(cells, int(kernel.address), self._packed(), constants, x)
+        if other is None:
+            mesh = form.mesh
+            x = mesh.geometry.x[_compat.geometry_dofmap(mesh)].reshape(len(cells), -1)
+            values = self._packed()
+        else:
+            x, same = other._x, self._form.coefficients == other._form.coefficients
+            values = other.values if same else self._packed()
+        super().__init__(cells, int(kernel.address), values, constants, x)
 
     def _packed(self) -> Array:
         (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()

@@ -7,9 +7,11 @@ say themselves what they have, and how they may be summed.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple, Protocol, TypeAlias
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
@@ -21,11 +23,23 @@ Pairs: TypeAlias = tuple[Indices, Indices]
 
 @compiled
 def add_at(target: Array, place: Indices, blocks: Array) -> None:
-    """``target[place] += blocks``, of six rows and columns."""
+    """``target[place] += blocks``, of any square blocks.
+
+    Raises:
+        ValueError: There are not as many places as blocks: pairs have changed since these were
+            found, and compiled code would read what is not there.
+    """
+    if place.shape[0] != blocks.shape[0]:
+        raise ValueError("there must be a place for each block: the pairs of a term have changed")
+    size = blocks.shape[1]
     for b in range(place.shape[0]):
-        for k in range(6):
-            for n in range(6):
+        for k in range(size):
+            for n in range(size):
                 target[place[b], k, n] += blocks[b, k, n]
+
+
+class PassedThroughError(ArithmeticError):
+    """Surfaces went through each other within a step."""
 
 
 class PushedPieces(NamedTuple):
@@ -105,6 +119,16 @@ class NearCells(Protocol):
         """Add all forces on these nodes, and some on others, to ``out`` (≥ nodes that move, 6)."""
 
 
+class CellMatrices(Protocol):
+    """Matrices summed over cells, see :class:`~fem_lie.forms.cell_sums.CellSum`."""
+
+    cells: npt.NDArray[np.integer[Any]]
+    own_only: bool
+
+    def choose(self, cells: Flags) -> None:
+        """See there."""
+
+
 class Term(ABC):
     """Forces on nodes, with the sign of a residual: those of an energy are its gradient.
 
@@ -132,6 +156,8 @@ class Term(ABC):
         apart: Whether a matrix that is kept may do without the tangent, beside which
             :meth:`stiff_rows` are taken in.
         rubs: Whether forces depend on how nodes have moved since the last accepted frames.
+        parts: Whether it is to be told of accepted frames for other reasons.
+        watches: Whether surfaces might go through each other in a step.
         amplitude: Factor of a load, which may be changed.
     """
 
@@ -140,7 +166,7 @@ class Term(ABC):
     amplitude: float = 1.0
     load = viscous = in_space = of_bodies = turning = False
     carries = settles = within_joints = False
-    conserved = secant = steady = on_ground = rubs = apart = False
+    conserved = secant = steady = on_ground = rubs = watches = parts = apart = False
 
     # --- forces ---
 
@@ -219,6 +245,11 @@ class Term(ABC):
         """Forces as such a sum over nodes that follow those of the equations."""
         return None
 
+    @property
+    def matrices(self) -> Sequence[CellMatrices]:
+        """The sums over the same cells that tangents are, if they are just that."""
+        return ()
+
     # --- forces that depend on twists: asked of terms that say they are viscous ---
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
@@ -266,7 +297,19 @@ class Term(ABC):
         raise NotImplementedError
 
     def accept(self, H: Array) -> None:
-        """Go on from frames ``H``; asked of terms that rub."""
+        """Go on from frames ``H``; asked of terms that rub or part."""
+        raise NotImplementedError
+
+    def check_passage(self, start: Array, end: Array) -> None:
+        """Look whether surfaces went through each other; asked of terms that watch.
+
+        Args:
+            start: Frames at the start of a step.
+            end: At its end.
+
+        Raises:
+            PassedThroughError: They did.
+        """
         raise NotImplementedError
 
     def clear_stress(self) -> None:

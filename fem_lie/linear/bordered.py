@@ -13,9 +13,11 @@ no columns: a factorisation would take zeros that are stored for coupling.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple, Protocol
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -24,6 +26,8 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie.linear.domains.division import Division
+from fem_lie.linear.domains.part import Part
 from fem_lie.linear.low_rank import Beside
 
 SOFTNESS = 1e-9
@@ -78,6 +82,16 @@ def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
                 rows[leg, k] = 0.0
 
 
+class Divisible(Protocol):
+    """What fills a matrix, and can fill that of a domain beside it."""
+
+    def division(self, count: int) -> Division:
+        """Cells and constraints in so many domains."""
+
+    def divide(self, division: Division, rank: int) -> None:
+        """Have the domain of a rank."""
+
+
 class KKT:
     """Pattern and memory of the bordered matrix.
 
@@ -86,14 +100,20 @@ class KKT:
         matrix: The PETSc matrix; :meth:`fill` changes its values, :meth:`couple` puts another one
             in its place.
         version: Of the pattern.
+        filled: How often values of node pairs, and not of the border alone, were set.
         units: Powers of two, shape (6 n + m,): rows and columns times these are of one dimension.
         unit_rows: Which rows are those of held unknowns, shape (6 n + m,).
         measure: What counts of each multiplier is its value times this, shape (m,).
         redundant: Whether constraints may follow from others.
         beside: What solutions take in besides, ``None`` when the values have just been filled.
+        held: Which unknowns of nodes are zero, shape (n, 6).
+        part: What of the matrix is this rank's domain, where it is divided.
+        divisible: Who fills it, and can fill that.
     """
 
     beside: Beside | None = None
+    part: Part | None = None
+    divisible: Divisible | None = None
 
     def __init__(
         self,
@@ -124,7 +144,7 @@ class KKT:
         self.units = np.append(nodes, np.where(angular, 1.0, unit))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
-        self.legs, self._held, self._m, self.version = border, held, m, 0
+        self.legs, self.held, self._m, self.version, self.filled = border, held, m, 0, 0
         self.couple(pairs)
 
     def couple(self, pairs: list[tuple[Indices, Indices]]) -> None:
@@ -133,8 +153,8 @@ class KKT:
         Args:
             pairs: As when it was made.
         """
-        count, m = len(self._held), self._m
-        self.version += 1
+        count, m = len(self.held), self._m
+        self.version, self.filled = self.version + 1, self.filled + 1
         diagonal = np.arange(count)
         r = np.concatenate([diagonal, *(p[0] for p in pairs)])
         c = np.concatenate([diagonal, *(p[1] for p in pairs)])
@@ -144,7 +164,7 @@ class KKT:
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices
         self._border(count, m)
-        self._data = np.zeros(self._size)
+        self._data: Array = np.zeros(self._size)
         shape = 6 * count + m
         self.matrix = PETSc.Mat().createAIJWithArrays(
             (shape, shape), (self._row_pointers, self._columns, self._data), comm=PETSc.COMM_SELF
@@ -184,14 +204,14 @@ class KKT:
         then the multipliers of its node.
         """
         own = np.arange(6 * count).reshape(-1, 6)
-        free = ~self._held[self.indices]
+        free = ~self.held[self.indices]
         blocks, multipliers = own[self.indices][free], 6 * count + self._incident[:, 0]
         starts = np.append(0, np.cumsum(free.sum(axis=1)))[self.indptr]
         pool = np.concatenate([blocks, multipliers, own.ravel()])
         first = np.where(
-            self._held, len(blocks) + len(multipliers) + own, starts[:-1, np.newaxis]
+            self.held, len(blocks) + len(multipliers) + own, starts[:-1, np.newaxis]
         ).ravel()
-        number = np.where(self._held, 1, np.diff(starts)[:, np.newaxis]).ravel()
+        number = np.where(self.held, 1, np.diff(starts)[:, np.newaxis]).ravel()
         then = np.repeat(len(blocks) + self._incident_ptr[:-1], 6)
         touched = np.repeat(np.diff(self._incident_ptr), 6)
         begins, sizes = np.stack([first, then], 1).ravel(), np.stack([number, touched], 1).ravel()
@@ -200,13 +220,40 @@ class KKT:
 
     def place(self, rows: Indices, columns: Indices) -> Indices:
         """Positions of node pairs among the blocks; -1 where a node does not move."""
-        count = len(self._held)
+        count = len(self.held)
         key = np.repeat(np.arange(count), np.diff(self.indptr)) * count + self.indices
         moves = (rows < count) & (columns < count)
         found = np.searchsorted(key, np.where(moves, rows * count + columns, 0))
         return np.where(moves, found, -1)
 
-    def fill(self, blocks: Array, columns: Array, rows: Array, scale: Array) -> None:
+    def share_among_ranks(self) -> None:
+        """Have a domain for each rank: what is filled from now on fills :attr:`part`, too.
+
+        Raises:
+            ValueError: The scene cannot be divided so often.
+        """
+        world = MPI.COMM_WORLD
+        assert self.divisible is not None
+        self.divisible.divide(world.bcast(self.divisible.division(world.size)), world.rank)
+
+    def divide(self, part: Part) -> None:
+        """Have room for the values of a domain's matrix, too; see :meth:`of_part`."""
+        self.part = part
+        part.values = np.zeros_like(self._data)
+
+    @contextmanager
+    def of_part(self) -> Iterator[None]:
+        """What is filled meanwhile goes to the values of the domain."""
+        assert self.part is not None
+        whole, self._data = self._data, self.part.values
+        try:
+            yield
+        finally:
+            self._data = whole
+
+    def fill(
+        self, blocks: Array, columns: Array, rows: Array, scale: Array, *, anew: bool = True
+    ) -> None:
         """Set the values.
 
         Args:
@@ -215,13 +262,24 @@ class KKT:
                 zero, as in ``rows``.
             rows: ``BT`` in their increments, shape (legs, 6).
             scale: ``σ``, shape (m,).
+            anew: Whether the blocks are others than the last time.
         """
-        _clear_held(columns, self.legs.nodes, self._held)
-        _clear_held(rows, self.legs.nodes, self._held)
+        _clear_held(columns, self.legs.nodes, self.held)
+        _clear_held(rows, self.legs.nodes, self.held)
         softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
         incident = self._incident_ptr, self._incident
         pattern = self.indptr, self.indices, *incident, self.legs.ptr
-        _fill(pattern, blocks, self._held, columns, rows, scale, softness, self._data)
+        _fill(pattern, blocks, self.held, columns, rows, scale, softness, self._data)
+        self.filled += int(anew)
+        self._changed()
+
+    def restore(self, values: Array) -> None:
+        """Have values again that :attr:`csr` had."""
+        self._data[:] = values
+        self.filled += 1
+        self._changed()
+
+    def _changed(self) -> None:
         self.beside = None
         self.matrix.stateIncrease()
         self.matrix.assemble()
@@ -232,7 +290,7 @@ class KKT:
         Solutions are freed of multipliers that exert no force together. Against these only the
         softness stands: the round-off of the constraints over it would move them for ever.
         """
-        nodes, m = np.arange(len(self._held)), len(scale)
+        nodes, m = np.arange(len(self.held)), len(scale)
         S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
         legs = columns / np.sqrt(np.where(S > 0.0, S, 1.0))[self.legs.nodes]
         legs *= scale[self.legs.rows, np.newaxis]

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie.linear.condensed.preconditioner import Condensed
+from fem_lie.linear.domains.interface import Interface
 from fem_lie.linear.equilibrated import (
     ACCURATE,
     Equilibrated,
@@ -23,6 +24,7 @@ from fem_lie.linear.equilibrated import (
 from fem_lie.linear.factors import Solution, addresses
 from fem_lie.linear.low_rank import Columns
 from fem_lie.ranks.shared_factors import SharedMatrix, shared
+from fem_lie.ranks.subdomains import Subdomains
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
@@ -52,11 +54,15 @@ class Method:
         kind: PETSc's name, ``lu`` or ``cholesky``.
         package: PETSc's name of the package.
         spreads: Whether several ranks factorise what is large together.
+        together: Whether all ranks solve together by its own means.
+        accurate: See :data:`~.equilibrated.ACCURATE`.
     """
 
     kind: str
     package: str
     spreads: ClassVar[bool] = True
+    together: ClassVar[bool] = False
+    accurate: ClassVar[float] = ACCURATE
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
@@ -77,6 +83,24 @@ class ByChains(Alone):
         """See the base class."""
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(Condensed(kkt, own, self.package))
+
+
+class Domains(Alone):
+    """Each rank has a subdomain, whose interface is solved for; see :mod:`fem_lie.linear.domains`.
+
+    ``kind`` and ``package`` are a name of :data:`~fem_lie.linear.domains.interface.WAYS`.
+    """
+
+    together: ClassVar[bool] = True
+    accurate: ClassVar[float] = 1e-6
+
+    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
+        """See the base class."""
+        if kkt.part is None:
+            kkt.share_among_ranks()
+        assert kkt.part is not None
+        pc.setType(PETSc.PC.Type.PYTHON)
+        pc.setPythonContext(Interface(kkt.part, own, pc.getOptionsPrefix() or "", self.kind))
 
 
 CHAINS = (Alone("lu", "klu"),)
@@ -155,7 +179,9 @@ class DirectSolver:
         self._kkt, self._prefix, self._methods = kkt, prefix, tuple(methods)
         self._own = Equilibrated(kkt)
         self._symmetric = all(method.kind == "cholesky" for method in methods)
-        self._shares = shared(len(kkt.units), prefix, spreads=self._methods[0].spreads)
+        first = self._methods[0]
+        size = len(kkt.units)
+        self._shares = not first.together and shared(size, prefix, spreads=first.spreads)
         self._rescues = RESCUES
         if self._shares:
             self._methods = (Method("cholesky" if self._symmetric else "lu", "mumps"),)
@@ -167,7 +193,6 @@ class DirectSolver:
         self.columns = Columns()
         self._checked, self._refines = False, 0
         self._by_call: Solution | None = None
-        size = len(kkt.units)
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
         self._scaled, self._found, self._left = np.zeros((3, size))
         self._b, self._x, self._r = (
@@ -243,6 +268,11 @@ class DirectSolver:
             self._solvers[method] = ksp
         return self._solvers[method]
 
+    @property
+    def subdomains(self) -> Subdomains | None:
+        """What they took, if there are any."""
+        return None if self._kkt.part is None else self._kkt.part.told
+
     def negative_pivots(self) -> int | None:
         """Those of the last factorisation; ``None`` if it is not one of a symmetric matrix."""
         pc = self._ksp.getPC()
@@ -313,7 +343,7 @@ class DirectSolver:
         others = iter(
             (*given, *(method for method in self._rescues if method not in self._methods))
         )
-        while error > ACCURATE:
+        while error > self._methods[0].accurate:
             _log.info("%s: residual %.1e", self._methods[0].package, error)
             method = next(others, None)
             if method is None:
@@ -330,7 +360,7 @@ class DirectSolver:
     def _refined(self) -> float:
         """Refine a solution as often as it needs; returns its error."""
         error = self._error()
-        while error > ACCURATE and self._refines < MOST_REFINED:
+        while error > self._methods[0].accurate and self._refines < MOST_REFINED:
             self._refine()
             error = self._error()
             self._refines += 1

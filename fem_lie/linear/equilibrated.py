@@ -107,7 +107,8 @@ class Equilibrated:
     def __init__(self, kkt: KKT) -> None:
         """Share the pattern of ``kkt``; :meth:`take` comes later."""
         self._kkt = kkt
-        self.right, self.left = kkt.units, np.ones(len(kkt.units))
+        self.right = kkt.units
+        self.left: Array = np.ones(len(kkt.units))
         self._share()
 
     def _share(self) -> None:

@@ -50,6 +50,15 @@ class MeanAxes:
 
 
 @dataclass(frozen=True)
+class FixedAxes:
+    """No rigid motion is taken out: for a body that clamps hold."""
+
+    def motion(self, body: Body, frames: Array) -> Array:
+        """See the protocol."""
+        return np.asarray(lie.se3_exp(np.zeros((len(frames), 6))))
+
+
+@dataclass(frozen=True)
 class NodeAxes:
     """The frame of one node, such as that of a joint, moves with the body.
 

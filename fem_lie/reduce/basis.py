@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -15,15 +15,16 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import Canvas
 from fem_lie.reduce.axes import Axes, MeanAxes
+from fem_lie.reduce.files import check_mesh, write_mesh
 from fem_lie.reduce.local_motions import LocalMotion, expanded, frames_of, local_motion
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
+from fem_lie.results.record import with_others
 from fem_lie.results.states import StateSeries
 
 States = TypeVar("States", Result, StaticResult)
 
-_FORMAT, _VERSION = "fem_lie basis", 1
-_SAME = 1e-9  # of the body's size
+_WHAT = "basis"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ class Reduced:
             )
         frames = result.frames.copy()
         frames[:, result.info.body(self.basis.body.name).nodes] = self.expand()
-        return replace(result, frames=frames)
+        return with_others(result, {"frames": frames})
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,13 +159,12 @@ class Basis:
         import h5py
 
         with h5py.File(path, "w") as file:
-            file.attrs.update({"format": _FORMAT, "version": _VERSION})
-            file["shapes"], file["frames"] = self.shapes, self.body.frames
-            file["cells"] = self.body.cells
+            write_mesh(file, _WHAT, self.body)
+            file["shapes"] = self.shapes
 
 
 def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
-    """Shapes from a file of :meth:`Basis.save`, for a body with the same mesh at the same place.
+    """Shapes from a file of :meth:`Basis.save`, for a body with the same mesh anywhere in space.
 
     Raises:
         ValueError: The file has no basis, one of another version, or of another mesh.
@@ -174,19 +174,5 @@ def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
 
     instance(body, Body, "body", "a body")
     with h5py.File(path, "r") as file:
-        if file.attrs.get("format") != _FORMAT:
-            raise ValueError(f"{os.fspath(path)} has no basis")
-        if file.attrs["version"] != _VERSION:
-            raise ValueError(
-                f"{os.fspath(path)} has version {file.attrs['version']} of the format, wanted "
-                f"{_VERSION}: make it anew"
-            )
-        shapes, frames, cells = (file[name][()] for name in ("shapes", "frames", "cells"))
-    if frames.shape != body.frames.shape or not np.array_equal(cells, body.cells):
-        raise ValueError(
-            f"{os.fspath(path)} is of another mesh: {len(frames)} nodes and {len(cells)} cells, "
-            f"and {body.label} has {len(body.frames)} and {len(body.cells)}"
-        )
-    if np.abs(frames - body.frames).max() > _SAME * max(1.0, body.size):
-        raise ValueError(f"{os.fspath(path)} is of another mesh: its nodes are elsewhere")
-    return Basis(body, shapes)
+        check_mesh(file, path, _WHAT, body)
+        return Basis(body, file["shapes"][()])

@@ -23,6 +23,7 @@ class BesideRest:
 
     Attributes:
         body: The body.
+        equations: Its own.
         free: Which unknowns of the nodes that lead are free, (l, 6).
         weight: Units of these: lengths of the model and angles, (l, 6).
         pencil: Matrices of the free unknowns.
@@ -40,7 +41,8 @@ class BesideRest:
                 turned axes, or the state is no equilibrium.
         """
         instance(at, StaticResult | None, "at", "a result of fl.statics or None")
-        self.body, equations = equations_of(scene)
+        self.body, self.equations = equations_of(scene)
+        equations = self.equations
         still = Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         state = equations.small_motions(still if at is None else at.steady_rotation)
         if at is not None:
@@ -100,7 +102,7 @@ class BesideRest:
             ValueError: They move what is held.
         """
         scaled = shapes[:, self.leads] / self.weight
-        if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max():
+        if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max(initial=0.0):
             raise ValueError(f"shapes move nodes of {self.body.label} that are held")
         return np.asarray(scaled[:, self.free])
 

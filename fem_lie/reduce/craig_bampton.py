@@ -42,12 +42,18 @@ def craig_bampton(
         ValueError: An interface is no node of the body, comes twice or is clamped; the body can
             still move rigidly; there are fewer modes.
     """
+    return interface_modes(BesideRest(scene, at), interfaces, modes)
+
+
+def interface_modes(found: BesideRest, interfaces: Sequence[Point], modes: int) -> Basis:
+    """:func:`craig_bampton` of a body that is linearised already."""
     whole(modes, "modes", 0)
-    found = BesideRest(scene, at)
     nodes = _nodes(found, interfaces)
     outside = np.zeros(found.free.shape, dtype=np.bool_)
     outside[nodes] = True
-    outer, inner = (np.flatnonzero(part[found.free]) for part in (outside, ~outside))
+    inner = np.flatnonzero(~outside[found.free])
+    number = np.cumsum(found.free).reshape(found.free.shape) - 1
+    outer = number[nodes].ravel()  # in the order of the interfaces, whatever that of the nodes
     if modes >= len(inner):
         raise ValueError(
             f"modes must be fewer than the {len(inner)} unknowns within {found.body.label}, "

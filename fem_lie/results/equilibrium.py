@@ -17,6 +17,7 @@ from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.curves import Diagram, along_a_load
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
+from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
@@ -46,6 +47,7 @@ class StaticResult(StateSeries, Displaced):
             number is odd, else 0; −1 where the matrix could not be factorised.
         factorisations: Of the matrix, in all.
         turned_back: Load factors at which the load had a maximum on the way, roughly.
+        subdomains: What the solution on these took, if there are any.
     """
 
     factors: Array
@@ -63,6 +65,7 @@ class StaticResult(StateSeries, Displaced):
     )
     factorisations: int = field(default=0, kw_only=True)
     turned_back: tuple[float, ...] = field(default=(), kw_only=True)
+    subdomains: Subdomains | None = field(default=None, kw_only=True)
 
     @property
     def stable(self) -> Flags:

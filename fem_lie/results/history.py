@@ -19,6 +19,7 @@ from fem_lie.pictures.page.curves import Diagram, energies
 from fem_lie.pictures.stage import Canvas
 from fem_lie.pictures.units import SI, Units
 from fem_lie.ranks.files import before_reading, write_once
+from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.record import RECORDED_BY, Balanced, Record, if_recorded, row_shapes
 from fem_lie.results.resampling import resampled
@@ -71,6 +72,7 @@ class Result(Balanced, StateSeries):
         info: Bodies and joints.
         steps: All steps and their errors, if they were asked for.
         contacts: What contacts by impacts did in each step, if there are any.
+        subdomains: What the solution on these took, if there are any; not in files.
     """
 
     times: Array
@@ -96,6 +98,7 @@ class Result(Balanced, StateSeries):
     steps: StepHistory | None = None
     contacts: ContactSteps | None = None
     divided: int = 0
+    subdomains: Subdomains | None = None
 
     def __post_init__(self) -> None:
         nodes, count = self.frames.shape[1] if self.frames.ndim == 4 else 0, len(self.times)
@@ -285,5 +288,5 @@ class Result(Balanced, StateSeries):
 _ARRAYS = tuple(
     field.name
     for field in fields(Result)
-    if field.name not in (*NUMBERS, "info", "steps", "contacts")
+    if field.name not in (*NUMBERS, "info", "steps", "contacts", "subdomains")
 )

@@ -5,8 +5,10 @@ A step of a small scene takes thirty microseconds, and to say all of its end a t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import fields
 from enum import Flag, auto
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -113,6 +115,22 @@ class _Recorded:
 
     def __set__(self, result: object, value: Array | None) -> None:
         vars(result)[self._name] = value
+
+
+Recorded = TypeVar("Recorded")
+
+
+def with_others(result: Recorded, others: Mapping[str, Any]) -> Recorded:
+    """A copy of a result in which some fields are others, whatever was recorded.
+
+    ``dataclasses.replace`` looks at all fields, and so asks for what is not there.
+
+    Args:
+        result: A dataclass, some of whose fields may be :func:`if_recorded`.
+        others: By the names of the fields.
+    """
+    kept = {each.name: vars(result)[each.name] for each in fields(result)}  # type: ignore[arg-type]
+    return type(result)(**kept | dict(others))
 
 
 class Balanced:

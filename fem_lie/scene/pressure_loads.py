@@ -156,11 +156,11 @@ class SurfacePressure(Load):
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient
         if isinstance(shell, SmoothSurface):
-            corners, places = shell.faces, shell.frames[:, 0]
+            centres = shell.middles()
         else:
-            corners, places = shell.mesh.corners, shell.mesh.points
+            centres = shell.mesh.points[shell.mesh.corners].mean(axis=1)
         for row, cell in enumerate(chosen):
-            centre = places[corners[cell]].mean(axis=0)
+            centre = centres[cell]
             given = self.pressure(centre) if callable(self.pressure) else self.pressure
             values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
         if isinstance(shell, SmoothSurface):

@@ -5,9 +5,22 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from petsc4py import PETSc
+
 from fem_lie.lie.kinds import SURFACE
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import CHAINS, INDEFINITE, LATTICES, MOTION, SURFACES, SYMMETRIC, THREADS
+from fem_lie.linear.direct import (
+    CHAINS,
+    INDEFINITE,
+    LATTICES,
+    MOTION,
+    SURFACES,
+    SYMMETRIC,
+    THREADS,
+    Domains,
+)
+from fem_lie.linear.domains.interface import WAYS
+from fem_lie.ranks.together import several
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
@@ -16,6 +29,29 @@ if TYPE_CHECKING:
 
 LARGE = 20000
 """Nodes of a scene whose chains are eliminated before a library has the rest."""
+
+
+_DOMAINS = "domains"
+
+
+def on_domains(prefix: str) -> tuple[Method, ...]:
+    """Subdomains, one on each rank, if PETSc's option ``-<prefix>domains`` asks for them.
+
+    Raises:
+        ValueError: There is no such way, or one rank alone.
+    """
+    options = PETSc.Options(prefix)
+    if not options.hasName(_DOMAINS):
+        return ()
+    way = options.getString(_DOMAINS)
+    if way not in WAYS:
+        raise ValueError(f"-{prefix}domains: wanted {' or '.join(WAYS)}, got {way!r}")
+    if not several():
+        raise ValueError(
+            f"-{prefix}domains {way}: each rank has one subdomain, so several ranks are wanted, "
+            "got one: mpirun -n N"
+        )
+    return (Domains(way, way),)
 
 
 def methods_in_time(equations: Equations) -> tuple[Method, ...]:

@@ -140,7 +140,7 @@ class System:
             each for each in (self.carried_drilling, self.carried_axes, following) if each
         ]
         self._check_redundant()
-        self._still, self._work = np.zeros((self.count, 6)), np.zeros((2, self.count, 4, 3))
+        self._still = np.zeros((self.count, 6))
         self._any_uncoupled = bool(self.uncoupled.any())
         self._some_apart, self._viscous = not self.terms.all_in_tables, self.terms.viscous
         apart = self._others or self._any_uncoupled or self._some_apart
@@ -302,4 +302,5 @@ class System:
             Potential of loads that have one.
         """
         mass, bodies, dead = self._plain_inertia, self._plain_floating, self.load_cases.constant
-        return float(report(self.kinds, H, v, mass, bodies, dead, self._work, invariants))
+        work = self._found.work
+        return float(report(self.kinds, H, v, mass, bodies, dead, work, invariants))

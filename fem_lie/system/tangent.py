@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeAlias
 
 import numpy as np
@@ -15,8 +16,10 @@ from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
 from fem_lie.linear.bordered import KKT
+from fem_lie.linear.domains.division import Division
 from fem_lie.linear.low_rank import Beside
 from fem_lie.system.constraints import Connections
+from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.instant import Instant, Plan
 from fem_lie.system.lagging import let_lag
 from fem_lie.system.nodes.fixed_axes import Supports
@@ -47,7 +50,12 @@ class Tangent:
         vectors: Which constraints are one vector.
         A: Derivatives in corrections of the nodes' increments, blocks of ``kkt``, (nnz, 6, 6).
         K: Derivatives in the twists ``h`` of the nodes' frames, likewise.
+        domain: What this rank has of the scene, if that is divided.
     """
+
+    domain: Domain | None = None
+    _share: Array | None = None
+    _given: Array | None = None
 
     def __init__(
         self,
@@ -83,6 +91,7 @@ class Tangent:
         self.kkt = KKT(
             pairs, self._border, held, length=length, angular=angular, redundant=redundant
         )
+        self.kkt.divisible = self
         self.supports = Supports(axes, self._border.nodes)
         self._settle()
 
@@ -107,6 +116,7 @@ class Tangent:
         self.supports.find(self.kkt.indptr, self.kkt.indices)
         self.A = np.zeros((len(self.kkt.indices), 6, 6))
         self.K = np.zeros_like(self.A)
+        self._filled = False  # whether A is what the KKT has
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
@@ -121,6 +131,53 @@ class Tangent:
         shape = (len(border.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(border.rows[free], 6), columns)), shape=shape)
 
+    # --- domains ---
+
+    def division(self, count: int) -> Division:
+        """See :func:`~fem_lie.system.domains.division_of`."""
+        own, floating, *_ = self._pairs()
+        return division_of(self.kkt, self._terms, [own, floating], count)
+
+    def divide(self, division: Division, rank: int) -> None:
+        """Have the domain of a rank; see :class:`~fem_lie.system.domains.Domain`."""
+        self.domain = Domain(self.kkt, self._terms, division, rank)
+        self.kkt.divide(self.domain.part)
+        self._others = np.zeros_like(self.A), np.zeros_like(self.K)
+
+    @contextmanager
+    def of_domain(self, scale: Array) -> Iterator[None]:
+        """What is filled meanwhile is of the domain alone, with this scale of constraints."""
+        assert self.domain is not None
+        whole = self.A, self.K
+        self.A, self.K = self._others
+        self._share, self._given = self.domain.share, scale
+        self.domain.only_own(True)
+        try:
+            with self.kkt.of_part():
+                yield
+        finally:
+            self.domain.only_own(False)
+            self._others, (self.A, self.K) = (self.A, self.K), whole
+            self._share = self._given = None
+
+    @contextmanager
+    def _divided(self, *, really: bool = True) -> Iterator[None]:
+        """What is added meanwhile is of all domains: the one that is filled takes its share."""
+        if self._share is None or not really:
+            yield
+            return
+        A, K = self.A, self.K
+        self.A, self.K = np.zeros_like(A), np.zeros_like(K)
+        yield
+        A += self._share * self.A
+        K += self._share * self.K
+        self.A, self.K = A, K
+
+    def _divides(self, term: Term) -> bool:
+        return self.domain is not None and not self.domain.has_cells(term)
+
+    # --- scale ---
+
     def constraint_scale(self, H: Array, spread: Array | None = None) -> Array:
         """``1/(B diag(S)⁻¹ Bᵀ)`` of constraints with the ``S`` in ``A``, shape (m,).
 
@@ -128,6 +185,8 @@ class Tangent:
         ``S``: as ``S → M/(βh²)`` this is the index 3 scaling of Bottasso, Bauchau & Cardona.
         ``spread``: see :meth:`~fem_lie.system.scales.Vectors.scales`, likewise the rest.
         """
+        if self._given is not None:
+            return self._given
         diagonal = np.abs(self.A[self._diagonal].diagonal(axis1=1, axis2=2))
         rows, border = np.empty_like(self._rows), self._border
         self._connections.jacobian(H, rows)
@@ -140,10 +199,13 @@ class Tangent:
     def clear(self) -> None:
         """Start anew, with the pairs that terms have now."""
         if self._versions != self._terms.versions:
+            if self.domain is not None:
+                raise ValueError("subdomains want pairs of nodes that stay, got others: contact?")
             self.kkt.couple(self._pairs())
             self._settle()
         self.A[:] = 0.0
         self.K[:] = 0.0
+        self._filled = False
 
     def restore_pattern(self, indptr: Indices, indices: Indices) -> None:
         """Have the pattern of ``kkt`` again that it had; :meth:`clear` makes it the present one."""
@@ -151,7 +213,7 @@ class Tangent:
             return
         self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
         self.A = np.zeros((len(indices), 6, 6))
-        self.K, self._versions = np.zeros_like(self.A), ()
+        self.K, self._versions, self._filled = np.zeros_like(self.A), (), False
 
     def add_inertia(
         self,
@@ -170,14 +232,16 @@ class Tangent:
         """
         (H, v, a, _), n = state, self._count
         # at rest, as statics is, inertia has no part
-        if any(factors) or v.any() or a.any():
-            self._add_rates((H, v[:n], a[:n]), kinds, factors)
-        load_tangent(kinds, H, *loads, self._diagonal, self.K)
+        with self._divided():
+            if any(factors) or v.any() or a.any():
+                self._add_rates((H, v[:n], a[:n]), kinds, factors)
+            load_tangent(kinds, H, *loads, self._diagonal, self.K)
 
     def add_mass(self, H: Array, kinds: Indices) -> None:
         """The mass matrix, to ``A``."""
         still = np.zeros((self._count, 6))
-        self._add_rates((H, still, still), kinds, (1.0, 0.0))
+        with self._divided():
+            self._add_rates((H, still, still), kinds, (1.0, 0.0))
 
     def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
         """Derivatives of inertia at frames, velocities and their rates."""
@@ -199,10 +263,11 @@ class Tangent:
             ends: Of a step, for those that have secants; default: at ``H`` alone.
         """
         for (term, place), forces in zip(self._parts, kept, strict=True):
-            if ends is not None and term.secant:
-                add_at(self.K, place, term.tangent_over_step(ends, H))
-            elif wanted(term):
-                term.add_tangent(H, forces, place, self.K)
+            with self._divided(really=self._divides(term)):
+                if ends is not None and term.secant:
+                    add_at(self.K, place, term.tangent_over_step(ends, H))
+                elif wanted(term):
+                    term.add_tangent(H, forces, place, self.K)
 
     def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
         """Put stiff rows of terms that may be apart beside the KKT, in increments ``d``.
@@ -247,7 +312,8 @@ class Tangent:
         for term, place in self._parts:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
-                add_at(self.K, place, blocks)
+                with self._divided():
+                    add_at(self.K, place, blocks)
 
     def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = every) -> None:
         """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
@@ -261,13 +327,15 @@ class Tangent:
         for term, place in self._parts:
             if term.viscous and wanted(term):
                 by_twists, by_frames = term.viscous_tangent(H, v)
-                add_at(self.A, place, factor * by_twists)
-                if by_frames is not None:
-                    add_at(self.K, place, by_frames)
+                with self._divided(really=self._divides(term)):
+                    add_at(self.A, place, factor * by_twists)
+                    if by_frames is not None:
+                        add_at(self.K, place, by_frames)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
         """See :func:`~fem_lie.lie.motions.add_turnings`; to ``K``."""
-        add_turnings(forces, 1.0, self._diagonal, nodes, self.K)
+        with self._divided():
+            add_turnings(forces, 1.0, self._diagonal, nodes, self.K)
 
     # --- sum ---
 
@@ -279,6 +347,7 @@ class Tangent:
             self.supports.turn_blocks(H, blocks)
             self.supports.turn_border(H, self._rows)
         self.kkt.fill(blocks, self._rows, self._rows, scale)
+        self._filled = False
 
     def refill_border(self, H: Array, kinds: Indices, plan: Plan) -> Array:
         """What :meth:`fill_increments` filled, with the constraints anew."""
@@ -290,7 +359,8 @@ class Tangent:
         if self.supports:
             self.supports.turn_border(ahead, columns)
             self.supports.turn_border(ahead, self._rows)
-        self.kkt.fill(self.A, columns, self._rows, scale)
+        self.kkt.fill(self.A, columns, self._rows, scale, anew=not self._filled)
+        self._filled = True
         return scale
 
     def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> Array:
@@ -324,4 +394,5 @@ class Tangent:
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self.kkt.fill(self.A, columns, self._rows, scale)
+        self._filled = True
         return scale

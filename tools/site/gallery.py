@@ -30,7 +30,8 @@ GROUPS = {
     ),
     "Shells": (
         "hemisphere semi_cylinder pulled_cylinder pinched_cylinder slit_annulus "
-        "cantilever_shear cantilever_moment laminate i_beam_shell adaptive_shell adaptive_goals"
+        "cantilever_shear cantilever_moment laminate i_beam_shell adaptive_shell adaptive_goals "
+        "adaptive_splines"
     ),
     "Solids": "cooks_membrane solid_hub",
     "Buckling and snapping": (

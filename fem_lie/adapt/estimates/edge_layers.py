@@ -18,12 +18,12 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.adapt.estimates.cut.borders import border_shares
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.stresses.nodal_values import slopes_along
 from fem_lie.results.stresses.shell_stress import StressPlaces
 
 _TWIST, _SHEAR = 5, 6  # of stress along and across an edge
-_STRAIGHT = 0.9  # cosine
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class EdgeLayers:
         second = np.cross(mesh.normals[cell].mean(axis=1), along)
         sides = np.sign(np.einsum("bj,bj->b", second, outward))
         number = np.take_along_axis(places.patches.number[cell], ends[side], axis=1)
-        share, straight = _shares(number, along, length)
+        share, straight = border_shares(number, along, length)
         weight = np.divide(straight, share, out=np.zeros_like(share), where=straight > 0)
         weight /= np.maximum(straight.sum(axis=1, keepdims=True), 1.0)
         couples = sum(_couples(shell, places, number[:, k], along, weight[:, k]) for k in range(2))
@@ -93,21 +93,6 @@ class EdgeLayers:
         smooth = 0.5 * np.abs(jumps[cell, :, _TWIST]).max(axis=1)
         square = self.factors * np.maximum(missed - smooth, 0.0) ** 2
         return np.asarray(np.bincount(cell, square, minlength=m), dtype=np.float64)
-
-
-def _shares(number: Indices, along: Array, length: Array) -> tuple[Array, Array]:
-    """Length of border that each end carries, and whether it goes on straight there, (b, 2)."""
-    count = int(number.max(initial=-1)) + 1
-    flat, twice = number.ravel(), np.repeat(along, 2, axis=0)
-    halves = np.repeat(0.5 * length, 2)
-    share = np.asarray(np.bincount(flat, halves, minlength=count), dtype=np.float64)
-    # directions of lines, whatever their sense
-    square = np.zeros((count, 3, 3))
-    np.add.at(square, flat, np.einsum("bi,bj->bij", twice, twice))
-    ahead = np.einsum("bi,bij,bj->b", twice, square[flat], twice) - 1.0
-    two = np.bincount(flat, minlength=count)[flat] == 2
-    straight = (two & (ahead > _STRAIGHT**2)).astype(np.float64)
-    return share[number], straight.reshape(-1, 2)
 
 
 def _couples(

@@ -10,13 +10,14 @@ from typing import Any, Protocol
 from fem_lie._arrays import Array
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 
-Estimated = Beam | Shell
+Estimated = Beam | Shell | ThinShell
 """Bodies whose error can be estimated."""
 
 

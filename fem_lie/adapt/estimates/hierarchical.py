@@ -1,4 +1,4 @@
-"""Errors by more unknowns: each element in two halves, solved by itself, as a cross-check."""
+"""Errors by more unknowns: beams by elements in halves, shells by cells in four; a cross-check."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.adapt.estimates.beam_residual import along_the_line
 from fem_lie.adapt.estimates.estimate import ElementErrors, ErrorEstimate, Way
+from fem_lie.adapt.estimates.shell_hierarchical import shell_hierarchical
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.beams.orientation import middle_frames
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.stresses.element_forces import ElementForces
@@ -26,14 +28,19 @@ _STEP = 1e-6  # in differences, of the length of an element and in rad
 
 @dataclass(frozen=True)
 class Hierarchical(ErrorEstimate):
-    """From a local solution with a node more in each element; of beams with two nodes each.
+    """From a solution with more nodes, those that there are held.
 
-    The element is cut in halves of its own kind. Its ends stay, and the node between is put where
-    forces and moments balance with what acts along the line. The stress of an element is right in
-    its middle to higher order, that of a half in the middle of the half: what the element misses is
-    the slope from one to the other.
+    Of beams with two nodes the element is cut in halves of its own kind. Its ends stay, and the
+    node between is put where forces and moments balance with what acts along the line. The stress
+    of an element is right in its middle to higher order, that of a half in the middle of the half:
+    what the element misses is the slope from one to the other.
 
-    It takes about forty times the forces of a beam: to check the others by, not to refine with.
+    Shells of first degree have their cells cut in four, see
+    :func:`~fem_lie.adapt.estimates.shell_hierarchical.shell_hierarchical`: right for plates and
+    sheets, several times too large for thin shells that are curved.
+
+    It takes about forty times the forces of a beam, and of a shell a few factorisations with three
+    times the unknowns: to check the others by, not to refine with.
 
     Example:
         >>> fl.Hierarchical()
@@ -41,8 +48,8 @@ class Hierarchical(ErrorEstimate):
     """
 
     def ways(self) -> Mapping[type, Way]:
-        """For beams."""
-        return {Beam: _errors}
+        """For beams and shells."""
+        return {Beam: _errors, Shell: shell_hierarchical}
 
 
 def _errors(

@@ -9,8 +9,10 @@ from fem_lie.adapt.estimates.beam_recovery import beam_fields
 from fem_lie.adapt.estimates.estimate import ElementErrors, ErrorEstimate, Estimated, Way, steps_of
 from fem_lie.adapt.estimates.shell_recovery import shell_fields
 from fem_lie.adapt.estimates.stress_fields import StressFields
+from fem_lie.adapt.estimates.thin_recovery import thin_fields
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
@@ -18,6 +20,7 @@ from fem_lie.scene import Scene
 _RECOVERIES: dict[type, Callable[..., list[StressFields]]] = {
     Beam: beam_fields,
     Shell: shell_fields,
+    ThinShell: thin_fields,
 }
 
 
@@ -33,7 +36,7 @@ class Recovery(ErrorEstimate):
     """
 
     def ways(self) -> Mapping[type, Way]:
-        """For beams and shells."""
+        """For beams, shells and thin shells."""
         return dict.fromkeys(_RECOVERIES, _errors)
 
 

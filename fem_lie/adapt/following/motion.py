@@ -23,12 +23,11 @@ import numpy as np
 from fem_lie._arrays import Array, instance, number, positive, whole
 from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.estimates.recovery import fields_of
-from fem_lie.adapt.following.sizes import Sizes
 from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch, steps_of
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
-from fem_lie.adapt.refinement import Onto, Refinable, refine
-from fem_lie.bodies.beams.beam import Beam
+from fem_lie.adapt.refinement import Followed, Onto, refine
+from fem_lie.adapt.sizes import Sizes, order_of
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -47,8 +46,8 @@ _TRIES = 6  # meshes for one stretch
 
 
 def adapt_motion(
-    build: Callable[[Refinable], Scene],
-    mesh: Refinable,
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
     *,
     duration: float,
     every: float,
@@ -58,9 +57,10 @@ def adapt_motion(
     scheme: Integrator | None = None,
     share: float = 0.5,
     ahead: float = 0.0,
+    least: float = 0.0,
     most: int = 200_000,
     onto: Onto | None = None,
-) -> AdaptedMotion[Refinable]:
+) -> AdaptedMotion[Followed]:
     """Integrate with meshes and steps that follow one tolerance, split between space and time.
 
     With the tolerance τ, ``τ² = s τ² + (1 − s) τ²``: the error of the stress in the energy norm is
@@ -80,6 +80,8 @@ def adapt_motion(
         share: s, above 0 and below 1.
         ahead: So far around small elements others are as small: how far what needs them moves
             between two changes. Less is found, and makes stretches be done again.
+        least: Norm of the stress, the root of twice an elastic energy, by which its errors are
+            divided before there is so much: what is small beside it needs no fine mesh.
         most: Elements; more are not solved for.
         onto: The true line or surface, for new points.
 
@@ -98,6 +100,8 @@ def adapt_motion(
         raise ValueError(f"share must be above 0 and below 1, got {share!r}")
     if not number(ahead, "ahead") >= 0.0:
         raise ValueError(f"ahead must not be negative, got {ahead!r}")
+    if not number(least, "least") >= 0.0:
+        raise ValueError(f"least must not be negative, got {least!r}")
     refine(mesh, np.arange(0), onto=onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
         raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
@@ -105,10 +109,10 @@ def adapt_motion(
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
     meshes = _Meshes(mesh, ahead, onto, allowed[0])
-    stretches: list[Stretch[Refinable]] = []
-    now, time, scale, work = mesh, 0.0, 0.0, 0
+    stretches: list[Stretch[Followed]] = []
+    now, time, scale, work = mesh, 0.0, float(least), 0
 
-    def found() -> AdaptedMotion[Refinable]:
+    def found() -> AdaptedMotion[Followed]:
         return AdaptedMotion(tuple(stretches), tolerance, *allowed, work)
 
     while time < duration * (1.0 - 1e-12):
@@ -144,17 +148,17 @@ def adapt_motion(
     return found()
 
 
-class _Meshes(Generic[Refinable]):
+class _Meshes(Generic[Followed]):
     """Meshes made from one coarse mesh."""
 
-    def __init__(self, coarse: Refinable, ahead: float, onto: Onto | None, allowed: float) -> None:
+    def __init__(self, coarse: Followed, ahead: float, onto: Onto | None, allowed: float) -> None:
         """Nothing is made yet."""
-        self._coarse: Refinable = coarse
+        self._coarse: Followed = coarse
         self._ahead, self._onto, self._allowed = ahead, onto, allowed
 
     def fitted(
-        self, now: Refinable, squares: Array, scale: float, order: int, *, beyond: bool = False
-    ) -> Refinable:
+        self, now: Followed, squares: Array, scale: float, order: int, *, beyond: bool = False
+    ) -> Followed:
         """With elements that all have the same part of what is allowed of the scale."""
         sizes = Sizes.of(now, squares, _AIM * self._allowed * scale, order)
         ahead = self._ahead if beyond else 0.0
@@ -185,15 +189,15 @@ def _look(result: Result, body: Estimated, scene: Scene) -> _Look:
     fields = fields_of(result, body, scene, [int(step) for step in steps])
     squares = np.array([each.energy(each.missing) for each in fields])
     energies = [float(each.energy(each.own).sum()) for each in fields]
-    order = fields[0].weights.shape[1] - 1 if isinstance(body, Beam) else 1
-    return _Look(squares, sqrt(squares.sum(axis=1).max()), sqrt(max(energies)), order)
+    error = sqrt(squares.sum(axis=1).max())
+    return _Look(squares, error, sqrt(max(energies)), order_of(body))
 
 
 def _begun(
-    build: Callable[[Refinable], Scene],
-    mesh: Refinable,
+    build: Callable[[Followed], Scene],
+    mesh: Followed,
     body: str | None,
-    last: Stretch[Refinable] | None,
+    last: Stretch[Followed] | None,
 ) -> tuple[Scene, Transferred | None]:
     """The scene on a mesh, at the end of the last stretch."""
     scene = build(mesh)

@@ -9,13 +9,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.adapt.following.transfer import Transferred
-from fem_lie.adapt.refinement import Refinable
+from fem_lie.adapt.refinement import Followed
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch(Generic[Refinable]):
+class Stretch(Generic[Followed]):
     """A part of a motion on one mesh.
 
     Attributes:
@@ -28,7 +28,7 @@ class Stretch(Generic[Refinable]):
     """
 
     begin: float
-    mesh: Refinable
+    mesh: Followed
     scene: Scene
     result: Result
     error: float
@@ -36,7 +36,7 @@ class Stretch(Generic[Refinable]):
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptedMotion(Generic[Refinable]):
+class AdaptedMotion(Generic[Followed]):
     """What :func:`~fem_lie.adapt_motion` has found.
 
     Arrays over all times have two rows where the mesh changes: before and after.
@@ -49,7 +49,7 @@ class AdaptedMotion(Generic[Refinable]):
         element_steps: Elements times steps, those made in vain included.
     """
 
-    stretches: tuple[Stretch[Refinable], ...]
+    stretches: tuple[Stretch[Followed], ...]
     tolerance: float
     space: float
     time: float

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.bodies.beams.assembly import BeamAssembly, Damping
+from fem_lie.bodies.beams.cells_apart import elements_apart
 from fem_lie.bodies.beams.given_sections import outline_of
 from fem_lie.bodies.beams.sectioned import Sectioned
 from fem_lie.bodies.body import NO_HOLDS, Holds
@@ -103,6 +104,17 @@ class LineBody(Sectioned):
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """All of one :attr:`kind` together."""
         return BeamAssembly(bodies)
+
+    @property
+    def elastic_cells(self) -> Indices:
+        """The elements of nodes that are frames."""
+        return self.elements if self.node_kind is NodeKind.FRAME else super().elastic_cells
+
+    def cells_apart(self, cells: Indices, weights: Array) -> Assembly:
+        """See the base class."""
+        if self.node_kind is not NodeKind.FRAME:
+            super().cells_apart(cells, weights)
+        return elements_apart(self, cells, weights)
 
     def grip_of(self, node: int) -> Grip | None:
         """As the element says."""

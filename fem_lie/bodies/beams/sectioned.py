@@ -29,10 +29,20 @@ class Sectioned(Body):
     def _take(self, sections: Sequence[Section], groups: Mapping[str, Indices]) -> None:
         """Sections of all elements, and elements by the names of groups."""
         self.sections, self._groups = sections, dict(groups)
-        self.stiffness = np.array([section.stiffness for section in sections])
-        self.has_mass = all(section.inertia is not None for section in sections)
+        # many elements have few sections: of one alone there is one matrix
+        known = list({id(section): section for section in sections}.values())
+        self.has_mass = all(section.inertia is not None for section in known)
+        stiffness = np.array([section.stiffness for section in known])
         none = np.zeros((4, 4))
-        self.density = np.array([none if s.inertia is None else s.inertia for s in sections])
+        density = np.array([none if s.inertia is None else s.inertia for s in known])
+        if len(known) == 1:
+            count = len(sections)
+            self.stiffness = np.broadcast_to(stiffness[0], (count, 6, 6))
+            self.density = np.broadcast_to(density[0], (count, 4, 4))
+        else:
+            number = {id(section): k for k, section in enumerate(known)}
+            which = [number[id(section)] for section in sections]
+            self.stiffness, self.density = stiffness[which], density[which]
 
     @property
     def start(self) -> Point:

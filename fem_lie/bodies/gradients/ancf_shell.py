@@ -70,7 +70,16 @@ class AncfShell(SmoothSurface):
         return self.formulation.surface_rule()
 
     def fourth(self, surface: Joined) -> tuple[Array, Array]:
-        """Unit normals."""
+        """Unit normals.
+
+        Raises:
+            ValueError: Corners of cells hang.
+        """
+        if surface.hanging.any():
+            raise ValueError(
+                "an AncfShell has cells of one size beside each other, got a SplineMesh with "
+                "corners in the middle of edges; a ThinShell takes it"
+            )
         n = np.cross(surface.rows[:, 1], surface.rows[:, 2])
         sizes = np.linalg.norm(n, axis=1, keepdims=True)
         return np.asarray(n / sizes), np.asarray(np.ones(len(surface.sizes)))

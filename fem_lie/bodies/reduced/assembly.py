@@ -19,6 +19,7 @@ class ReducedData(Protocol):
     frames: Array
     within: Array
     stiffness: Array
+    quadratic: Array
     density: Array
 
 
@@ -54,4 +55,4 @@ class ReducedAssembly(CellTerm, BodyTerm):
         """Nothing is carried."""
 
 
-_DATA = ("within", "stiffness")
+_DATA = ("within", "stiffness", "quadratic")

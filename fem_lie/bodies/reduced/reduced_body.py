@@ -19,7 +19,9 @@ from fem_lie.lie.kinds.floating_coordinates import all_coordinates, all_rates
 class ReducedBody(Body):
     """A body that moves with the frame of one interface and deforms in few shapes within it.
 
-    Strains are small and the stiffness is constant; motion is as large as one likes. Inertia is
+    Strains are small, motion is as large as one likes. The energy is ``½ eᵀ K e`` with
+    ``e_a = z_a + ½ Q_abc z_b z_c``: tension stiffens bending, and bending draws ends together.
+    Inertia is
     that of all points of the body, gyroscopic and centrifugal forces included, as far as places and
     directors within the frame are linear in the coordinates. :func:`~fem_lie.reduced_body` makes
     one. Interfaces are nodes with frames, which joints, springs, loads, clamps and contacts take as
@@ -31,6 +33,7 @@ class ReducedBody(Body):
             shape (i, 4, 3).
         stiffness: Of the coordinates: displacement and rotation of each other interface in the
             frame, then amplitudes, shape (m, m).
+        quadratic: ``Q``, symmetric in its last two, shape (m, m, m).
         density: Matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.kinds.floating`, shape
             (4 + 3 m, 4 + 3 m).
         full: The body that was reduced.
@@ -60,6 +63,7 @@ class ReducedBody(Body):
         full: Body,
         *,
         points: Mapping[str, int],
+        quadratic: Array | None = None,
         name: str = "",
     ) -> None:
         """Place the nodes.
@@ -71,11 +75,12 @@ class ReducedBody(Body):
             shapes: See the class.
             full: See the class.
             points: Number of each named interface.
+            quadratic: See the class; default: none, the stiffness is constant.
             name: For messages and results.
 
         Raises:
             ValueError: Matrices do not fit each other or the interfaces, or are not symmetric and
-                finite.
+                finite; ``quadratic`` has another shape.
         """
         others, m = len(interfaces) - 1, len(stiffness)
         self.interfaces: Indices = np.array(interfaces, dtype=np.int64)
@@ -83,6 +88,11 @@ class ReducedBody(Body):
         inner = m - 6 * others
         self.stiffness = _symmetric(stiffness, m, "ReducedBody: stiffness")
         self.density = _symmetric(density, 4 + 3 * m, "ReducedBody: density")
+        self.quadratic = np.zeros((m, m, m)) if quadratic is None else quadratic
+        if self.quadratic.shape != (m, m, m):
+            raise ValueError(
+                f"ReducedBody: quadratic must have shape {(m, m, m)}, got {self.quadratic.shape}"
+            )
         if inner < 0:
             raise ValueError(
                 f"ReducedBody: {others} other interfaces have {6 * others} coordinates, got {m}"
@@ -131,11 +141,6 @@ class ReducedBody(Body):
         found.ravel()[6 + len(self.stiffness) :] = True
         return found
 
-    @property
-    def floats(self) -> bool:
-        """It does."""
-        return True
-
     def within_frame(self) -> tuple[Array, Array]:
         """See the base class."""
         matrix = self.density.copy()
@@ -144,8 +149,8 @@ class ReducedBody(Body):
 
     @property
     def kind(self) -> Hashable:
-        """Those with as many nodes of each sort go together."""
-        return type(self), len(self.frames), len(self.within)
+        """Those with as many interfaces and coordinates go together."""
+        return type(self), len(self.stiffness), len(self.within)
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:

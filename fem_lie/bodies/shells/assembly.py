@@ -134,7 +134,8 @@ class ShellAssembly(Assembly):
         """Derivatives in twists, as of any other body, with the carried stress."""
         blocks = np.zeros((len(self.indices), 6, 6))
         blocks[:, :_FIVE, :_FIVE] = self._blocks(H, self._tangent)
-        add_turnings(kept, -1.0, self._diagonal, self._all, blocks)
+        forces = kept * self._tangent.share(self.count)
+        add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
         return blocks
 
     def settle(self, H: Array) -> None:

@@ -12,17 +12,11 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import (
-    Array,
-    Indices,
-    choice,
-    instance,
-    log_coincident,
-    number,
-)
+from fem_lie._arrays import Array, Indices, choice, instance, log_coincident, number
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.held import HeldRotation
 from fem_lie.bodies.shells.assembly import ShellAssembly
+from fem_lie.bodies.shells.cells_apart import surface_cells_apart
 from fem_lie.bodies.shells.placing import (
     Director,
     ShellSections,
@@ -224,6 +218,15 @@ class Shell(SupportedSurface):
             return ShellAssembly(bodies)
         each = [body.drilling_stiffness(holds.get(body, ())) for body in bodies]
         return ShellAssembly(bodies, np.concatenate(each))
+
+    @property
+    def elastic_cells(self) -> Indices:
+        """See the base class."""
+        return self.connectivity
+
+    def cells_apart(self, cells: Indices, weights: Array) -> ShellAssembly:
+        """See the base class; cells do not drill."""
+        return surface_cells_apart(self, cells, weights)
 
     def edges(self, name: str) -> tuple[Indices, Array]:
         """Nodes of the edges of a named curve, and the length that each carries, both (e, 2 or 3).

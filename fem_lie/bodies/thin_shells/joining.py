@@ -24,6 +24,7 @@ class Joined(NamedTuple):
         edges: By name.
         named: Corners of the patches by name.
         groups: Cells of each patch by name.
+        hanging: Which corners of each cell hang, as a code, shape (m,).
     """
 
     rows: Array
@@ -32,6 +33,7 @@ class Joined(NamedTuple):
     edges: dict[str, Edge]
     named: dict[str, int]
     groups: dict[str, Indices]
+    hanging: Array
 
 
 def joined(
@@ -73,7 +75,13 @@ def joined(
             groups[name] = cell.ravel()
         points, cells = points + number.size, cells + cell.size
     found = Joined(
-        np.concatenate(rows), np.concatenate(corners), np.concatenate(sizes), edges, named, groups
+        np.concatenate(rows),
+        np.concatenate(corners),
+        np.concatenate(sizes),
+        edges,
+        named,
+        groups,
+        np.zeros(cells),
     )
     sewn = points_on(seams, edges, label)
     return _merged(found, sewn, label) if one else found
@@ -101,6 +109,7 @@ def _merged(found: Joined, sewn: set[int], label: str) -> Joined:
         {name: edge._replace(points=number[edge.points]) for name, edge in found.edges.items()},
         {name: int(number[point]) for name, point in found.named.items()},
         found.groups,
+        found.hanging,
     )
 
 

@@ -9,20 +9,28 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Flags, Indices, direction, flag, instance, number, text
+from fem_lie._arrays import Array, Flags, Indices, direction, number, text
 from fem_lie.bodies.beams.assembly import Damping, mass_only
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.nodes import Follower
 from fem_lie.bodies.thin_shells.axes import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
+from fem_lie.bodies.thin_shells.hierarchy import SplineMesh, surface_of
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
 from fem_lie.bodies.thin_shells.joining import Joined, frames_of
-from fem_lie.bodies.thin_shells.joining import joined as put_together
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.seams import Seam
 from fem_lie.bodies.thin_shells.supports import HeldSurface
 from fem_lie.elements.thin_shells import hermite
-from fem_lie.elements.thin_shells.rows import NODES, VECTORS, half_of, node_of, row_of
+from fem_lie.elements.thin_shells.rows import (
+    NODES,
+    SIZES,
+    VECTORS,
+    fill_hanging,
+    half_of,
+    node_of,
+    row_of,
+)
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.surface import on_surface
 from fem_lie.lie.kinds import NodeKind
@@ -46,7 +54,8 @@ class SmoothSurface(HeldSurface):
     Attributes:
         points_count: Number of points; nodes are twice as many.
         connectivity: Nodes of each cell: four places with ∂u, and the others, shape (m, 8).
-        sizes: What ∂u, ∂v and the fourth are multiplied by in each cell, shape (m, 3).
+        sizes: What ∂u, ∂v and the fourth are multiplied by in each cell, and which of its corners
+            hang, shape (m, 4).
         sections: Of each cell.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
         density: Mass per area of each cell, shape (m,).
@@ -60,7 +69,7 @@ class SmoothSurface(HeldSurface):
 
     def __init__(
         self,
-        patches: SmoothPatch | Mapping[str, SmoothPatch],
+        patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
         section: ThinSections,
         *,
         along: npt.ArrayLike | Direction | None = None,
@@ -73,7 +82,8 @@ class SmoothSurface(HeldSurface):
 
         Args:
             patches: One, whose edges are "a=0", "a=1", "b=0", "b=1" and whose corners are "00",
-                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00".
+                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00"; or
+                a mesh of cells of several sizes on such patches, which says what is joined.
             section: One for all cells, one for each patch, or a function of the middle of a cell,
                 shape (3,).
             along: e₁ of the sections' axes before projection onto the surface: one vector, or a
@@ -90,26 +100,16 @@ class SmoothSurface(HeldSurface):
                 damping with strain.
             TypeError: An argument is of another kind than wanted.
         """
-        known = "a SmoothPatch, or a dict of them by names"
-        instance(patches, SmoothPatch | Mapping, "ThinShell: patches", known)
-        if joined is not None:
-            flag(joined, "ThinShell: joined")
         text(name, "ThinShell: name")
-        given = {"": patches} if isinstance(patches, SmoothPatch) else dict(patches)
-        if not given:
-            raise ValueError("a ThinShell needs at least one patch, got none")
-        for key, patch in given.items():
-            text(key, "ThinShell: the name of a patch")
-            instance(patch, SmoothPatch, f"ThinShell: patch {key!r}", "a SmoothPatch")
-        one = len(given) > 1 if joined is None else joined
-        surface = put_together(given, one=one, label=name or "ThinShell", seams=seams)
+        surface = surface_of(patches, joined, seams, name or "ThinShell")
         self.damping = mass_only(damping, "ThinShell")
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
         self.points_count = count = len(surface.rows)
         fourth, sizes = self.fourth(surface)
         self.connectivity = np.concatenate([self._corners, count + self._corners], axis=1)
-        self.sizes = np.column_stack([surface.sizes, sizes])
+        self.sizes = np.column_stack([surface.sizes, sizes, surface.hanging])
+        assert self.sizes.shape[1] == SIZES
         super().__init__(
             frames_of(surface.rows, fourth),
             cells=np.empty((0, 2), dtype=np.int64),
@@ -119,14 +119,14 @@ class SmoothSurface(HeldSurface):
             name=name,
         )
         follow_surface(self.frames, np.ones(count, dtype=bool))
-        middles = self._middles()
+        middles = self.middles()
         sections = section_per_cell(section, middles, self.cells_of, self.label)
         self.sections = sections
         self.stiffness = np.array([s.stiffness for s in sections])
         self.density = np.array([s.inertia[0, 0] for s in sections])
         self.has_mass = bool((self.density > 0).all())
         self.axes = self._axes_along(along, middles)
-        self.faces = self._corners[:, [0, 1, 3, 2]]
+        self.faces = self._drawn()[:, [0, 1, 3, 2]]
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
 
     @abstractmethod
@@ -174,7 +174,7 @@ class SmoothSurface(HeldSurface):
             raise ValueError(f"within: ξ and η must lie between 0 and 1, got {ξ!r} and {η!r}")
         shapes = type(self).table(np.array([[ξ, η]]))[0, : hermite.ACROSS + 1]
         shares = np.zeros((NODES, 2, 3))
-        shares[_NODE, _HALF] = (shapes * self.scales()[cell]).T
+        shares[_NODE, _HALF] = (shapes @ self.extraction()[cell]).T
         nodes = self.connectivity[cell]
         place = f"({ξ:g}, {η:g}) in cell {cell}"
         return Point(self, int(nodes[0]), place, on_surface(nodes, shares))
@@ -209,17 +209,22 @@ class SmoothSurface(HeldSurface):
             frames: Rows of the nodes, shape (n, 4, 3); default: as it lies.
         """
         rows = (self.frames if frames is None else frames)[self.connectivity]
-        return rows[:, _NODE, _ROW] * self.scales()[:, :, np.newaxis]
+        return np.asarray(self.extraction() @ rows[:, _NODE, _ROW])
 
-    def scales(self) -> Array:
-        """What rows of nodes are multiplied by to be these, shape (m, 16)."""
-        return np.tile(np.concatenate([np.ones((len(self.sizes), 1)), self.sizes], axis=1), 4)
+    def extraction(self) -> Array:
+        """The matrix of each cell that makes these of the rows of its nodes, shape (m, 16, 16)."""
+        found = np.zeros((len(self.sizes), VECTORS, VECTORS))
+        at = np.arange(VECTORS)
+        found[:, at, at] = np.tile(np.insert(self.sizes[:, :3], 0, 1.0, axis=1), 4)
+        for cell in np.flatnonzero(self.sizes[:, 3]):
+            fill_hanging(int(self.sizes[cell, 3]), found[cell])
+        return found
 
     def on_rows(self, cells: Indices, values: Array) -> Array:
         """Sums of what acts on the vectors of cells (c, 16, 3), on the rows of nodes (n, 4, 3)."""
         found = np.zeros((len(self.frames), 4, 3))
-        nodes, scales = self.connectivity[cells][:, _NODE], self.scales()[cells]
-        np.add.at(found, (nodes, _ROW), scales[:, :, np.newaxis] * values)
+        nodes, back = self.connectivity[cells][:, _NODE], self.extraction()[cells].swapaxes(1, 2)
+        np.add.at(found, (nodes, _ROW), back @ values)
         return found
 
     def on_cells(self, group: str | None = None) -> Quadrature:
@@ -245,23 +250,36 @@ class SmoothSurface(HeldSurface):
 
     def on_nodes(self, M: Array) -> Array:
         """Matrices of the vectors of cells (m, 16, 16) on the rows of nodes, (m, 8, 4, 8, 4)."""
-        scales, found = self.scales(), np.zeros((len(M), NODES, 4, NODES, 4))
+        E, found = self.extraction(), np.zeros((len(M), NODES, 4, NODES, 4))
         i, a = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
-        shares = M * scales[:, :, np.newaxis] * scales[:, np.newaxis]
+        shares = E.swapaxes(1, 2) @ M @ E
         found[:, _NODE[i], _ROW[i], _NODE[a], _ROW[a]] = shares
         return found
 
-    def _middles(self) -> Array:
+    def _drawn(self) -> Indices:
+        """Corners of cells for pictures: those that hang are drawn at one end of their edge."""
+        found, own = self._corners.copy(), self.sizes[:, 3].astype(np.int64)
+        for k in range(2):
+            cells = np.flatnonzero(own >> (2 + k) & 1)
+            stays = own[cells] & 3
+            end = stays ^ (1 << k)
+            # the same end for the quarters on both sides
+            found[cells, end] = np.maximum(self._corners[cells, stays], self._corners[cells, end])
+        return found
+
+    def middles(self) -> Array:
         """Middle of each cell, shape (m, 3)."""
-        return np.asarray(self.frames[self._corners, 0].mean(axis=1))
+        return np.asarray(self.vectors()[:, ::4].mean(axis=1))
 
     def _axes_along(self, along: npt.ArrayLike | Direction | None, middles: Array) -> Array:
-        corners = self.frames[self._corners]
+        first, second = (self.vectors()[:, k::4] for k in (1, 2))
         if along is None:
-            return np.asarray(corners[:, :, 1].mean(axis=1))
+            return np.asarray(first.mean(axis=1))
         given = [along(x) for x in middles] if callable(along) else [along] * len(middles)
         axes = np.array([direction(value, "ThinShell: along") for value in given])
-        sine = np.linalg.norm(np.cross(corners[:, :, 3], axes[:, np.newaxis]), axis=-1).min(axis=1)
+        normals = np.cross(first, second)
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+        sine = np.linalg.norm(np.cross(normals, axes[:, np.newaxis]), axis=-1).min(axis=1)
         if sine.min() < 1e-6:
             cell = int(sine.argmin())
             raise ValueError(

@@ -13,6 +13,7 @@ from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
+from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
 from fem_lie.bodies.thin_shells.joining import Joined
 from fem_lie.bodies.thin_shells.patch import SmoothPatch
 from fem_lie.bodies.thin_shells.seams import Seam, seam_points
@@ -35,8 +36,8 @@ class ThinShell(SmoothSurface):
     Attributes:
         points_count: Number of points; nodes are twice as many.
         connectivity: Nodes of each cell: four places with ∂u, and the others, shape (m, 8).
-        sizes: Of each cell: along u, along v, and their product over the area that the mixed
-            derivative is multiplied by, shape (m, 3).
+        sizes: Of each cell: along u, along v, their product over the area that the mixed derivative
+            is multiplied by, and which of its corners hang, shape (m, 4).
         stiffness: Section stiffness of each cell, shape (m, 8, 8); shear does not count.
         density: Mass per area of each cell, shape (m,).
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
@@ -52,7 +53,7 @@ class ThinShell(SmoothSurface):
 
     def __init__(
         self,
-        patches: SmoothPatch | Mapping[str, SmoothPatch],
+        patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
         section: ThinSections,
         *,
         along: npt.ArrayLike | Direction | None = None,
@@ -66,7 +67,8 @@ class ThinShell(SmoothSurface):
 
         Args:
             patches: One, whose edges are "a=0", "a=1", "b=0", "b=1" and whose corners are "00",
-                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00".
+                "10", "01", "11"; or several by names, which stand before: "roof.a=0", "roof.00"; or
+                a :func:`spline_mesh` of these, whose cells are of several sizes.
             section: One for all cells, one for each patch, or a function of the middle of a cell,
                 shape (3,).
             along: e₁ of the sections' axes before projection onto the surface: one vector, or a
@@ -95,7 +97,7 @@ class ThinShell(SmoothSurface):
             seams=seams,
             name=name,
         )
-        cells = self.connectivity, self.sizes
+        cells = self.connectivity, self.sizes[:, :3]
         self.seams = [
             seam_points(seam, ends, self.vectors(), cells, self.stiffness)
             for seam in seams

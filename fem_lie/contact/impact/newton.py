@@ -116,6 +116,39 @@ def eliminate(J: Array, d: Array, n: int) -> None:
 
 
 @uncounted
+def begin_newton(problem: Cones, k: int) -> None:
+    """Take the impulses that it starts with, which are ``kept`` in its room, too."""
+    room = problem.dense
+    for i in range(3 * k):
+        room.r[i] = room.kept[i] = problem.r[i // 3, i % 3]
+
+
+@uncounted
+def step_of_newton(problem: Cones, k: int) -> None:
+    """One step, halved until the function is smaller, of all impulses."""
+    n, room = 3 * k, problem.dense
+    r, tried, F, d = room.r, room.tried, room.F, room.d
+    square = set_function(problem, k, r)
+    set_derivative(problem, k, r)
+    for i in range(n):
+        d[i] = F[i]
+    eliminate(room.J, d, n)
+    size, best, least = 1.0, 1.0, np.inf
+    for _ in range(_HALVES):
+        for i in range(n):
+            tried[i] = r[i] - size * d[i]
+        now = set_function(problem, k, tried)
+        if now < least:
+            least, best = now, size
+        if now < (1.0 - 1e-4 * size) * square:
+            break
+        size *= 0.5
+    for i in range(n):
+        r[i] -= best * d[i]
+        problem.r[i // 3, i % 3] = r[i]
+
+
+@uncounted
 def newton(problem: Cones, k: int, tolerance: float) -> int:
     """Newton's method with steps that are halved; returns the iterations.
 
@@ -124,30 +157,10 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
         k: How many contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
         tolerance: Of the residual.
     """
-    n, room = 3 * k, problem.dense
-    r, tried, F, d = room.r, room.tried, room.F, room.d
-    for i in range(n):
-        r[i] = room.kept[i] = problem.r[i // 3, i % 3]
+    begin_newton(problem, k)
     _set_matrix(problem, k)
     for iteration in range(1, _ITERATIONS + 1):
-        square = set_function(problem, k, r)
-        set_derivative(problem, k, r)
-        for i in range(n):
-            d[i] = F[i]
-        eliminate(room.J, d, n)
-        size, best, least = 1.0, 1.0, np.inf
-        for _ in range(_HALVES):
-            for i in range(n):
-                tried[i] = r[i] - size * d[i]
-            now = set_function(problem, k, tried)
-            if now < least:
-                least, best = now, size
-            if now < (1.0 - 1e-4 * size) * square:
-                break
-            size *= 0.5
-        for i in range(n):
-            r[i] -= best * d[i]
-            problem.r[i // 3, i % 3] = r[i]
+        step_of_newton(problem, k)
         change(problem, k)
         if residual(problem, k) <= tolerance:
             return iteration

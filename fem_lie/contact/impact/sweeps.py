@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.one_contact import projected, single
+from fem_lie.lie.tuples import Vector
 
 MOST_NEWTON = 60
 """Contacts for which there is room for a dense matrix."""
@@ -192,25 +193,42 @@ def sweep(problem: Cones, k: int) -> None:
                 r[c, i] = x[i]
 
 
+@inlined_uncounted
+def off_cone(u: Vector, own: Array, mu: float, r: Array) -> tuple[float, float]:
+    """The largest part of ``|r − P_K(r − ρ û)|`` of one contact, and its ``ρ`` by the trace.
+
+    Args:
+        u: Velocity with all impulses.
+        own: Product of its rows, shape (3, 3).
+        mu: Coefficient of friction.
+        r: Its impulse, shape (3,).
+    """
+    rho = 3.0 / (own[0, 0] + own[1, 1] + own[2, 2])
+    lifted = u[0] + mu * np.sqrt(u[1] * u[1] + u[2] * u[2])
+    p = projected((r[0] - rho * lifted, r[1] - rho * u[1], r[2] - rho * u[2]), mu)
+    worst = 0.0
+    for i in range(3):
+        off = abs(r[i] - p[i])
+        if not off <= worst:
+            worst = off if off == off else np.inf
+    return worst, rho
+
+
 @uncounted
 def residual(problem: Cones, k: int) -> float:
-    """``|r − P_K(r − ρ û)|`` over the largest impulse, with ``ρ`` by the trace of each contact.
+    """What :func:`off_cone` has over the largest impulse.
 
     What changes speeds by a part of :data:`_TINY` is known no better than to round-off.
     """
     worst, size, least = 0.0, np.finfo(np.float64).tiny, _TINY * problem.speed[0]
     q, r = problem.q, problem.r
     for c in range(k):
-        A, mu = problem.own[c], problem.friction[c]
-        rho = 3.0 / (A[0, 0] + A[1, 1] + A[2, 2])
-        u0 = q[c, 0] + along(problem.rows[c], problem.bodies[c], problem.W, 0)
-        u1 = q[c, 1] + along(problem.rows[c], problem.bodies[c], problem.W, 1)
-        u2 = q[c, 2] + along(problem.rows[c], problem.bodies[c], problem.W, 2)
-        lifted = u0 + mu * np.sqrt(u1 * u1 + u2 * u2)
-        p = projected((r[c, 0] - rho * lifted, r[c, 1] - rho * u1, r[c, 2] - rho * u2), mu)
-        for i in range(3):
-            off = abs(r[c, i] - p[i])
-            if not off <= worst:
-                worst = off if off == off else np.inf
+        u = (
+            q[c, 0] + along(problem.rows[c], problem.bodies[c], problem.W, 0),
+            q[c, 1] + along(problem.rows[c], problem.bodies[c], problem.W, 1),
+            q[c, 2] + along(problem.rows[c], problem.bodies[c], problem.W, 2),
+        )
+        off, rho = off_cone(u, problem.own[c], problem.friction[c], r[c])
+        worst = max(worst, off)
         size = max(size, abs(r[c, 0]), rho * max(abs(q[c, 0]), least))
     return float(worst / size)

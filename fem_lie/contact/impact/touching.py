@@ -63,6 +63,9 @@ class Touching:
             sides = [each._replace(a=on_leaders(each.a), b=on_leaders(each.b)) for each in sides]
         self._a, self._b = _joined([each.a for each in sides]), _joined([each.b for each in sides])
         self._near = [NearPairs(a, b, flat=flat, same=same) for a, b, flat, same in sides]
+        for contact, near in zip(contacts, self._near, strict=True):
+            if contact.ignore_initial:
+                near.ignore(H)
         self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
         self._flat = np.array([each.flat for each in sides])
@@ -77,7 +80,9 @@ class Touching:
 
     def update(self, H: Array, far: float = 0.0) -> None:
         """Look again who is near whom, at frames ``H`` before steps that move places so ``far``."""
+        self._far = far
         for each in self._near:
+            each.part(H)
             each.widen(4.0 * far)
             each.update(H)
         versions = tuple(each.version for each in self._near)
@@ -161,5 +166,10 @@ class Touching:
 
     @property
     def patience(self) -> float:
-        """How far places may move until the list has to be looked at again."""
+        """How far places may move until the list has to be looked at again.
+
+        That is for one step where pairs are ignored until they part.
+        """
+        if any(each.ignores for each in self._near):
+            return self._far
         return min((each.patience for each in self._near if not each.fixed), default=np.inf)

@@ -26,6 +26,9 @@ _TURNS = 60
 _KNOWN = 1e-15
 """Part of a piece by which a place on it is known."""
 
+_THERE = 1e-14
+"""Likewise, by which a guess is the place itself."""
+
 
 class Ropes(NamedTuple):
     """One rope and the rings on it.
@@ -120,7 +123,11 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
     p = piece_of(ropes, guess)
     set_curve(H, ropes, p, C)
     s = min(max(part_of(ropes, p, guess), 0.0), 1.0)
-    back = dot(minus(at(C, s), X), slope(C, s)) > 0.0
+    apart, t = minus(at(C, s), X), slope(C, s)
+    f, df = dot(apart, t), dot(t, t) + dot(apart, bend(C, s))
+    if df > 0.0 and abs(f) <= _THERE * df:
+        return guess  # by the sign of round-off it would look for another place beyond
+    back = f > 0.0
     low, high = (0.0, s) if back else (s, 1.0)
     while True:
         end = low if back else high
@@ -214,7 +221,7 @@ def place_between(
 
 
 @inlined_uncounted
-def set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Array]) -> int:
+def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Array]) -> int:
     """Factors of rows in ``Δ`` and in ``P'`` at a place, slots of the rope and the ring last.
 
     Args:
@@ -252,3 +259,38 @@ def store_place(H: Array, ropes: Ropes, σ: float, C: Array, out: Array) -> None
     store_row(out, 0, at(C, s))
     store_row(out, 1, scaled(1.0 / length, slope(C, s)))
     store_row(out, 2, scaled(1.0 / (length * length), bend(C, s)))
+
+
+@inlined_uncounted
+def set_pair(
+    H: Array,
+    ropes: Ropes,
+    k: int,
+    σ: float,
+    G: tuple[Indices, Array, Array],
+    room: tuple[Array, Array],
+    m: Array,
+) -> tuple[Vector, float]:
+    """Factors of rows at a place, and ``m`` on the rows of the nodes, (5, 4, 3).
+
+    Args:
+        H: Rows of nodes.
+        ropes: The rope.
+        k: The ring.
+        σ: The place on the rope.
+        G: See :func:`_set_factors`; overwritten.
+        room: Of shapes (4, 3) and (3, 3); overwritten.
+        m: Overwritten.
+
+    Returns:
+        ``Δ`` and ``s``.
+    """
+    nodes, W, by_place = G
+    C, at = room
+    store_place(H, ropes, σ, C, at)
+    _set_factors(ropes, k, σ, G)
+    t, apart = load_row(at, 1), minus(load_row(at, 0), ring(H, ropes, k))
+    for a in range(5):
+        for row in range(4 if nodes[a] >= 0 else 0):
+            store_row(m[a], row, combined(by_place[a, row], apart, W[a, row], t))
+    return apart, dot(t, t) + dot(apart, load_row(at, 2))

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.rings import kernels
-from fem_lie.contact.rings.curves import Ropes, piece_of
+from fem_lie.contact.rings.curves import Ropes
 from fem_lie.contact.rings.surfaces import Rings, Rope
 from fem_lie.contact.sides.table import GROUND, Nodes, number_of
 from fem_lie.forms.term import Done, Ends, Pairs, Term
@@ -47,6 +47,8 @@ class RingForces(Term):
         self.on_ground = bool((self._ropes.rings == GROUND).any())
         self._size = min(4 + 2 * _BEYOND, len(self._path))
         self._first = np.full(count, -1, dtype=np.int64)
+        slots, _ = rope.powers()
+        self._reach = np.column_stack([slots[:, 0], slots.max(axis=1)])
         self._look(self._feet)
 
     # --- the pattern ---
@@ -54,13 +56,17 @@ class RingForces(Term):
     def _look(self, feet: Array) -> None:
         """Let the matrix have the nodes that places depend on."""
         last = len(self._path) - self._size
-        for k, σ in enumerate(feet):
-            slots = self._ropes.slots[piece_of(self._ropes, σ)]
-            low, high = (np.flatnonzero(self._path == slots[slots >= 0][end])[0] for end in (0, -1))
-            first = self._first[k]
-            if first < 0 or low < first or high >= first + self._size:
-                self._first[k] = min(max(low - _BEYOND, 0), last)
-                self.version += 1
+        low, high = self._reach[self._pieces(feet)].T
+        first = self._first
+        apart = (first < 0) | (low < first) | (high >= first + self._size)
+        if apart.any():
+            first[apart] = np.clip(low - _BEYOND, 0, last)[apart]
+            self.version += 1
+
+    def _pieces(self, feet: Array) -> Indices:
+        """Of the rope, that places are on."""
+        inner = self._ropes.starts[1:-1]
+        return np.searchsorted(inner, feet, side="right").astype(np.int64)
 
     @property
     def _windows(self) -> Indices:
@@ -168,12 +174,14 @@ class RingForces(Term):
         self._feet, self._springs = (part.copy() for part in np.split(carried, 2))
 
     def accept(self, H: Array) -> None:
-        """See the base class."""
+        """See the base class; after a step with the places that its forces have done work to."""
+        if self._ahead is not None:
+            self._feet, self._springs = self._over[:, kernels.END].copy(), self._ahead
+            self._ahead = None
+            return
         self._forces(H, np.zeros((len(H), 6)))
-        τ = self._found[:, kernels.TRACTION]
-        held = np.asarray(τ / self._law.holds)
-        self._springs = held if self._ahead is None else self._ahead
-        self._feet, self._ahead = self._found[:, kernels.END].copy(), None
+        self._springs = np.asarray(self._found[:, kernels.TRACTION] / self._law.holds)
+        self._feet = self._found[:, kernels.END].copy()
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class; places wait for accepted frames."""
@@ -202,8 +210,7 @@ class RingForces(Term):
         count = len(self._feet)
         X, places = np.empty((2, count, 3))
         kernels.set_places(H, self._ropes, self._feet, X, places)
-        pieces = np.array([piece_of(self._ropes, σ) for σ in self._feet])
-        pairs = np.stack([pieces, np.arange(count)], axis=1)
+        pairs = np.stack([self._pieces(self._feet), np.arange(count)], axis=1)
         return pairs, -self._found[:, kernels.DISTANCE], places, self._law.k * (X - places)
 
 

@@ -21,13 +21,21 @@ from fem_lie.contact.rings.curves import (
     foot,
     place_between,
     ring,
-    set_factors,
+    set_pair,
     store_place,
 )
 from fem_lie.forms.term import Ends
-from fem_lie.lie.kinds.forces import pull, pull_derivative, push
-from fem_lie.lie.kinds.kind import SLOPE, first, straight
-from fem_lie.lie.tuples import cross, dot, load, load_row, minus, plus, scaled, store
+from fem_lie.lie.kinds.forces import add_along_increments, pull, pull_derivative, push
+from fem_lie.lie.tuples import (
+    cross,
+    dot,
+    load,
+    load_row,
+    minus,
+    plus,
+    scaled,
+    store,
+)
 
 PLACE, DISTANCE, TRACTION, SLIP, END = range(5)
 """Columns of what is found of each ring: where the force acts, ``|Δ|`` there, friction, by how much
@@ -47,18 +55,6 @@ class Law(NamedTuple):
     k: float
     μ: float
     holds: float
-
-
-@inlined_uncounted
-def _set_m(H: Array, G: tuple[Indices, Array, Array], X: Array, at: Array, m: Array) -> float:
-    """``m`` on the rows of the nodes of a ring, (5, 4, 3), and ``s``."""
-    nodes, W, by_place = G
-    t, apart = load_row(at, 1), minus(load_row(at, 0), load(X, 0))
-    for a in range(5):
-        for row in range(4 if nodes[a] >= 0 else 0):
-            for j in range(3):
-                m[a, row, j] = by_place[a, row] * apart[j] + W[a, row] * t[j]
-    return dot(t, t) + dot(apart, load_row(at, 2))
 
 
 @inlined_uncounted
@@ -99,16 +95,12 @@ def add_forces(
         found: Overwritten, (r, 5).
         out: Forces along the axes of nodes, updated.
     """
-    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    C, _ = room = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
     for k in range(found.shape[0]):
-        store(X, 0, ring(H, ropes, k))
-        σ = foot(H, ropes, kept[k], load(X, 0), C)
-        store_place(H, ropes, σ, C, at)
-        set_factors(ropes, k, σ, G)
-        apart = minus(load_row(at, 0), load(X, 0))
-        s = _set_m(H, G, X, at, m)
+        σ = foot(H, ropes, kept[k], ring(H, ropes, k), C)
+        apart, s = set_pair(H, ropes, k, σ, G, room, m)
         distance = np.sqrt(dot(apart, apart))
         τ = _limited(law, law.holds * (springs[k] + σ - kept[k]), distance, s)
         found[k, PLACE], found[k, DISTANCE], found[k, TRACTION] = σ, distance, τ
@@ -141,7 +133,7 @@ def add_over_step(
     Arguments as of :func:`add_forces`; returns the energy at the end, without friction's, and the
     work by which it has changed.
     """
-    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    C, at = room = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     f, m = np.empty((4, 3)), np.zeros((5, 4, 3))
     stored = work = 0.0
@@ -154,11 +146,7 @@ def add_over_step(
         store_place(ends.end, ropes, σ1, C, at)
         after = minus(load_row(at, 0), X1)
         σ = place_between(ends.start, ends.end, ropes, (σ0, σ1, 0.0), (before, after), C)
-        store(X, 0, ring(ends.mean, ropes, k))
-        store_place(ends.mean, ropes, σ, C, at)
-        set_factors(ropes, k, σ, G)
-        apart = minus(load_row(at, 0), load(X, 0))
-        s, slip = _set_m(ends.mean, G, X, at, m), 0.0
+        (apart, s), slip = set_pair(ends.mean, ropes, k, σ, G, room, m), 0.0
         for a in range(5):
             for row in range(4 if G[0][a] >= 0 else 0):
                 slip -= dot(load_row(m[a], row), load_row(ends.delta[G[0][a]], row)) / s
@@ -178,27 +166,12 @@ def add_over_step(
                     f[row, j] = law.k * G[1][a, row] * apart[j] - τ / s * m[a, row, j]
                 force = plus(force, load_row(f, row) if row == 0 else (0.0, 0.0, 0.0))
                 moment = plus(moment, cross(load_row(ends.mean[node], row), load_row(f, row)))
-            _add_along(ropes.kinds[node], ends.mean[node], f, out[node])
+            add_along_increments(ropes.kinds[node], ends.mean[node], f, out[node])
         if ropes.rings[k] < 0:
             for j in range(3):
                 ground[j] -= force[j]
                 ground[3 + j] -= moment[j]
     return stored, work
-
-
-@inlined_uncounted
-def _add_along(kind: int, mean: Array, f: Array, out: Array) -> None:
-    """Add forces on rows as forces and moments on frames, else along increments."""
-    if kind < SLOPE:
-        moment = load(out, 3)
-        for row in range(1, 4):
-            moment = plus(moment, cross(load_row(mean, row), load_row(f, row)))
-        store(out, 0, plus(load(out, 0), load_row(f, 0)))
-        store(out, 3, moment)
-        return
-    for row in range(straight(kind)):
-        own = load_row(f, first(kind) + row)
-        store(out, 3 * row, plus(load(out, 3 * row), own))
 
 
 @compiled
@@ -223,18 +196,14 @@ def tangents(
             by number where they are along the rope; see :class:`~.forces.Window`.
         blocks: Updated, (r c², 6, 6) with ``c`` nodes of the rope and the ring.
     """
-    C, at, X = np.empty((4, 3)), np.empty((3, 3)), np.empty(3)
+    room = np.empty((4, 3)), np.empty((3, 3))
     G = np.empty(5, dtype=np.int64), np.empty((5, 4)), np.empty((5, 4))
     m, F, rates = np.zeros((5, 4, 3)), np.empty((5, 4, 3)), np.empty((4, 3))
     A, g, unit, where = np.empty((5, 6, 3)), np.empty((5, 6)), np.empty(6), np.empty(5, np.int64)
     count = windows.shape[1]
     for k in range(found.shape[0]):
         σ, τ = found[k, PLACE], found[k, TRACTION]
-        store(X, 0, ring(H, ropes, k))
-        store_place(H, ropes, σ, C, at)
-        set_factors(ropes, k, σ, G)
-        apart = minus(load_row(at, 0), load(X, 0))
-        s = _set_m(H, G, X, at, m)
+        apart, s = set_pair(H, ropes, k, σ, G, room, m)
         slides = 0.0 if σ <= ropes.starts[0] or σ >= ropes.starts[-1] else 1.0
         distance = np.sqrt(dot(apart, apart))
         most = law.μ * law.k * distance * np.sqrt(max(s, 0.0))

@@ -1,4 +1,6 @@
-"""Who is near whom: cells of the size of the largest pair, in a list that is kept for a while.
+"""Who is near whom, and who has gone through whom: compiled.
+
+Near are those in cells of the size of the largest pair, in a list that is kept for a while.
 
 Places are sorted by their cells, and half of the 27 cells about each are looked at, three in a row
 at a time. The list has all pairs nearer than their radii and a skin; as long as no place has moved
@@ -11,10 +13,24 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, uncounted
+from fem_lie.contact.sides.patches import (
+    BY_U,
+    BY_V,
+    NET,
+    ROWS,
+    VALUE,
+    combination,
+    nearest_on,
+    set_shapes,
+)
+from fem_lie.lie.tuples import combined, cross, dot, load_row, minus
 
 _MOST_CELLS = 2.0**20
 """Along an axis: numbers of cells are whole numbers of 64 bits."""
+
+_FEW = 64
+"""Places of one side, beyond which all pairs take longer than cells."""
 
 
 @compiled
@@ -72,6 +88,38 @@ def near(X: Array, reach: Array) -> Indices:
 
 
 @compiled
+def _all_between(X: Array, reach: Array, first: int, out: Indices) -> int:
+    """Pairs of one of the first and one of the others; counts those without room, too."""
+    found = 0
+    for i in range(first):
+        for j in range(first, X.shape[0]):
+            a, b, c = X[i, 0] - X[j, 0], X[i, 1] - X[j, 1], X[i, 2] - X[j, 2]
+            both = reach[i] + reach[j]
+            if a * a + b * b + c * c < both * both:
+                if found < out.shape[0]:
+                    out[found, 0], out[found, 1] = i, j
+                found += 1
+    return found
+
+
+def near_between(X: Array, reach: Array, first: int) -> Indices:
+    """As :func:`near`, those of the ``first`` places with one of the others alone.
+
+    A ball that is large beside many places would make all of them lie in the same cells: all pairs
+    are looked at where one side has few.
+    """
+    if first * (len(X) - first) > _FEW * len(X):
+        pairs = near(X, reach)
+        return np.ascontiguousarray(pairs[(pairs[:, 0] < first) & (pairs[:, 1] >= first)])
+    out = np.empty((len(X), 2), dtype=np.int64)
+    found = _all_between(X, reach, first, out)
+    if found > len(out):
+        out = np.empty((found, 2), dtype=np.int64)
+        _all_between(X, reach, first, out)
+    return out[:found]
+
+
+@compiled
 def moved_by(X: Array, before: Array) -> float:
     """The largest distance between places, shapes (n, 3); nan is as far as can be."""
     largest = 0.0
@@ -81,3 +129,55 @@ def moved_by(X: Array, before: Array) -> float:
         if not square <= largest:
             largest = square if square == square else np.inf
     return np.sqrt(largest)
+
+
+_ON, _HALVINGS = 1e-2, 40
+"""Part of the radii within which a place is on a surface; halvings of a step to find when."""
+
+
+@uncounted
+def _side_of(
+    X: Array, N: Array, i: int, j: int, part: float, triangle: bool, net: Array, W: Array, C: Array
+) -> tuple[float, float]:
+    """Height of a place over the nearest one on a patch in a part of a step; squared distance."""
+    P = combined(1.0 - part, load_row(X[0], i), part, load_row(X[1], i))
+    for k in range(NET):
+        for r in range(3):
+            net[k, r] = (1.0 - part) * N[0, j, k, r] + part * N[1, j, k, r]
+    at = nearest_on(triangle, net, P, W, C)
+    set_shapes(triangle, at.u, at.v, W)
+    across = cross(combination(net, W, BY_U), combination(net, W, BY_V))
+    return dot(across, minus(P, combination(net, W, VALUE))), at.square
+
+
+@compiled
+def first_crossing(
+    X: Array, radii: tuple[Array, Array], N: Array, triangle: bool, pairs: Indices
+) -> int:
+    """The first pair whose place goes through the middle surface of its patch, or −1.
+
+    Args:
+        X: Places at the start and at the end of a step, shape (2, n, 3).
+        radii: Of places (n,) and of patches (m,).
+        N: Nets of patches, likewise, shape (2, m, 12, 3).
+        triangle: Whether these are triangles.
+        pairs: Places and patches, shape (·, 2).
+    """
+    net, W, C = np.empty((NET, 3)), np.empty((ROWS, NET)), np.empty((4, 3))
+    for e in range(pairs.shape[0]):
+        i, j = pairs[e]
+        first = _side_of(X, N, i, j, 0.0, triangle, net, W, C)[0]
+        last = _side_of(X, N, i, j, 1.0, triangle, net, W, C)[0]
+        if first == 0.0 or first * last > 0.0:
+            continue
+        low, high, on = 0.0, 1.0, _ON * (radii[0][i] + radii[1][j])
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            height, square = _side_of(X, N, i, j, middle, triangle, net, W, C)
+            if square < on * on:
+                return e
+            if first * height > 0.0:
+                low = middle
+            else:
+                high = middle
+    return -1

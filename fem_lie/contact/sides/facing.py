@@ -11,10 +11,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.sides.gauss_points import Meeting, Sliding, no_sliding
+from fem_lie.contact.sides.gauss_points import Meeting, Sliding
 from fem_lie.contact.sides.kinematics import place
-from fem_lie.contact.sides.meeting import Sides, copied
-from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.patches import (
     BY_U,
     BY_V,
@@ -26,12 +24,12 @@ from fem_lie.contact.sides.patches import (
     combination,
     edge_ends,
     edge_slope,
+    linear,
     nearest_on,
-    set_nets,
     set_shapes,
 )
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND, Side, empty_side, least
+from fem_lie.contact.sides.table import Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _EQUAL = 1.0 - 1e-12
@@ -177,14 +175,14 @@ def _set_facing(
     b: Patches,
     near: Indices,
     blocks: Indices,
-    stations: bool,
     W: Array,
     C: Array,
     found: Array,
     out: Meeting,
+    fixed: Side,
     keys: Indices,
 ) -> int:
-    count = last = 0
+    count, last, stations = 0, 0, keys.shape[0] > 0
     while last < near.shape[0]:
         first, i = last, near[last, 0]
         while last < near.shape[0] and near[last, 0] == i:
@@ -213,6 +211,12 @@ def _set_facing(
                     continue
                 seen = (True, seen[1]) if face == 0 else (seen[0], True)
                 keys[count, 0], keys[count, 1] = i, face
+                for k in range(MOST_NODES):
+                    fixed.nodes[count, k] = b.nodes[j, k]
+                    if b.nodes[j, k] >= 0:
+                        triangle = b.nodes[j, 3] < 0
+                        w = linear(triangle, k, found[q, _U], found[q, _V])
+                        fixed.weights[count, k] = w
             for k in range(MOST_NODES):
                 out.b.nodes[count, k], out.b.weights[count, k] = b.nodes[j, k], 0.0
                 store_row(out.b.levers[count], k, (0.0, 0.0, 0.0))
@@ -234,8 +238,8 @@ def set_facing(
     b: Patches,
     near: Indices,
     blocks: Indices,
-    stations: bool,
     out: Meeting,
+    fixed: Side,
     keys: Indices,
 ) -> int:
     """Where places meet patches, within both radii or as stations of friction; how many.
@@ -247,93 +251,10 @@ def set_facing(
         b: Patches, with nets at these frames.
         near: Pairs that are near each other, sorted.
         blocks: The first one of each.
-        stations: Whether they are those of friction: within twice the radii, one for each face.
         out: Overwritten; its second places and how these follow have room for all pairs.
-        keys: Overwritten with what tells stations apart, shape (≥ m, 2).
+        fixed: Of stations of friction, overwritten with what anchors on patches are fixed to.
+        keys: Overwritten with what tells stations apart, (≥ m, 2); none is asked for: (0, 2).
+            Stations are within twice the radii, one for each face.
     """
     W, C, found = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], _FOUND))
-    return _set_facing(H, a, areas, b, near, blocks, stations, W, C, found, out, keys)
-
-
-class Facing(Sides):
-    """Places that meet patches."""
-
-    def __init__(self, a: Side, areas: Array, b: Patches, left_out: Indices) -> None:
-        """Keep both sides.
-
-        Args:
-            a: Balls, or places of shells with half of their thickness.
-            areas: That each of these stands for, or one.
-            b: Patches.
-            left_out: Pairs of both that never touch, shape (m, 2).
-        """
-        self._a, self._areas, self._b = a, areas, b
-        self.near = NearPairs(a, middles_of(b), flat=False, same=False, left_out=left_out)
-        self.radius = least(a.radii, b.radii)
-        self.on_ground = bool((a.owners == GROUND).any())
-        self._version = -1
-
-    def meet(self, H: Array) -> Meeting:
-        """See the base class."""
-        self.near.update(H)
-        return self._meet(H)
-
-    def _meet(self, H: Array) -> Meeting:
-        if self.near.version != self._version:
-            self._version, most = self.near.version, len(self.near.now)
-            self._room = self._space(most), np.zeros((most, 2), dtype=np.int64)
-        return self._found(H, *self._room, stations=False)
-
-    def _space(self, most: int) -> Meeting:
-        return Meeting(
-            self._a,
-            empty_side(most),
-            False,
-            np.zeros((most, 2), dtype=np.int64),
-            np.zeros(most),
-            np.zeros(most, dtype=np.int64),
-            no_sliding(most),
-        )
-
-    def _found(self, H: Array, room: Meeting, keys: Indices, *, stations: bool) -> Meeting:
-        set_nets(H, self._b)
-        near = self.near.now, self.near.first
-        k = set_facing(H, self._a, self._areas, self._b, *near, stations, room, keys)
-        return room._replace(pairs=room.pairs[:k])
-
-    def stations(self, H: Array) -> tuple[Meeting, Indices]:
-        """See the base class: where places are near, one for each face of a sheet."""
-        self.near.update(H)
-        most = len(self.near.now)
-        keys = np.zeros((most, 2), dtype=np.int64)
-        at = self._found(H, self._space(most), keys, stations=True)
-        return at, keys[: len(at.pairs)]
-
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
-        """See the base class."""
-        if not known:
-            self.near.cover(start, end)
-        return [copied(self._meet(H)) for H in (start, end)]
-
-    def settle(self) -> None:
-        """See the base class; there is nothing."""
-
-
-def middles_of(patches: Patches) -> Side:
-    """Balls about the middles of patches of one sort that have all of them within."""
-    triangle = bool((patches.nodes[:, 3] < 0).all())
-    k, u = (3, 1.0 / 3.0) if triangle else (4, 0.5)
-    found, W = empty_side(len(patches.nodes)), np.zeros((ROWS, NET))
-    set_shapes(triangle, u, u, W)
-    found.nodes[:] = patches.nodes
-    found.weights[:] = W[VALUE, :MOST_NODES]
-    parts = W[VALUE, MOST_NODES:].reshape(MOST_NODES, 2, 1)
-    found.levers[:] = (parts * patches.tangents).sum(axis=2)
-    middles = W[VALUE] @ patches.nets
-    reach = np.linalg.norm(patches.nets[:, :k] - middles[:, np.newaxis], axis=2).max(axis=1)
-    found.radii[:], found.owners[:] = patches.radii + _BULGE * reach, patches.nodes[:, 0]
-    return found
-
-
-_BULGE = 1.1
-"""Reach of patches from their middles over that at first: by how much they may be stretched."""
+    return _set_facing(H, a, areas, b, near, blocks, W, C, found, out, fixed, keys)

@@ -24,7 +24,8 @@ from fem_lie.contact.sides.curves import (
 from fem_lie.contact.sides.curves import at as place_at
 from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
 from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, number_of
-from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
+from fem_lie.lie.motions import local_components
+from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled, store_row
 
 GAUSS = 3
 _AT, _WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
@@ -58,6 +59,38 @@ def no_sliding(m: int) -> Sliding:
     return Sliding(
         np.zeros((m, 2, 3)), np.ones((m, 2)), np.zeros((m, 2, k)), np.zeros((m, 2, k, 3))
     )
+
+
+@inlined_uncounted
+def slides(sliding: Sliding, e: int, k: int) -> bool:
+    """Whether a place follows along one of both directions."""
+    t = sliding.slopes[e, k]
+    return bool(t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0)
+
+
+@inlined_uncounted
+def set_slide(
+    H: Array,
+    sliding: Sliding,
+    e: int,
+    k: int,
+    slot: int,
+    node: int,
+    n: Vector,
+    distance: float,
+    D: Array,
+    out: Array,
+) -> None:
+    """``−m`` in the motion of a slot, of which ``D`` (3, 6) is that of ``Δ``: shape (6,)."""
+    t = load_row(sliding.slopes[e], k)
+    for p in range(6):
+        out[p] = (t[0] * D[0, p] + t[1] * D[1, p] + t[2] * D[2, p]) / distance
+    if slot >= MOST_NODES:
+        f = local_components(H[node], n)
+        turning = cross(load_row(sliding.levers[e, k], slot - MOST_NODES), f)
+        for p in range(3):
+            out[p] += sliding.weights[e, k, slot - MOST_NODES] * f[p]
+            out[3 + p] += turning[p]
 
 
 class Meeting(NamedTuple):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,6 +30,22 @@ from fem_lie.contact.sides.surfaces import Piece
 from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, least
 
 
+class Stations(NamedTuple):
+    """Where anchors of friction stand.
+
+    Attributes:
+        at: Pairs of places.
+        keys: What tells these apart, shape (m, 2).
+        a: What anchors of the first side are fixed to: weights of the same nodes, and levers.
+        b: Likewise of the second.
+    """
+
+    at: Meeting
+    keys: Indices
+    a: Side
+    b: Side
+
+
 class Sides(ABC):
     """Two sides of a contact.
 
@@ -37,9 +54,10 @@ class Sides(ABC):
         on_ground: Whether a side is on ground.
         radius: The least of what is round, infinite if nothing is.
         of_balls: Whether places are material ones, and not where curves are nearest.
+        watches: Whether :meth:`passed` looks.
     """
 
-    of_balls = False
+    of_balls = watches = False
     near: NearPairs
     on_ground: bool
     radius: float
@@ -62,8 +80,12 @@ class Sides(ABC):
         """Likewise at frames, by that list."""
 
     @abstractmethod
-    def stations(self, H: Array) -> tuple[Meeting, Indices]:
-        """Pairs of places where anchors of friction stand, and what tells them apart, (m, 2)."""
+    def stations(self, H: Array) -> Stations:
+        """Pairs of places where anchors of friction stand at frames ``H``."""
+
+    def passed(self, start: Array, end: Array) -> float | None:
+        """How far a place moved that went through the other side between frames; default: none."""
+        return None
 
     @abstractmethod
     def settle(self) -> None:
@@ -85,13 +107,22 @@ class Balls(Sides):
     of_balls = True
 
     def __init__(
-        self, a: Side, b: Side, *, flat: bool, same: bool, areas: Array | None = None
+        self,
+        a: Side,
+        b: Side,
+        *,
+        flat: bool,
+        same: bool,
+        areas: Array | None = None,
+        fixed: Side | None = None,
     ) -> None:
         """Keep both sides; see :class:`~fem_lie.contact.sides.pairs.NearPairs`.
 
-        ``areas`` are what first places stand for; default: one.
+        ``areas`` are what first places stand for; default: one. ``fixed`` is what anchors of these
+        are fixed to; default: they themselves.
         """
         self._a, self._b, self._flat = a, b, flat
+        self._fixed = a if fixed is None else fixed
         self._areas = np.ones(len(a.radii)) if areas is None else areas
         self.near = NearPairs(a, b, flat=flat, same=same)
         self.on_ground = bool((a.owners == GROUND).any() or (b.owners == GROUND).any())
@@ -117,10 +148,10 @@ class Balls(Sides):
             )
         return self._meeting
 
-    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+    def stations(self, H: Array) -> Stations:
         """See the base class."""
         at = self.meet(H)
-        return at, at.pairs
+        return Stations(at, at.pairs, self._fixed, at.b)
 
     def settle(self) -> None:
         """See the base class; there is nothing."""
@@ -169,7 +200,7 @@ class Lines(Sides):
         k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
         return room._replace(pairs=room.pairs[:k])
 
-    def stations(self, H: Array) -> tuple[Meeting, Indices]:
+    def stations(self, H: Array) -> Stations:
         """See the base class: Gauss points of whole elements, which stay where they are."""
         self.meet(H)
         most = GAUSS * len(self._runs)
@@ -187,7 +218,7 @@ class Lines(Sides):
         k = set_stations(*given, room, keys)
         if self._chains is not None:
             keys[:, 1] = self._chains[keys[:, 1]]
-        return room._replace(pairs=room.pairs[:k]), keys[:k]
+        return Stations(room._replace(pairs=room.pairs[:k]), keys[:k], room.a, room.b)
 
     def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[Meeting]:
         """See the base class; tangents have the lengths that were settled."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.contact.sides.detection import moved_by, near
-from fem_lie.contact.sides.kinematics import count_blocks, places
+from fem_lie.contact.sides.detection import moved_by, near, near_between
+from fem_lie.contact.sides.kinematics import count_blocks, gaps, places
 from fem_lie.contact.sides.table import Side
 
 _SKIN = 0.5
@@ -40,6 +40,8 @@ class NearPairs:
         none = np.empty((0, 2), dtype=np.int64) if left_out is None else left_out
         self._left_out = np.sort(none[:, 0] * len(b.radii) + none[:, 1])
         self._a, self._b, self._same, self.version = a, b, same, 0
+        self._flat = flat
+        self._ignored: Indices = np.empty(0, dtype=np.int64)
         hollow = bool((b.radii < 0.0).any())
         self.fixed = flat or hollow
         count = len(a.radii) if same else len(a.radii) + len(b.radii)
@@ -47,8 +49,45 @@ class NearPairs:
         radii = a.radii if same else np.concatenate([a.radii, b.radii])
         self._skin = _SKIN * float(radii.mean())
         self._reach, self.patience = radii + self._skin, 0.5 * self._skin
-        found = np.argwhere(a.owners[:, np.newaxis] != b.owners) if self.fixed else ()
-        self._set(np.array(found, dtype=np.int64).reshape(-1, 2))
+        self._set(self._all() if self.fixed else np.empty((0, 2), dtype=np.int64))
+
+    def _all(self) -> Indices:
+        """Pairs of others than the same frame, but for those that are ignored."""
+        found = np.argwhere(self._a.owners[:, np.newaxis] != self._b.owners)
+        pairs = np.array(found, dtype=np.int64).reshape(-1, 2)
+        return np.ascontiguousarray(pairs[~np.isin(self._keys(pairs), self._ignored)])
+
+    def _keys(self, pairs: Indices) -> Indices:
+        return np.asarray(pairs[:, 0] * len(self._b.radii) + pairs[:, 1])
+
+    @property
+    def ignores(self) -> bool:
+        """Whether there are pairs that are left out until they part."""
+        return len(self._ignored) > 0
+
+    def ignore(self, H: Array) -> None:
+        """Leave pairs out that overlap at frames ``H``, until :meth:`part` finds them apart."""
+        self.update(H)
+        g, _ = gaps(H, self._a, self._b, self.now, self._flat)
+        self._ignored = self._keys(self.now[g < 0.0])
+        self._again()
+
+    def part(self, H: Array) -> None:
+        """Take those in again that are apart at frames ``H``."""
+        if not self.ignores:
+            return
+        pairs = np.stack(np.divmod(self._ignored, len(self._b.radii)), axis=1)
+        g, _ = gaps(H, self._a, self._b, pairs, self._flat)
+        if (g >= 0.0).any():
+            self._ignored = self._ignored[g < 0.0]
+            self._again()
+
+    def _again(self) -> None:
+        if self.fixed:
+            self._set(self._all())
+            self.version += 1
+        else:
+            self._look(self._before)
 
     def _set(self, pairs: Indices) -> None:
         self.now = pairs
@@ -98,35 +137,50 @@ class NearPairs:
 
     @property
     def seen(self) -> Array:
-        """Places for which the list was made, and how far it looked, shape (n + 1, 3)."""
+        """Places of the list, how far it looked, and who is ignored, shape (·, 3)."""
+        ignored = np.zeros((len(self._ignored), 3))
+        ignored[:, 0] = self._ignored
         if self.fixed:
-            return np.empty((0, 3))
-        return np.vstack([self._before, [self._skin, 0.0, 0.0]])
+            return ignored
+        return np.vstack([self._before, [self._skin, 0.0, 0.0], ignored])
 
     def see_again(self, seen: Array) -> None:
         """Have the list again that there was when that was :attr:`seen`."""
-        if len(seen):
-            self._widen(float(seen[-1, 0]))
-            self._look(seen[:-1])
+        n = 0 if self.fixed else len(self._before)
+        self._ignored = seen[n if self.fixed else n + 1 :, 0].astype(np.int64)
+        if self.fixed:
+            self._again()
+        else:
+            self._widen(float(seen[n, 0]))
+            self._look(seen[:n])
 
     def _look(self, at: Array) -> None:
         """Make the list for places."""
         if not np.isfinite(at).all():
             return
         self._before[:] = at
-        pairs = self._found()
+        pairs = self.within(self._before, self._reach)
         if not np.array_equal(pairs, self.now):
             self._set(pairs)
             self.version += 1
 
-    def _found(self) -> Indices:
-        """Those near each other there, of the same frame left out."""
-        pairs, n = near(self._before, self._reach), len(self._a.radii)
-        if not self._same:
-            pairs = pairs[(pairs[:, 0] < n) & (pairs[:, 1] >= n)] - np.array([0, n])
+    def within(self, at: Array, reach: Array) -> Indices:
+        """Pairs of places near each other, of the same frame left out, shape (m, 2).
+
+        Args:
+            at: Places of the first side, then those of the second, shape (n, 3).
+            reach: Of each, shape (n,).
+        """
+        n = len(self._a.radii)
+        if self._same:
+            pairs = near(at, reach)
+        else:
+            pairs = near_between(at, reach, n) - np.array([0, n])
         apart = self._a.owners[pairs[:, 0]] != self._b.owners[pairs[:, 1]]
         if len(self._left_out):
             keys = pairs[:, 0] * len(self._b.radii) + pairs[:, 1]
             at = np.minimum(np.searchsorted(self._left_out, keys), len(self._left_out) - 1)
             apart &= self._left_out[at] != keys
+        if self.ignores:
+            apart &= ~np.isin(self._keys(pairs), self._ignored)
         return np.ascontiguousarray(pairs[apart])

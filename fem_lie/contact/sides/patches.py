@@ -166,6 +166,16 @@ def set_shapes(triangle: bool, u: float, v: float, W: Array) -> None:
 
 
 @inlined_uncounted
+def linear(triangle: bool, k: int, u: float, v: float) -> float:
+    """Weight of a corner where a patch is flat: what moves with it there, and does not drill."""
+    if triangle:
+        if k == 0:
+            return 1.0 - u - v
+        return u if k == 1 else v
+    return (u if k % 2 else 1.0 - u) * (v if k // 2 else 1.0 - v)
+
+
+@inlined_uncounted
 def combination(net: Array, W: Array, row: int) -> Vector:
     """Place on a patch or one of its derivatives."""
     x = (0.0, 0.0, 0.0)

@@ -19,6 +19,7 @@ from fem_lie._jit.stack import stack
 from fem_lie.elements.gradients.plate_strains import LEVERS, STRAINS, levers, terms
 from fem_lie.elements.thin_shells.rows import (
     NODES,
+    SIZES,
     UNKNOWNS,
     VECTORS,
     gather,
@@ -34,8 +35,8 @@ _WEIGHT = np.ascontiguousarray(_T[_LEVER, _VECTOR])
 _PARTS = len(_LEVER)
 _PRODUCTS, _FACTOR = terms()
 _TERMS = len(_FACTOR)
-_ROWS, _SIZES = 12 * NODES, 3
-STRESS_AT = _ROWS + _SIZES + STRAINS + STRAINS**2
+_ROWS = 12 * NODES
+STRESS_AT = _ROWS + SIZES + STRAINS + STRAINS**2
 """Where the carried stress begins in a cell's data; it is the last of them."""
 
 
@@ -44,7 +45,7 @@ class Data(NamedTuple):
 
     Attributes:
         rows: Of its nodes, shape (8, 4, 3).
-        sizes: Of the cell along u and v, and one, shape (3,).
+        sizes: Of the cell along u and v, one, and zero, shape (4,).
         unloaded: Strains then, shape (44,).
         stiffness: Of the whole cell, shape (44, 44).
         stress: What is carried, shape (44,).
@@ -59,9 +60,9 @@ class Data(NamedTuple):
 
 @inlined
 def _read(w: Pointer) -> Data:
-    at = _ROWS + _SIZES
+    at = _ROWS + SIZES
     sizes, unloaded = (
-        numba.carray(shift(w, _ROWS), (_SIZES,)),
+        numba.carray(shift(w, _ROWS), (SIZES,)),
         numba.carray(shift(w, at), (STRAINS,)),
     )
     stiffness = numba.carray(shift(w, at + STRAINS), (STRAINS, STRAINS))

@@ -37,6 +37,9 @@ from fem_lie.lie.tuples import (
 _DATA = 36
 """Numbers of the cell follow the rows of its three nodes: ``EI/ℓ``, ``κ₀``, what is added to e."""
 
+_STRAIGHT = 1e-12
+"""Natural ``|κb|`` that is round-off of places along a straight line."""
+
 
 class Successive(NamedTuple):
     """Edges that bend together.
@@ -80,7 +83,7 @@ class Bends(NamedTuple):
         u, v = (a / np.linalg.norm(a, axis=1, keepdims=True) for a in (e, f))
         size = 2 * np.linalg.norm(u - v, axis=1) / np.linalg.norm(u + v, axis=1)
         stiffness = 2.0 / flexibility[along.edges].sum(axis=1)
-        own: Array = size if natural else np.zeros(len(size))
+        own: Array = np.where(size > _STRAIGHT, size, 0.0) if natural else np.zeros(len(size))
         return cls(along.nodes, np.asarray(stiffness), own, np.zeros_like(e))
 
     @classmethod
@@ -139,6 +142,13 @@ def _slopes(corner: _Corner, data: Array) -> tuple[float, float]:
 
 
 @inlined
+def _beside(u: Vector, v: Vector) -> Vector:
+    """``v − x u``, of which the digits would be lost where both are nearly the same."""
+    gap = minus(v, u)
+    return combined(1.0, gap, 0.5 * dot(gap, gap), u)
+
+
+@inlined
 def _spread(H: Array, e: Vector, f: Vector, out: Array) -> None:
     """Forces on both edges to those on the three nodes, along the axes of these; (3, ≥ 3)."""
     forces = scaled(-1.0, e), minus(e, f), f
@@ -167,10 +177,9 @@ def force_kernel(
     """Its gradient, ``W′ ∂x/∂e = W′ (v − x u)/|e|`` and the like of ``f``."""
     H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_DATA + 5,))[_DATA:]
     corner = _edges(H, data)
-    u, v, α, β, cosine = corner
+    u, v, α, β, _ = corner
     slope, _ = _slopes(corner, data)
-    e = scaled(slope / α, minus(v, scaled(cosine, u)))
-    f = scaled(slope / β, minus(u, scaled(cosine, v)))
+    e, f = scaled(slope / α, _beside(u, v)), scaled(slope / β, _beside(v, u))
     _spread(H, e, f, numba.carray(A, (3, 6)))
 
 
@@ -182,7 +191,7 @@ def _across(u: Vector, a: Vector) -> Vector:
 @inlined
 def _own(u: Vector, v: Vector, α: float, x: float, d: Vector) -> Vector:
     """``∂²x/∂e∂e d = −((v − x u) u·d + u (v − x u)·d + x (d − u u·d))/|e|²``."""
-    a = minus(v, scaled(x, u))
+    a = _beside(u, v)
     sum_ = plus(plus(scaled(dot(u, d), a), scaled(dot(a, d), u)), scaled(x, _across(u, d)))
     return scaled(-1.0 / α**2, sum_)
 
@@ -197,8 +206,7 @@ def matrix_kernel(
     corner = _edges(H, data)
     u, v, α, β, cosine = corner
     slope, curve = _slopes(corner, data)
-    a = scaled(1.0 / α, minus(v, scaled(cosine, u)))
-    b = scaled(1.0 / β, minus(u, scaled(cosine, v)))
+    a, b = scaled(1.0 / α, _beside(u, v)), scaled(1.0 / β, _beside(v, u))
     for j in range(3):
         for k in range(3):
             d = load_row(H[j], 1 + k)
@@ -224,3 +232,4 @@ class BendingSprings(Springs):
         numbers = [np.zeros((b, _DATA)), bends.stiffness[:, np.newaxis]]
         values = np.hstack([*numbers, bends.natural[:, np.newaxis], bends.fixed])
         super().__init__((energy_kernel, force_kernel, matrix_kernel), values, bends, count)
+        self._matrix.used = 3

@@ -9,14 +9,14 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.elements.thin_shells.rows import NODES, VECTORS
+from fem_lie.elements.thin_shells.rows import NODES, SIZES, VECTORS
 from fem_lie.forms.kernels.addresses import Pointer, shift
 
 HEAD = 5
 """Numbers before the tables of an element: samples of each strain, points, share at the points."""
 HALF = 21
 """Entries of a symmetric matrix (6, 6) that are not below its diagonal."""
-_ROWS, _SIZES = 12 * NODES, 3
+_ROWS = 12 * NODES
 
 
 class Rule(NamedTuple):
@@ -67,7 +67,7 @@ class Data(NamedTuple):
 
     Attributes:
         rows: Of its nodes, shape (8, 4, 3).
-        sizes: Of the cell in the patch's parameters, see :mod:`.rows`, shape (3,).
+        sizes: Of the cell in the patch's parameters, see :mod:`.rows`, shape (4,).
         sampled: Membrane strains of the unloaded cell at the samples, shape (s,).
         unloaded: All strains of the unloaded cell at the points, shape (6, g).
         stiffness: ``D`` at the points, row by row where it is not below the diagonal, (21, g).
@@ -84,7 +84,7 @@ class Data(NamedTuple):
 
 def stress_at(samples: int, points: int) -> int:
     """Where the carried stress begins in a cell's data; it is the last of them."""
-    return _ROWS + _SIZES + samples + (6 + HALF) * points
+    return _ROWS + SIZES + samples + (6 + HALF) * points
 
 
 @inlined
@@ -111,7 +111,7 @@ def read_rule(c: Pointer) -> Rule:
 def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
     """That of the cell whose numbers begin at ``w``."""
     samples, points = counts[0] + counts[1] + counts[2], counts[3]
-    at = _ROWS + _SIZES
+    at = _ROWS + SIZES
     sampled = numba.carray(shift(w, at), (samples,))
     at += samples
     unloaded = numba.carray(shift(w, at), (6, points))
@@ -119,7 +119,7 @@ def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
     stiffness = numba.carray(shift(w, at), (HALF, points))
     at += HALF * points
     stress = numba.carray(shift(w, at), (6, points))
-    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (_SIZES,))
+    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
     return Data(rows, sizes, sampled, unloaded, stiffness, stress)
 
 

@@ -8,7 +8,15 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled, inlined
 from fem_lie._jit.stack import stack
-from fem_lie.elements.thin_shells.rows import NODES, UNKNOWNS, VECTORS, gather, pull, pull_matrix
+from fem_lie.elements.thin_shells.rows import (
+    NODES,
+    SIZES,
+    UNKNOWNS,
+    VECTORS,
+    gather,
+    pull,
+    pull_matrix,
+)
 from fem_lie.forms.cell_sums import CellSum, Pattern
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer, shift
 from fem_lie.forms.term import Pairs, Term
@@ -24,7 +32,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 
-_ROWS, _SIZES, _PRESSURE = 12 * NODES, 3, 4
+_ROWS, _PRESSURE = 12 * NODES, 4
 _HEAD = 2
 """Of the constants: amplitude, and number of points."""
 
@@ -42,8 +50,8 @@ def _sum(table: Array, q: Array) -> Vector:
 @inlined
 def _parts(w: Pointer, c: Pointer) -> tuple[Array, Array, Array, Array]:
     """Rows, sizes, pressure, and the tables of value, slopes and weight of each point (g, 49)."""
-    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (_SIZES,))
-    pressure = numba.carray(shift(w, _ROWS + _SIZES), (_PRESSURE,))
+    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
+    pressure = numba.carray(shift(w, _ROWS + SIZES), (_PRESSURE,))
     points = int(numba.carray(c, (_HEAD,))[1])
     return rows, sizes, pressure, numba.carray(shift(c, _HEAD), (points, 3 * VECTORS + 1))
 
@@ -116,7 +124,7 @@ class ThinPushes(Term):
 
         Args:
             cells: Nodes of each cell, shape (m, 8).
-            sizes: Of the cells, see :mod:`.rows`, shape (m, 3).
+            sizes: Of the cells, see :mod:`.rows`, shape (m, 4).
             pressure: p₀ and its gradient of each cell, shape (m, 4).
             rule: Values (g, 16), slopes (g, 2, 16) and weights (g,) at points of a cell.
         """

@@ -4,18 +4,25 @@ A corner of a cell is two nodes, a SURFACE and a CROSSING of :mod:`fem_lie.lie.k
 its four SURFACE nodes first, then their CROSSING ones. Vectors ``q`` (16, 3) are at each corner the
 place and its derivatives along ξ and η and both; what the nodes have is derivatives in the patch's
 own parameters, the mixed one times an area.
+
+A cell that is a quarter of a larger one may have corners that hang in the middle of an edge of the
+larger cell beside. Such a corner is no node: in its stead the cell has the node at the end of that
+edge, and the vectors of the corner are those that the cubic edge has in its middle. So each cell
+has four points, whatever is beside it, and kernels know nothing of it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.kinds.kind import CROSSING, SURFACE, axes
 from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, store
 
 CORNERS, VECTORS, NODES, UNKNOWNS = 4, 16, 8, 48
+SIZES = 4
+"""Numbers of a cell: what ∂u, ∂v and the mixed derivative are multiplied by, and which hang."""
 
 
 @inlined
@@ -38,8 +45,59 @@ def row_of(a: int) -> int:
 
 @inlined
 def scale_of(a: int, sizes: Array) -> float:
-    """What the row is multiplied by; ``sizes`` (3,): of ∂ξ, ∂η and both."""
+    """What the row is multiplied by; ``sizes`` (≥ 3,): of ∂ξ, ∂η and both."""
     return 1.0 if a % 4 == 0 else sizes[a % 4 - 1]
+
+
+def hanging_code(quarter: Indices, along: Flags, across: Flags) -> Array:
+    """The last of a cell's sizes: which quarter it is, and which corners beside its own hang."""
+    return np.where(along | across, quarter + 4 * along + 8 * across, 0).astype(np.float64)
+
+
+@inlined
+def _hangs(code: int, k: int) -> bool:
+    return (code >> (2 + k)) & 1 == 1
+
+
+@inlined
+def _places(code: int, k: int, m: int) -> tuple[int, int, int, float]:
+    """Vectors at the corner that stays and at the one that hangs, the slope after these; side.
+
+    Along the edge values have slopes (``m`` 0), and slopes across it mixed derivatives (``m`` 1).
+    """
+    own = code & 3
+    first = m * (2 >> k)
+    side = 1.0 - 2.0 * ((own >> k) & 1)
+    return 4 * own + first, 4 * (own ^ (1 << k)) + first, 1 << k, side
+
+
+@compiled
+def fill_hanging(code: int, q: Array) -> None:
+    """Vectors of corners that hang, from those of both ends of their edges; ``q`` (16, any)."""
+    for k in range(2):
+        if _hangs(code, k):
+            for m in range(2):
+                own, end, slope, side = _places(code, k, m)
+                for j in range(q.shape[1]):
+                    a, da, b, db = q[own, j], q[own + slope, j], q[end, j], q[end + slope, j]
+                    # slopes are of the quarter, half as long as the edge
+                    q[end, j] = 0.5 * (a + b) + 0.25 * side * (da - db)
+                    q[end + slope, j] = 0.75 * side * (b - a) - 0.25 * (da + db)
+
+
+@compiled
+def pull_hanging(code: int, f: Array) -> None:
+    """The transpose of :func:`fill_hanging`: forces ``f`` (16, any) on vectors of the ends."""
+    for k in range(2):
+        if _hangs(code, k):
+            for m in range(2):
+                own, end, slope, side = _places(code, k, m)
+                for j in range(f.shape[1]):
+                    g, dg = f[end, j], f[end + slope, j]
+                    f[own, j] += 0.5 * g - 0.75 * side * dg
+                    f[own + slope, j] += 0.25 * (side * g - dg)
+                    f[end, j] = 0.5 * g + 0.75 * side * dg
+                    f[end + slope, j] = -0.25 * (side * g + dg)
 
 
 @inlined
@@ -52,6 +110,7 @@ def gather(H: Array, sizes: Array, q: Array) -> None:
     """``q`` (16, 3) from the rows of a cell's nodes (8, 4, 3)."""
     for a in range(VECTORS):
         store(q[a], 0, scaled(scale_of(a, sizes), load_row(H[node_of(a)], row_of(a))))
+    fill_hanging(int(sizes[3]), q)
 
 
 @compiled
@@ -62,11 +121,16 @@ def gather_motion(H: Array, sizes: Array, h: Array, q: Array) -> None:
         d1, d2, d3 = axes(_kind(node), H[node])
         moved = rotate(d1, d2, d3, load(h[node], 3 * half_of(a)))
         store(q[a], 0, scaled(scale_of(a, sizes), moved))
+    fill_hanging(int(sizes[3]), q)
 
 
 @compiled
 def pull(H: Array, sizes: Array, f: Array, out: Array) -> None:
-    """Add forces ``f`` (16, 3) on the vectors to those on the nodes, ``out`` (8, 6)."""
+    """Add forces ``f`` (16, 3) on the vectors to those on the nodes, ``out`` (8, 6).
+
+    ``f`` is overwritten.
+    """
+    pull_hanging(int(sizes[3]), f)
     for node in range(NODES):
         d1, d2, d3 = axes(_kind(node), H[node])
         for a in range(4 * (node % CORNERS), 4 * (node % CORNERS) + 4):
@@ -80,8 +144,11 @@ def pull(H: Array, sizes: Array, f: Array, out: Array) -> None:
 def pull_matrix(H: Array, sizes: Array, K: Array, R: Array, out: Array) -> None:
     """Add ``K`` (48, 48) on the vectors to the matrix of the nodes, ``out`` (8, 6, 8, 6).
 
-    ``R``: work, shape (8, 3, 3).
+    ``K`` is overwritten; ``R``: work, shape (8, 3, 3).
     """
+    for k in range(3):
+        pull_hanging(int(sizes[3]), K[k::3])
+        pull_hanging(int(sizes[3]), K[:, k::3].T)
     for node in range(NODES):
         for k, axis in enumerate(axes(_kind(node), H[node])):
             store(R[node, k], 0, axis)
@@ -120,6 +187,9 @@ def pull_symmetric(H: Array, sizes: Array, K: Array, out: Array) -> None:
     for a in range(UNKNOWNS):
         for b in range(VECTORS * (a // VECTORS), UNKNOWNS):
             K[b, a] = K[a, b]
+    for k in range(0, UNKNOWNS, VECTORS):
+        pull_hanging(int(sizes[3]), K[k : k + VECTORS])
+        pull_hanging(int(sizes[3]), K[:, k : k + VECTORS].T)
     for a in range(UNKNOWNS):
         for k in range(3):
             for b in range(VECTORS):

@@ -53,6 +53,21 @@ def pull(kind: int, H: Array, f: Array, sign: float, r: Array) -> None:
 
 
 @inlined
+def add_along_increments(kind: int, mean: Array, f: Array, out: Array) -> None:
+    """Add forces on rows, (4, 3), along increments, (6,), which frames have about these means."""
+    if kind < SLOPE:
+        moment = load(out, 3)
+        for k in range(1, 4):
+            moment = plus(moment, cross(load_row(mean, k), load_row(f, k)))
+        store(out, 0, plus(load(out, 0), load_row(f, 0)))
+        store(out, 3, moment)
+    else:
+        at = first(kind)
+        for k in range(straight(kind)):
+            store(out, 3 * k, plus(load(out, 3 * k), load_row(f, at + k)))
+
+
+@inlined
 def pull_derivative(kind: int, H: Array, f: Array, sign: float, block: Array) -> None:
     """``block += sign · ∂(Lᵀ f)/∂h``."""
     if kind < SLOPE:

@@ -249,6 +249,16 @@ def turning_of(inertia: Inertia, held: Flags) -> Array:
     rows = np.repeat(np.arange(len(inertia.indptr[1:])), np.diff(inertia.indptr))
     own = rows == inertia.indices
     E[rows[own]] = inertia.blocks[own, 1:, 1:]
+    # all nodes without inertia of their own have the same; places do not turn
+    some = E.any(axis=(1, 2)) & ~held[:, 3:].all(axis=1)
+    found = np.repeat(_turning(np.zeros((1, 3, 3))), count, axis=0)
+    found[some] = _turning(E[some])
+    found[held[:, 3:]] = 0.0
+    return found
+
+
+def _turning(E: Array) -> Array:
+    """:func:`turning_of` of directors' inertia ``E`` (n, 3, 3), where nothing is held."""
     J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
     moments, axes = np.linalg.eigh(J)
     felt = moments > _MASSLESS * moments[:, 2:]
@@ -256,9 +266,7 @@ def turning_of(inertia: Inertia, held: Flags) -> Array:
     cross = lie.hat(np.eye(3)).swapaxes(1, 2)
     heavy = np.einsum("nai,ni,nbi,bkc,nkl->nalc", axes, inverse, axes, cross, E, optimize=True)
     light = np.einsum("nai,ni,nbi,blc->nalc", axes, ~felt, axes, 0.5 * cross, optimize=True)
-    found = heavy + light
-    found[held[:, 3:]] = 0.0
-    return np.asarray(found)
+    return np.asarray(heavy + light)
 
 
 _MASSLESS = 1e-10  # of a node's largest moment of inertia

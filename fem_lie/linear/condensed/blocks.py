@@ -151,7 +151,11 @@ def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
     front = Front(own, above, matrix_at(stack(most * most), most, most), vector_at(stack(6), 6))
     schur[:] = 0.0
     for e in range(plan.order.shape[0]):
-        if not _eliminate(plan, e, store, front):
+        n = plan.sizes[plan.order[e]]
+        # loops of known length are unrolled: nodes of most threads are places
+        if not (
+            _eliminate(plan, e, 3, store, front) if n == 3 else _eliminate(plan, e, n, store, front)
+        ):
             return plan.order[e]
         for s in range(MOST):
             i = plan.near[e, s]
@@ -163,21 +167,25 @@ def factorise(plan: Plan, left: Left, store: Array, schur: Array) -> int:
                     break
                 at, stride = _destination(plan, left, i, j)
                 row, column, size = plan.first[e, s], plan.first[e, t], plan.sizes[j]
+                target = store if at >= 0 else schur
+                at = at if at >= 0 else -1 - at
                 for r in range(plan.sizes[i]):
                     for c in range(size):
-                        value = front.product[row + r, column + c]
-                        if at >= 0:
-                            store[at + stride * r + c] -= value
-                        else:
-                            schur[-1 - at + stride * r + c] -= value
+                        target[at + stride * r + c] -= front.product[row + r, column + c]
     return -1
 
 
 @inlined_uncounted
-def _eliminate(plan: Plan, e: int, store: Array, front: Front) -> bool:
-    """Make the blocks of a node its factors, and find ``L U``; whether it is regular."""
-    n, width = plan.sizes[plan.order[e]], plan.first[e, MOST]
-    own, upper, lower = plan.start[e], _upper(plan, e), _lower(plan, e)
+def _eliminate(plan: Plan, e: int, n: int, store: Array, front: Front) -> bool:
+    """Make the blocks of a node of ``n`` unknowns its factors, and find ``L U``.
+
+    Returns:
+        Whether its own block is regular.
+    """
+    width = plan.first[e, MOST]
+    own = plan.start[e]
+    upper = own + n * n
+    lower = upper + n * width
     A, above, product = front.own, front.above, front.product
     for k in range(n):
         for m in range(n):
@@ -187,22 +195,21 @@ def _eliminate(plan: Plan, e: int, store: Array, front: Front) -> bool:
     for k in range(n):
         for m in range(n):
             store[own + n * k + m] = A[k, m]
-        for c in range(width):
-            above[k, c] = 0.0
-        for m in range(n):
-            factor, row = A[k, m], upper + width * m
-            for c in range(width):
-                above[k, c] += factor * store[row + c]
+    for c in range(width):
+        for k in range(n):
+            total = 0.0
+            for m in range(n):
+                total += A[k, m] * store[upper + width * m + c]
+            above[k, c] = total
     for k in range(n):
         for c in range(width):
             store[upper + width * k + c] = above[k, c]
     for r in range(width):
         for c in range(width):
-            product[r, c] = 0.0
-        for k in range(n):
-            factor = store[lower + n * r + k]
-            for c in range(width):
-                product[r, c] += factor * above[k, c]
+            total = 0.0
+            for k in range(n):
+                total += store[lower + n * r + k] * above[k, c]
+            product[r, c] = total
     return True
 
 
@@ -229,44 +236,67 @@ def forward(plan: Plan, store: Array, x: Array) -> None:
     """Eliminate the right-hand side ``x`` (6 n + m,) in its place."""
     y = vector_at(stack(6), 6)
     for e in range(plan.order.shape[0]):
-        v = plan.order[e]
-        n, own, lower = plan.sizes[v], plan.start[e], _lower(plan, e)
-        for k in range(n):
-            y[k] = x[6 * v + plan.free[v, k]]
-        for k in range(n):
-            total = 0.0
-            for m in range(n):
-                total += store[own + n * k + m] * y[m]
-            x[6 * v + plan.free[v, k]] = total
-        for k in range(n):
-            y[k] = x[6 * v + plan.free[v, k]]
-        for s in range(MOST):
-            i = plan.near[e, s]
-            if i < 0:
-                break
-            for r in range(plan.sizes[i]):
-                at, total = lower + n * (plan.first[e, s] + r), 0.0
-                for k in range(n):
-                    total += store[at + k] * y[k]
-                x[6 * i + plan.free[i, r]] -= total
+        n = plan.sizes[plan.order[e]]
+        if n == 3:
+            _forward(plan, e, 3, store, x, y)
+        else:
+            _forward(plan, e, n, store, x, y)
+
+
+@inlined_uncounted
+def _forward(plan: Plan, e: int, n: int, store: Array, x: Array, y: Array) -> None:
+    """At one node of ``n`` unknowns; ``y`` is work."""
+    v, own = plan.order[e], plan.start[e]
+    lower = own + n * n + n * plan.first[e, MOST]
+    for k in range(n):
+        y[k] = x[6 * v + plan.free[v, k]]
+    for k in range(n):
+        total = 0.0
+        for m in range(n):
+            total += store[own + n * k + m] * y[m]
+        x[6 * v + plan.free[v, k]] = total
+    for k in range(n):
+        y[k] = x[6 * v + plan.free[v, k]]
+    for s in range(MOST):
+        i = plan.near[e, s]
+        if i < 0:
+            break
+        for r in range(plan.sizes[i]):
+            at, total = lower + n * (plan.first[e, s] + r), 0.0
+            for k in range(n):
+                total += store[at + k] * y[k]
+            x[6 * i + plan.free[i, r]] -= total
 
 
 @uncounted
 def backward(plan: Plan, store: Array, x: Array) -> None:
     """Find the unknowns of all eliminated nodes from those that are left, in their place."""
-    known = vector_at(stack(6 * MOST), 6 * MOST)
+    known, y = vector_at(stack(6 * MOST), 6 * MOST), vector_at(stack(6), 6)
     for back in range(plan.order.shape[0]):
         e = plan.order.shape[0] - 1 - back
-        v = plan.order[e]
-        n, upper, width = plan.sizes[v], _upper(plan, e), plan.first[e, MOST]
-        for s in range(MOST):
-            i = plan.near[e, s]
-            if i < 0:
-                break
-            for r in range(plan.sizes[i]):
-                known[plan.first[e, s] + r] = x[6 * i + plan.free[i, r]]
+        n = plan.sizes[plan.order[e]]
+        if n == 3:
+            _backward(plan, e, 3, store, x, known, y)
+        else:
+            _backward(plan, e, n, store, x, known, y)
+
+
+@inlined_uncounted
+def _backward(plan: Plan, e: int, n: int, store: Array, x: Array, known: Array, y: Array) -> None:
+    """At one node of ``n`` unknowns; ``known`` and ``y`` are work."""
+    v, width = plan.order[e], plan.first[e, MOST]
+    upper = plan.start[e] + n * n
+    for s in range(MOST):
+        i = plan.near[e, s]
+        if i < 0:
+            break
+        for r in range(plan.sizes[i]):
+            known[plan.first[e, s] + r] = x[6 * i + plan.free[i, r]]
+    for k in range(n):
+        y[k] = 0.0
+    # all rows at once, for each sum waits for its last term
+    for c in range(width):
         for k in range(n):
-            total = 0.0
-            for c in range(width):
-                total += store[upper + width * k + c] * known[c]
-            x[6 * v + plan.free[v, k]] -= total
+            y[k] += store[upper + width * k + c] * known[c]
+    for k in range(n):
+        x[6 * v + plan.free[v, k]] -= y[k]

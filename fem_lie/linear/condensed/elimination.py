@@ -33,6 +33,7 @@ class Pattern(Protocol):
     indptr: Indices
     indices: Indices
     unit_rows: Flags
+    filled: int
 
     @property
     def legs(self) -> Legs:

@@ -20,6 +20,7 @@ class Values(Protocol):
     """The matrix as it is factorised, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
 
     csr: tuple[Array, Numbers, Numbers]
+    left: Array
 
 
 class SingularBlockError(ArithmeticError):
@@ -37,7 +38,8 @@ class Condensed:
             own: Its equilibrated copy, of which factors are made.
             package: For what is left, by PETSc's name.
         """
-        self._own, self._package = own, package
+        self._kkt, self._own, self._package = kkt, own, package
+        self._made: tuple[int, float] | None = None
         self._plan, self._held = plan_of(kkt), kkt.unit_rows
         self._left = pairs_left(self._plan)
         self._store = np.empty(self._plan.start[-1])
@@ -93,15 +95,11 @@ class Condensed:
             SingularBlockError: A node's block is singular.
             PETSc.Error: What is left is.
         """
-        values, columns, pointers = self._own.csr
-        scatter(self._plan, values, columns, pointers, self._store)
-        failed = factorise(self._plan, self._left, self._store, self._schur)
-        if failed >= 0:
-            raise SingularBlockError(f"the block of node {failed} is singular")
+        self._eliminate()
         if not len(self._rest):
             return
         self._data[:] = 0.0
-        self._data[self._of_matrix] = values[self._taken]
+        self._data[self._of_matrix] = self._own.csr[0][self._taken]
         self._data[self._of_chains] += self._schur
         self._matrix.stateIncrease()
         self._matrix.assemble()
@@ -112,6 +110,21 @@ class Condensed:
             self._ksp.getPC().setFactorSolverType(self._package)
         self._ksp.setOperators(self._matrix)
         self._ksp.setUp()
+
+    def _eliminate(self) -> None:
+        """Make factors of the chains, unless they are there: constraints do not touch them."""
+        if not len(self._plan.order):
+            return
+        first = 6 * self._plan.order[0] + self._plan.free[self._plan.order[0], 0]
+        present = self._kkt.filled, float(self._own.left[first])
+        if self._made == present:
+            return
+        self._made = None
+        scatter(self._plan, *self._own.csr, self._store)
+        failed = factorise(self._plan, self._left, self._store, self._schur)
+        if failed >= 0:
+            raise SingularBlockError(f"the block of node {failed} is singular")
+        self._made = present
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve."""

@@ -10,7 +10,7 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.catalogue import BodyInfo, SupportInfo
 from fem_lie.bodies.reduced.reduced_body import ReducedBody
 from fem_lie.results.history import Result
-from fem_lie.results.record import Record
+from fem_lie.results.record import Record, with_others
 
 
 def expand(result: Result, *bodies: ReducedBody) -> Result:
@@ -53,11 +53,10 @@ def expand(result: Result, *bodies: ReducedBody) -> Result:
     old = result.info.supports
     supports = SupportInfo(node_of[old.at], node_of[old.nodes], old.rows)
     catalogue = replace(result.info, bodies=tuple(infos), joints=joints, supports=supports)
-    places = np.concatenate(frames, axis=1)
-    if not moving:
-        return replace(result, frames=places, info=catalogue)
-    rates = np.concatenate(twists, axis=1)
-    return replace(result, frames=places, velocities=rates, info=catalogue)
+    others = {"frames": np.concatenate(frames, axis=1), "info": catalogue}
+    if moving:
+        others["velocities"] = np.concatenate(twists, axis=1)
+    return with_others(result, others)
 
 
 def renumbered(info: BodyInfo, node_of: Indices) -> BodyInfo:

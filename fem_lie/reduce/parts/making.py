@@ -9,30 +9,40 @@ import scipy.sparse as sp
 
 from fem_lie import lie
 from fem_lie._arrays import Array
-from fem_lie.bodies.body import Point
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.reduced.reduced_body import ReducedBody
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
-from fem_lie.reduce.craig_bampton import craig_bampton
+from fem_lie.reduce.craig_bampton import interface_modes
+from fem_lie.reduce.parts.inertial import answers_to_inertia
+from fem_lie.reduce.parts.stretching import quadratic_strains
 from fem_lie.scene import Scene
 
 _SIX = 6  # unknowns of a node
 
 
 def reduced_body(
-    scene: Scene, interfaces: Sequence[Point], modes: int | Basis, *, name: str = ""
+    scene: Scene,
+    interfaces: Sequence[Point],
+    modes: int | Basis,
+    *,
+    stretching: bool = True,
+    name: str = "",
 ) -> ReducedBody:
     """A body that moves with the frame of its first interface and deforms in few shapes.
 
-    The shapes are those of :func:`craig_bampton`, or of another basis with interfaces at rest
-    there; those of the first interface are left out, for they and the others together are rigid
-    motions. The first interface is so the frame: strains and rotations within it are to be small.
+    The shapes are interface modes of :func:`craig_bampton` and :func:`inertial_shapes`, or inner
+    shapes of another basis; those of the first interface are left out, for they and the others
+    together are rigid motions. The first interface is so the frame: strains and rotations within it
+    are to be small. What spins fast wants ``inertial_shapes(…, spinning=True)``.
 
     Args:
         scene: The full body alone, free to move, without joints and loads.
         interfaces: Nodes that joints, loads and the like will take; the first is the frame.
-        modes: How many vibrations with held interfaces are shapes, too; or other inner shapes, of
-            which what interfaces have in them is taken out.
+        modes: How many vibrations with held interfaces are shapes, beside six answers to inertia;
+            or other inner shapes, of which what interfaces have in them is taken out.
+        stretching: Whether tension stiffens bending, and bending draws ends together; otherwise
+            the stiffness is constant.
         name: Of the new body; default: that of the full one.
 
     Raises:
@@ -52,38 +62,48 @@ def reduced_body(
     """
     if not len(interfaces):
         raise ValueError("reduced_body: wanted an interface or more: the first is the frame")
-    normal = 0 if isinstance(modes, Basis) else modes
-    basis, rest = craig_bampton(scene, interfaces, normal), BesideRest(scene, None)
-    body, nodes = basis.body, [point.node for point in interfaces]
+    rest = BesideRest(scene, None)
+    body = rest.body
     if not rest.free[:, :5].all():
         raise ValueError(
             f"{body.label} is held: a reduced body is free, and held by its interfaces"
         )
     if rest.pencil.C is not None:
         raise ValueError(f"{body.label} has damping, and reduced bodies have none yet")
-    first = _SIX * len(nodes)
-    static: Array = basis.shapes[:first].reshape(len(nodes), _SIX, -1, _SIX)
-    own = static[np.arange(len(nodes)), :, nodes].diagonal(axis1=1, axis2=2)
-    static /= own[:, :, np.newaxis, np.newaxis].copy()
-    inner: Array = basis.shapes[first:]
-    if isinstance(modes, Basis):
-        if modes.body is not body:
-            raise ValueError(
-                f"the basis is of {modes.body.label}, which is not the body of the scene"
-            )
-        inner = modes.shapes - np.einsum("mik,iknj->mnj", modes.shapes[:, nodes], static)
-    turn = body.frames[nodes[0], 1:] @ body.frames[:, 1:].swapaxes(1, 2)
-    outer = np.einsum("iab,ibnj->ianj", turns(turn[nodes[1:]]), static[1:])
-    scaled = _scaled(inner, body.size)
-    shapes = np.concatenate([outer.reshape(-1, *inner.shape[1:]), scaled])
+    shapes = _shapes(rest, interfaces, modes)
+    nodes = [point.node for point in interfaces]
     V, K = rest.vectors(shapes), rest.pencil.K
     stiffness = V @ (K @ V.T)
+    turn = _turn(body, nodes[0])
     along = np.einsum("nij,mnhj->mnhi", turn, shapes.reshape(*shapes.shape[:2], 2, 3))
     along = along.reshape(shapes.shape)
-    density = _density(rest, along, body.frames[nodes[0]])
+    frame = body.frames[nodes[0]]
+    density, quadratic = _density(rest, along, frame), None
+    if stretching:
+        quadratic = quadratic_strains(rest, frame, along, stiffness)
     points = {point.name: number for number, point in enumerate(interfaces)}
     label = name or body.name
-    return ReducedBody(nodes, stiffness, density, along, body, points=points, name=label)
+    matrices = stiffness, density, along
+    return ReducedBody(nodes, *matrices, body, points=points, quadratic=quadratic, name=label)
+
+
+def _shapes(rest: BesideRest, interfaces: Sequence[Point], modes: int | Basis) -> Array:
+    """Of the other interfaces, in axes of the first one, and inner ones, in nodal axes."""
+    body, nodes = rest.body, [point.node for point in interfaces]
+    static: Array = interface_modes(rest, interfaces, 0).shapes.reshape(len(nodes), _SIX, -1, _SIX)
+    own = static[np.arange(len(nodes)), :, nodes].diagonal(axis1=1, axis2=2)
+    static /= own[:, :, np.newaxis, np.newaxis].copy()
+    within = modes if isinstance(modes, Basis) else answers_to_inertia(rest, interfaces, modes)
+    if within.body is not body:
+        raise ValueError(f"the basis is of {within.body.label}, which is not the body of the scene")
+    inner = within.shapes - np.einsum("mik,iknj->mnj", within.shapes[:, nodes], static)
+    outer = np.einsum("iab,ibnj->ianj", turns(_turn(body, nodes[0])[nodes[1:]]), static[1:])
+    return np.concatenate([outer.reshape(-1, *inner.shape[1:]), _scaled(inner, body.size)])
+
+
+def _turn(body: Body, first: int) -> Array:
+    """From axes of all nodes to those of the first interface, (n, 3, 3)."""
+    return np.asarray(body.frames[first, 1:] @ body.frames[:, 1:].swapaxes(1, 2))
 
 
 def turns(R: Array) -> Array:

@@ -100,7 +100,12 @@ def contact_forces(
     if isinstance(contact.law, Impact):
         return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
     term = contact.term(nodes.__getitem__)
-    found = [_in_state(term, result, k) for k in chosen]
+    if not term.parts:
+        found = [_in_state(term, result, k) for k in chosen]
+    else:
+        # what is ignored depends on all states before
+        every = [_in_state(term, result, k) for k in range(max(chosen, default=-1) + 1)]
+        found = [every[k] for k in chosen]
     states = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
     places, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
     return ContactForces(states, places, gaps, positions, forces, len(found))
@@ -111,6 +116,8 @@ def _in_state(
 ) -> tuple[Indices, Array, Array, Array]:
     """Places, gaps, positions and forces of those that touch."""
     H = np.ascontiguousarray(result.frames[k])
+    if term.parts:
+        term.accept(H)
     v = np.zeros((len(H), 6))
     if isinstance(result, Result):
         v[:] = result.velocities[k]

@@ -11,15 +11,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, PENETRATION, RESIDUAL, SWEEPS
+from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, RESIDUAL
 from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.laws import Impact
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results import Result
-from fem_lie.results.steps import ContactSteps
 from fem_lie.scene import Scene
 from fem_lie.solve.alpha.ends.coupled_contacts import CoupledContacts, Kept
+from fem_lie.solve.alpha.impacts import contact_steps
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -76,6 +76,7 @@ class CoupledRun(Run):
 
     def _advance(self, history: Recorder) -> bool:
         s, contacts = self.s, self._contacts
+        start = s.H.copy()
         contacts.begin(s.H, s.twist1, self.index * self.h)
         self._end = (self.index + 1) * self.h
         self._go_to_time(self._end)
@@ -97,8 +98,7 @@ class CoupledRun(Run):
                 "are bodies wedged? Try smaller steps, or Penalty"
             )
             return False
-        self.equations.memory.accept(s.H)
-        return True
+        return self._remembered(start)
 
     def _record(self, history: Recorder) -> bool:
         free = self.weights.copy()
@@ -112,17 +112,7 @@ class CoupledRun(Run):
         return kept
 
     def _result(self, history: Recorder) -> Result:
-        told, made = self._told, len(self._told)
-        found = ContactSteps(
-            times=self.h * np.arange(1, made + 1, dtype=np.float64),
-            contacts=told[:, CONTACTS].copy(),
-            sweeps=told[:, SWEEPS].copy(),
-            cone_residual=told[:, RESIDUAL].copy(),
-            penetration=told[:, PENETRATION].copy(),
-            impact_loss=-told[:, IMPACT],
-            friction_loss=-told[:, FRICTION],
-            each=self._shown,
-        )
+        found = contact_steps(self._told, self.h, self._shown)
         return Result(**vars(super()._result(history)) | {"contacts": found})
 
     def memory(self) -> dict[str, Array]:

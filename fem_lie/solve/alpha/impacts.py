@@ -66,6 +66,26 @@ def applies(scene: Scene, policy: Policy) -> bool:
     )
 
 
+def contact_steps(told: Array, step: float, each: Array) -> ContactSteps:
+    """What results have of what contacts did.
+
+    Args:
+        told: Of all S steps, see :data:`~fem_lie.contact.impact.records.TOLD`, shape (S, ·).
+        step: Their size.
+        each: See :class:`~fem_lie.results.steps.ContactSteps`, shape (k, 15).
+    """
+    return ContactSteps(
+        times=step * np.arange(1, len(told) + 1, dtype=np.float64),
+        contacts=told[:, CONTACTS].copy(),
+        sweeps=told[:, SWEEPS].copy(),
+        cone_residual=told[:, RESIDUAL].copy(),
+        penetration=told[:, PENETRATION].copy(),
+        impact_loss=-told[:, IMPACT],
+        friction_loss=-told[:, FRICTION],
+        each=each,
+    )
+
+
 class Alone:
     """Runs whose results go to files.
 
@@ -119,17 +139,7 @@ class Run(free_bodies.Run):
         """All steps, or those after a checkpoint; see :meth:`fem_lie.GeneralisedAlpha.run`."""
         self._contacts = self._contacts._replace(told=np.zeros((steps, TOLD)))
         result = super().integrate(steps, saving, progress, store)
-        told = self._contacts.told
-        found = ContactSteps(
-            times=self.p.h * np.arange(1, steps + 1, dtype=np.float64),
-            contacts=told[:, CONTACTS].copy(),
-            sweeps=told[:, SWEEPS].copy(),
-            cone_residual=told[:, RESIDUAL].copy(),
-            penetration=told[:, PENETRATION].copy(),
-            impact_loss=-told[:, IMPACT],
-            friction_loss=-told[:, FRICTION],
-            each=self._shown,
-        )
+        found = contact_steps(self._contacts.told, self.p.h, self._shown)
         if store is not None:
             store.add_contacts(found)
         return Result(**vars(result) | {"contacts": found})

@@ -12,11 +12,13 @@ from functools import cached_property
 
 import numpy as np
 
-from fem_lie._arrays import Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
+from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.step import loop
@@ -65,7 +67,8 @@ class Run(Newton):
         compiled = rule is not None and not self._projects and not self._turned
         self._rule = rule.plain if compiled and rule is not None else None
         # and those for the parts of a step that it makes by itself
-        self._remembers = known.drills or equations.unknowns.other_constraints
+        told = any(term.rubs or term.watches or term.parts for term in known.terms)
+        self._remembers = told or known.drills or equations.unknowns.other_constraints
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
         self._filled = -1
@@ -121,11 +124,10 @@ class Run(Newton):
             return self._stretch(history)
         self._end = (self.index + 1) * self.h
         self._go_to_time(self._end)
+        start = self.s.H.copy()
         iterations = self._step()
         history.count += iterations
-        if iterations:
-            self._close(self._end)
-        return iterations > 0
+        return iterations > 0 and self._close(self._end, start)
 
     def _stretch(self, history: Recorder) -> bool:
         """As many steps as can be made and recorded by the loop alone, at least one."""
@@ -149,7 +151,7 @@ class Run(Newton):
             made = iterations > 0
             if made:
                 self._turn()
-                self._close(self._end)
+                made = self._close(self._end)
         return made
 
     def _go(
@@ -241,10 +243,23 @@ class Run(Newton):
         self._outgrown = self._may_be_apart
         return count + in_vain if count else 0
 
-    def _close(self, end: float) -> None:
-        """Remember what frames do not tell of the accepted step, and book it."""
-        self.equations.memory.accept(self.s.H)
+    def _close(self, end: float, start: Array | None = None) -> bool:
+        """Remember what frames do not tell of the accepted step, and book it.
+
+        Returns whether it stays accepted: surfaces did not go through each other since ``start``.
+        """
+        if not self._remembered(start):
+            return False
         self.books.add(self.h, end, *self._accepted)
+        return True
+
+    def _remembered(self, start: Array | None) -> bool:
+        try:
+            self.equations.memory.accept(self.s.H, start)
+        except PassedThroughError as error:
+            self.reason = str(error)
+            return False
+        return True
 
     # --- results ---
 
@@ -255,7 +270,9 @@ class Run(Newton):
         return history.record(self.index, *self._accepted, self.books.total)
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(self.solver.factorisations, history.seconds, self.solver.refreshes)
+        solver = self.solver
+        made = history.result(solver.factorisations, history.seconds, solver.refreshes)
+        return with_others(made, {"subdomains": solver.subdomains})
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance

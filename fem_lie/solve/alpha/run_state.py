@@ -18,13 +18,16 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, NUMBERS, RATIO, STEP
-from fem_lie.solve.methods import methods_in_time
+from fem_lie.solve.methods import methods_in_time, on_domains
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import ROTATION, contradicts, estimate
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
 from fem_lie.system.equations import Equations, Instant, Plan
+
+_LARGE = 20_000
+"""Nodes beyond which a matrix for the sake of compilation takes longer than that is worth."""
 
 
 class RunState(Integration[Recorder]):
@@ -77,8 +80,9 @@ class RunState(Integration[Recorder]):
         joined: Indices = unknowns.joined.astype(np.int64)
         self.spread: Array = np.zeros(unknowns.vectors.shape)
         self._sizes = self.scale, self.spread, joined
-        methods = methods_in_time(equations)
-        self.solver = DirectSolver(equations.matrix, options.petsc_options_prefix, methods)
+        prefix = options.petsc_options_prefix
+        methods = on_domains(prefix) or methods_in_time(equations)
+        self.solver = DirectSolver(equations.matrix, prefix, methods)
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
         self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
@@ -106,22 +110,24 @@ class RunState(Integration[Recorder]):
 
     def _warm_up(self) -> None:
         """Compile what a step needs on a copy of the state: compilation is not integration."""
-        scheme, copy = self.p.plain, self.s.copy()
-        state = copy.plain
+        scheme, s = self.p.plain, self.s
+        state = State(s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy(), s.kinds[:1]).plain
         predict(scheme, state)
-        zero, weights = np.zeros_like(self.dx), self.weights.copy()
+        zero, weights = np.zeros(6 + len(self.weights)), self.weights.copy()
         correct(scheme, state, zero, *self._sizes, weights)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
         self._compile()
+        if self._moving > _LARGE:
+            return
         # the first iteration makes the matrix that counts
-        s, p, turned, ahead = self.s, self.p, self._turned, self._ahead()
-        plan = Plan(copy.d, self.scale, p.mass, p.damping, joint_frames=ahead)
+        p, turned, ahead = self.p, self._turned, self._ahead()
+        plan = Plan(p.h * s.v, self.scale, p.mass, p.damping, joint_frames=ahead)
         plan = plan._replace(inertial=turned, choices=self.choices)
         self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
-            turn_all(s.kinds, s.H, zero)
-            turn_all_back(s.kinds, s.H, zero)
+            turn_all(s.kinds[:1], s.H, zero)
+            turn_all_back(s.kinds[:1], s.H, zero)
         else:
             again = plan._replace(joint_frames=self._ahead(), border_only=True)
             self.equations.fill(self._end_instant, self.forces, again)

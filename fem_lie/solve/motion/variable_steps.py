@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.motion.growing import Growing
@@ -149,7 +150,6 @@ class VariableSteps:
                 if not iterations:
                     continue
                 index, time = index + 1, ended
-                stepper.equations.memory.accept(stepper.frames)
                 lands = time == control.next_event
                 self._keep(time, index, iterations, event=lands)
                 if lands:
@@ -183,10 +183,12 @@ class VariableSteps:
         lands = abs(time + h - event) <= 1e-6 * h
         end = event if lands else time + h
         stepper.set_step(time, h)
-        before = stepper.saved()
+        before, start = stepper.saved(), stepper.frames.copy()
         iterations = stepper.step_to(time, end, index + 1, lands)
         error = stepper.estimate(before, time, end) if iterations else None
         e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
+        if e <= 1.0 and not self._remembered(start):
+            e = np.inf
         if error is None or e > 1.0:
             self._last = h, error, stepper.increment
             self._log.rejected.append(end)
@@ -198,6 +200,16 @@ class VariableSteps:
         self._log.add(end, h, error, self._measure(before, time, end, index, lands))
         control.accept(e)
         return end, iterations
+
+    def _remembered(self, start: Array) -> bool:
+        """Whether what frames do not tell of the step could be remembered."""
+        stepper = self._stepper
+        try:
+            stepper.equations.memory.accept(stepper.frames, start)
+        except PassedThroughError as error:
+            stepper.reason = str(error)
+            return False
+        return True
 
     def _try_again(self, time: float, index: int) -> None:
         """After a rejected step."""

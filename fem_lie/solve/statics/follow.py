@@ -10,12 +10,13 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import placed, turn_all
 from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
+from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
-from fem_lie.solve.methods import methods_for
+from fem_lie.solve.methods import methods_for, on_domains
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.pivots import negative_pivots
@@ -151,7 +152,9 @@ class SceneEquilibrium:
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
-        self._solver = DirectSolver(equations.matrix, prefix, methods(equations))
+        self._solver = DirectSolver(
+            equations.matrix, prefix, on_domains(prefix) or methods(equations)
+        )
         equations.memory.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known = False
@@ -180,6 +183,11 @@ class SceneEquilibrium:
     def factorisations(self) -> int:
         """How many there were."""
         return self._solver.factorisations
+
+    @property
+    def subdomains(self) -> Subdomains | None:
+        """What the solution on these took, if there are any."""
+        return self._solver.subdomains
 
     def begin(self) -> float:
         """Make a state that is carried on one of equilibrium; returns its load factor.
@@ -306,5 +314,6 @@ def _result(
         seconds=seconds,
         negative_pivots=np.array(path.negative, dtype=np.int64),
         factorisations=model.factorisations,
+        subdomains=model.subdomains,
         turned_back=maxima(path.factors),
     )

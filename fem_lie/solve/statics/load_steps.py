@@ -9,12 +9,13 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.methods import methods_for
+from fem_lie.solve.methods import methods_for, on_domains
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.pivots import negative_pivots
@@ -47,7 +48,8 @@ class LoadSteps:
         self.multipliers: Array = np.zeros(unknowns.m)
         self._moving = unknowns.moving
         self._zero = np.zeros((unknowns.moving, 6))
-        self._solver = DirectSolver(equations.matrix, prefix, methods_for(equations))
+        methods = on_domains(prefix) or methods_for(equations)
+        self._solver = DirectSolver(equations.matrix, prefix, methods)
         self._r, self._dx = self._solver.right_hand_side, self._solver.solution
         self.iterations: int = 0
         self.residual: float = 0.0
@@ -83,6 +85,7 @@ class LoadSteps:
             np.array(self._reactions).reshape(k, len(unknowns.supported), 6),
             negative_pivots=np.array(self._pivots, dtype=np.int64),
             factorisations=self._solver.factorisations,
+            subdomains=self._solver.subdomains,
         )
 
     def run(self, levels: Sequence[float], step: float, smallest: float) -> StaticResult:
@@ -168,13 +171,18 @@ class LoadSteps:
                 except FoldedElementError as error:
                     self._folded = f" It folds: {error}."
                     break
+                pivots = self._negative_pivots(factor)
+                try:
+                    equations.memory.accept(self.H, H)
+                except PassedThroughError as error:
+                    self._folded = f" {error}."
+                    break
                 self._factors.append(factor)
                 self._frames.append(told.frames.copy())
                 self._forces.append(told.joints.forces)
                 self._reactions.append(told.reactions)
                 self._counts.append(self.iterations)
-                self._pivots.append(self._negative_pivots(factor))
-                equations.memory.accept(self.H)
+                self._pivots.append(pivots)
                 return True
             previous = self.last
         self.H, self.multipliers = H, multipliers

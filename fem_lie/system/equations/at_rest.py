@@ -22,9 +22,10 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
     tangent = system.tangent
     terms, still = system.terms, np.zeros((system.count, 6))
     kept = terms.room()
-    tangent.clear()
     terms.reset_stress(H)
     terms.add_forces(H, np.zeros(system.size), kept)
+    # after the forces, which may find other pairs of nodes that touch
+    tangent.clear()
     tangent.add_terms(H, kept)
     tangent.add_viscosity(H, still, 0.5 * step, lambda term: not (term.of_bodies or term.in_space))
     tangent.add_mass(H, system.kinds)

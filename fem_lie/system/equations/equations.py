@@ -149,6 +149,8 @@ class Equations:
     def fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
         """Derivative of :meth:`residual`, into :attr:`matrix`; not factorised.
 
+        If that is divided, what this rank's domain has of it goes into its ``part``, too.
+
         Args:
             state: Where.
             forces: That the residual has found there; ``None``: none act.
@@ -157,6 +159,15 @@ class Equations:
         Returns:
             The scale of the constraints in it, (m,).
         """
+        scale, tangent = self._fill(state, forces, plan), self._system.tangent
+        if tangent.domain is not None and not plan.beside:
+            tangent.domain.see(state.H, self.unknowns.kinds, inertial=plan.inertial)
+            with tangent.of_domain(scale):
+                self._fill(state, forces, plan._replace(scale=scale, spread=None))
+        return scale
+
+    def _fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
+        """:meth:`fill`, of all or of a domain."""
         system = self._system
         if plan.at_rest is not None:
             return fill_at_rest(system, state.H, plan.at_rest)

@@ -34,12 +34,20 @@ class Memory:
         else:
             self._terms.carry(H, h)
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Go on from here: joints count their turns, and what rubs its slips.
 
+        Args:
+            H: Frames of all rows.
+            start: Those at the start of the step, with which it is looked whether surfaces went
+                through each other.
+
         Raises:
+            PassedThroughError: They did; all is as it was.
             ValueError: Something slid off its beam.
         """
+        if start is not None:
+            self._terms.check_passage(start, H)
         self._connections.accept(H)
         self._terms.accept(H)
 
@@ -71,7 +79,16 @@ class Memory:
         return saved
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """Be as when :meth:`saved` was called."""
+        """Be as when :meth:`saved` was called.
+
+        Raises:
+            ValueError: There is a matrix, and now subdomains, whose matrices were not saved.
+        """
+        if "matrix" in saved and self._system.kkt.part is not None:
+            raise ValueError(
+                "a run goes on without subdomains, whose matrices no file has: leave PETSc's "
+                "option domains out, got it set"
+            )
         self._connections.memory = saved["joints"]
         count = sum(name.startswith("carried.") for name in saved)
         self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
@@ -80,6 +97,5 @@ class Memory:
                 term.see_again(saved[f"seen.{k}"])
             pattern, kkt = (saved["row pointers"], saved["columns"]), self._system.kkt
             self._system.tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
-            self._system.tangent.A[:], kkt.csr[0][:] = saved["blocks"], saved["matrix"]
-            kkt.matrix.stateIncrease()
-            kkt.matrix.assemble()
+            self._system.tangent.A[:] = saved["blocks"]
+            kkt.restore(saved["matrix"])

@@ -117,7 +117,7 @@ class Unknowns(NamedTuple):
             may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
             other_constraints=connections.others,
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
-            floating=[b.label for b in numbering.nodes if b.floats],
+            floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
             has_potential=potential,
             symmetric=symmetry.symmetric(system, potential=potential),
             apart=any(term.apart for term in system.terms),

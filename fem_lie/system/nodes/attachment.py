@@ -76,9 +76,12 @@ class Attachment:
                 node = int(root[node])
             return node
 
-        for a, b in pairs:
+        tied = list(pairs)
+        for a, b in tied:
             root[find(b)] = find(a)
-        roots = np.array([find(i) for i in range(len(frames))], dtype=np.int64)
+        roots: Indices = np.arange(len(frames), dtype=np.int64)
+        some = sorted({node for pair in tied for node in pair})
+        roots[some] = [find(node) for node in some]
         self.leaders: Indices = np.flatnonzero(roots == np.arange(len(frames)))
         self.leader: Indices = np.searchsorted(self.leaders, roots)
         self.count = len(self.leaders)

@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
+from fem_lie.forms.term import add_at
 from fem_lie.lie.kinds import AMPLITUDE, SLOPE
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, multiply
@@ -34,7 +35,11 @@ def inertia_of(
     rows: list[Indices] = [np.empty(0, dtype=np.int64)]
     columns: list[Indices] = [np.empty(0, dtype=np.int64)]
     mass: list[Array] = [np.empty((0, 4, 4))]
-    damping: list[Array] = [np.empty((0, 4, 4))]
+    damping: list[Array] = []
+    damps = any(
+        assembly.inertia is not None and assembly.inertia.damping is not None
+        for _, assembly in numbering.assemblies
+    )
     for where, assembly in numbering.assemblies:
         if assembly.inertia is not None:
             r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
@@ -42,7 +47,8 @@ def inertia_of(
             columns.append(where.start + assembly.indices)
             mass.append(assembly.inertia.mass)
             given = assembly.inertia.damping
-            damping.append(np.zeros_like(mass[-1]) if given is None else given)
+            if damps:
+                damping.append(np.zeros_like(mass[-1]) if given is None else given)
         elif required:
             raise ValueError(
                 "dynamics and gravity need the inertia of all sections, and the density of all "
@@ -54,10 +60,13 @@ def inertia_of(
             rows.append(numbering.nodes[body])
             columns.append(numbering.nodes[body])
             mass.append(body.gram[np.newaxis])
-            damping.append(np.zeros((1, 4, 4)))
-    r, c, D = np.concatenate(rows), np.concatenate(columns), np.concatenate(damping)
+            if damps:
+                damping.append(np.zeros((1, 4, 4)))
+    r, c = np.concatenate(rows), np.concatenate(columns)
     inertia = _on_leaders(numbering, r, c, np.concatenate(mass))
-    return inertia, _on_leaders(numbering, r, c, D) if D.any() else Inertia.none()
+    if not damps:
+        return inertia, Inertia.none()
+    return inertia, _on_leaders(numbering, r, c, np.concatenate(damping))
 
 
 def floating_of(numbering: Numbering) -> Floating:
@@ -69,13 +78,14 @@ def floating_of(numbering: Numbering) -> Floating:
     found: list[tuple[Indices, Array, Array]] = []
     attachment = numbering.attachment
     for body, nodes in numbering.nodes.items():
-        if body.floats:
+        inside = body.within_frame()
+        if inside is not None:
             if not np.isin(nodes, attachment.leaders).all():
                 raise ValueError(
                     f"nodes of {body.label} cannot follow others: let the others follow them, or "
                     "take a Fixed joint"
                 )
-            found.append((attachment.leader[nodes], *body.within_frame()))
+            found.append((attachment.leader[nodes], *inside))
     return Floating.of(found)
 
 
@@ -97,7 +107,7 @@ def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> 
         r, c = attachment.leader[r], attachment.leader[c]
     key, place = np.unique(r * count + c, return_inverse=True)
     G = np.zeros((len(key), 4, 4))
-    np.add.at(G, place, blocks)
+    add_at(G, place, blocks)
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
 
 

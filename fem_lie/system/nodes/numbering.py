@@ -103,7 +103,8 @@ class Numbering:
             follows = np.flatnonzero(body.leaders != np.arange(len(nodes)))
             leaders = body.leaders[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(leaders, follows, strict=True)]
-        self.attachment = Attachment(frames, pairs)
+        # what follows does so from where solvers begin, perhaps deformed
+        self.attachment = Attachment(begins_at, pairs)
         self.count = self.attachment.count
         self.frames = frames[self.attachment.leaders]
         self.begins_at = begins_at[self.attachment.leaders]
@@ -112,8 +113,9 @@ class Numbering:
         self.velocities = velocities[self.attachment.leaders]
         self.groups: Indices = groups[self.attachment.leaders]
         self.kinds: Indices = kinds[self.attachment.leaders]
-        traits = [TRAITS[NodeKind(kind)] for kind in self.kinds]
-        self.clamped: Flags = np.array([each.clamped for each in traits])
+        known, which = np.unique(self.kinds, return_inverse=True)
+        traits = [TRAITS[NodeKind(kind)] for kind in known]
+        self.clamped: Flags = np.array([each.clamped for each in traits])[which]
         self.held = held[self.attachment.leaders]
         self.supported: Indices = np.unique(self.attachment.leader[own])
         self.uncoupled = np.zeros(self.count, dtype=bool)
@@ -122,7 +124,7 @@ class Numbering:
         self.supports = supports[self.attachment.leaders]
         self._hold_leaders(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a kind does not have couple with nothing in the matrix
-        self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])
+        self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])[which]
         self.absent |= absent[self.attachment.leaders]
         self.held |= self.absent
         self._check_velocities(velocities)

@@ -54,7 +54,8 @@ class Terms:
         self.viscous_labels = tuple(dict.fromkeys(t.label for t in viscous))
         self._energy = np.zeros(1)
         self._carrying = [t for t in self._terms if t.carries]
-        self._rubbing = [t for t in self._terms if t.rubs]
+        self._rubbing = [t for t in self._terms if t.rubs or t.parts]
+        self._watching = [t for t in self._terms if t.watches]
         self._settling = [t for t in self._terms if t.settles]
         self.all_in_tables = not self._by_themselves
         within = [term.within_joints or term.load for term in self._with_energy]
@@ -160,6 +161,11 @@ class Terms:
         """Carry all stresses on along the increment ``h`` (6 count,) made from frames ``H``."""
         for term in self._carrying:
             term.carry(H, h.reshape(-1, 6))
+
+    def check_passage(self, start: Array, end: Array) -> None:
+        """Look whether surfaces went through each other in a step between frames."""
+        for term in self._watching:
+            term.check_passage(start, end)
 
     def accept(self, H: Array) -> None:
         """Go on from frames ``H``."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.cell_forms import FormTable, of_some_cells
 from fem_lie.forms.term import (
+    CellMatrices,
     Done,
     Ends,
     FollowingTable,
@@ -40,8 +43,8 @@ class Followed(Term):
         self.of_bodies, self.carries, self.settles = term.of_bodies, term.carries, term.settles
         self.conserved, self.secant, self.turning = term.conserved, term.secant, term.turning
         self.on_ground, self.rubs, self.apart = term.on_ground, term.rubs, term.apart
-        self.steady = term.steady
-        self._leader, self._offset = attachment.leader[where], attachment.offset[where].copy()
+        self.steady, self.watches, self.parts = term.steady, term.watches, term.parts
+        self._leader, self._offset = attachment.leader[where], attachment.offset[where]
         numbers = np.arange(len(attachment.leader))[where]
         self._direct = bool(np.isin(numbers, attachment.leaders).all())
         if not self._direct:
@@ -91,6 +94,16 @@ class Followed(Term):
         """Leaders of the term's."""
         rows, columns = self.term.pairs
         return self._leader[rows], self._leader[columns]
+
+    @property
+    def matrices(self) -> Sequence[CellMatrices]:
+        """Those of the term."""
+        return self.term.matrices
+
+    @property
+    def cells(self) -> Indices:
+        """Leaders of the nodes of these, shape (m, k)."""
+        return np.asarray(self._leader[self.matrices[0].cells])
 
     # --- forces ---
 
@@ -199,6 +212,10 @@ class Followed(Term):
     def accept(self, H: Array) -> None:
         """See the base class."""
         self.term.accept(self._frames(H))
+
+    def check_passage(self, start: Array, end: Array) -> None:
+        """See the base class."""
+        self.term.check_passage(self._frames(start), self._frames(end))
 
     def restore(self, carried: Array) -> None:
         """See the base class."""

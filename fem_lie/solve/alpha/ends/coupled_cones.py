@@ -12,15 +12,15 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
-from fem_lie.contact.impact.newton import eliminate, set_derivative, set_function
-from fem_lie.contact.impact.one_contact import projected, single
-from fem_lie.contact.impact.sweeps import Cones, Dense, past_of
+from fem_lie.contact.impact.newton import begin_newton, step_of_newton
+from fem_lie.contact.impact.one_contact import single
+from fem_lie.contact.impact.sweeps import Cones, Dense, off_cone, past_of
 
 _FIRST, _LATER, _ROUNDS = 3, 20, 5
 """Sweeps at first, sweeps of the first round after that, and rounds."""
 
-_ITERATIONS, _HALVES = 15, 12
-"""Of Newton's method, and halves of one, at most."""
+_ITERATIONS = 15
+"""Of Newton's method, at most."""
 
 _MOST_NEWTON = 100
 """Contacts with which Newton's method costs no more than sweeps."""
@@ -78,7 +78,7 @@ def _sweep(problem: Cones) -> None:
 
 @uncounted
 def residual(problem: Cones) -> float:
-    """``|r − P_K(r − ρ û)|`` over the largest impulse, with ``ρ`` by the trace of each contact.
+    """What :func:`off_cone` has over the largest impulse.
 
     What is small beside :attr:`~.Cones.speed` is known no better than to round-off.
     """
@@ -92,14 +92,8 @@ def residual(problem: Cones) -> float:
                 u0 += A[3 * c, 3 * d + j] * r[d, j]
                 u1 += A[3 * c + 1, 3 * d + j] * r[d, j]
                 u2 += A[3 * c + 2, 3 * d + j] * r[d, j]
-        mu = problem.friction[c]
-        rho = 3.0 / (own[c, 0, 0] + own[c, 1, 1] + own[c, 2, 2])
-        lifted = u0 + mu * np.sqrt(u1 * u1 + u2 * u2)
-        p = projected((r[c, 0] - rho * lifted, r[c, 1] - rho * u1, r[c, 2] - rho * u2), mu)
-        for i in range(3):
-            off = abs(r[c, i] - p[i])
-            if not off <= worst:
-                worst = off if off == off else np.inf
+        off, rho = off_cone((u0, u1, u2), own[c], problem.friction[c], r[c])
+        worst = max(worst, off)
         size = max(size, abs(r[c, 0]), rho * max(abs(q[c, 0]), least))
     return float(worst / size)
 
@@ -107,30 +101,10 @@ def residual(problem: Cones) -> float:
 @uncounted
 def _newton(problem: Cones, tolerance: float) -> int:
     """Newton's method with steps that are halved; returns the iterations."""
-    room, k = problem.dense, problem.q.shape[0]
-    r, tried, F, d = room.r, room.tried, room.F, room.d
-    n = 3 * k
-    for i in range(n):
-        r[i] = room.kept[i] = problem.r[i // 3, i % 3]
+    k = problem.q.shape[0]
+    begin_newton(problem, k)
     for iteration in range(1, _ITERATIONS + 1):
-        square = set_function(problem, k, r)
-        set_derivative(problem, k, r)
-        for i in range(n):
-            d[i] = F[i]
-        eliminate(room.J, d, n)
-        size, best, least = 1.0, 1.0, np.inf
-        for _ in range(_HALVES):
-            for i in range(n):
-                tried[i] = r[i] - size * d[i]
-            now = set_function(problem, k, tried)
-            if now < least:
-                least, best = now, size
-            if now < (1.0 - 1e-4 * size) * square:
-                break
-            size *= 0.5
-        for i in range(n):
-            r[i] -= best * d[i]
-            problem.r[i // 3, i % 3] = r[i]
+        step_of_newton(problem, k)
         if residual(problem) <= tolerance:
             return iteration
     return _ITERATIONS

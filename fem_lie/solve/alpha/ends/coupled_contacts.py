@@ -20,65 +20,32 @@ of their rows at both ends.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CONTACTS, FRICTION, PENETRATION, RESIDUAL, SWEEPS
 from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.lie.kinds import all_from_local, all_to_group
 from fem_lie.solve.alpha.ends import coupled_cones
-from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies, Kept, to_twists
-from fem_lie.solve.alpha.ends.coupled_bounds import Bounds, Chosen, bounds_of
+from fem_lie.solve.alpha.ends.coupled_bodies import Kept, to_twists
+from fem_lie.solve.alpha.ends.coupled_bounds import Chosen, bounds_of
+from fem_lie.solve.alpha.ends.coupled_places import TOLERANCE, Aims, CoupledPlaces, Moved
 from fem_lie.solve.alpha.ends.coupled_rows import choose_axes
 from fem_lie.solve.alpha.ends.last_contacts import Last
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
 from fem_lie.system.equations import Equations
 
-_TOLERANCE, _ROUGH = 1e-9, 1e-6
-"""Residual of the cones, and that with which positions begin."""
-
-_EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
-"""Part of the model's length by which places still change at the end; iterations at most, and in
-how many of the first ones rows of forces are taken anew."""
-
 _PASSES, _GROWING = 2, 8
 """Passes, in the second of which velocities after impacts are known; times contacts may join."""
-
-_SMALL = 1e-12
-"""Part of the model's length below which places are known to round-off alone."""
 
 _TINY = 1e-6
 """Part of speeds below which they are known to round-off alone."""
 
 
-class Moved(NamedTuple):
-    """Where contacts move the end of a step.
-
-    Attributes:
-        H: Frames of all rows.
-        d: By which increments, in the nodes' axes, shape (6 n,).
-        r: Forces of contacts, shape (k, 3).
-        rows: There, shape (3 k, 6 rows).
-        pushes: Rows of forces, shape (3 k, 6 n).
-        carried: By joints, forces of them, shape (m,).
-        slips: How far contacts slide, shape (k, 2).
-    """
-
-    H: Array
-    d: Array
-    r: Array
-    rows: Array
-    pushes: Array
-    carried: Array
-    slips: Array
-
-
-class CoupledContacts(CoupledBodies):
+class CoupledContacts(CoupledPlaces):
     """All contacts by impacts of a run.
 
     Attributes:
@@ -94,19 +61,6 @@ class CoupledContacts(CoupledBodies):
         super().__init__(contacts, equations, scheme, kept)
         self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
         self._last = Last.nothing()
-
-    def begin(self, H: Array, v: Array, time: float) -> None:
-        """Remember where a step begins.
-
-        Args:
-            H: Frames of all rows.
-            v: Twists of the moving nodes, shape (n, 6).
-            time: Of the start.
-        """
-        self._H0, self._V0 = H.copy(), self._all_rows(v, time)
-        speeds = np.linalg.norm(self._V0.reshape(-1, 2, 3), axis=2)
-        far = self._h * float(speeds[:, 0].max() + self.near.arm * speeds[:, 1].max())
-        self.near.update(H, far)
 
     # --- which contacts take part ---
 
@@ -177,91 +131,15 @@ class CoupledContacts(CoupledBodies):
         for _ in range(_PASSES if open_ else 1):
             free = rows @ V.ravel()
             bounds = bounds_of(h, chosen, free[::3], 1.0)
-            after = bounds.velocity if normal is None else normal
-            moved = self._part(chosen, s, end, free, bounds.gaps(h, after, chosen), bounds, r)
+            least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
+            slid = bounds.rest[:, np.newaxis] * h * free.reshape(-1, 3)[:, 1:]
+            moved = self.part(chosen, s, end, Aims(least, slid), r)
+            self.told[SWEEPS] += moved.sweeps
+            self.told[RESIDUAL] = moved.residual
             rows, r = moved.rows, moved.r
             v, impulses = self._throw(chosen, s, moved, end, V, defect, impulses, time)
             normal = rows[::3] @ self._all_rows(v, time).ravel()
         return moved, v, impulses
-
-    # --- positions ---
-
-    def _slips(self, chosen: Chosen, H: Array, B: Array, glide: Array) -> Array:
-        """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
-        nodes = np.flatnonzero(chosen.before.reshape(-1, self._rows, 6).any(axis=(0, 2)))
-        first, last = (lie.rotation(each[nodes]) for each in (self._H0, H))
-        apart = (H[nodes, 0] - self._H0[nodes, 0])[:, :, np.newaxis]
-        turned = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
-        total = np.zeros((3 * len(chosen.pairs),))
-        for rows, R in ((chosen.before, first), (B, last)):
-            d = np.zeros((self._rows, 6))
-            d[nodes, :3] = (np.swapaxes(R, 1, 2) @ apart)[:, :, 0]
-            d[nodes, 3:] = turned
-            total += 0.5 * rows @ d.ravel()
-        return np.where(chosen.closed[:, np.newaxis], total.reshape(-1, 3)[:, 1:], glide)
-
-    def _part(
-        self,
-        chosen: Chosen,
-        s: State,
-        end: Array,
-        free: Array,
-        least: Array,
-        bounds: Bounds,
-        r: Array,
-    ) -> Moved:
-        """Forces that part what overlaps, and hold what sticks; see :class:`Moved`."""
-        n, k = 6 * self._n, len(chosen.pairs)
-        if self._kept is None:
-            self._impulses.go_to(end)
-        H, exact = end, _EXACT * self._length
-        d: Array = np.zeros(n)
-        joints: Array = np.zeros(n)
-        pull: Array = np.zeros(3 * k)
-        forces: Array = np.zeros(3 * k)
-        slid = bounds.rest[:, np.newaxis] * self._h * free.reshape(-1, 3)[:, 1:]
-        guess, before = r, np.inf
-        first = self._turned(chosen.before, self._H0, end)
-        closed = np.repeat(chosen.closed, 3)[:, np.newaxis]
-        for iteration in range(_ITERATIONS):
-            B = self._rows_of(H, chosen.pairs, chosen.axis)
-            here = self._turned(B, H, end)
-            own = self._own(here)
-            if iteration < _ANEW:
-                pushes = self._own(np.where(closed, 0.5 * (first + here), here))
-                Z, carried = self._pushed(pushes.T)
-            problem = coupled_cones.cones_of(own @ Z, chosen.friction)
-            if self._m:
-                more = self._closed(H)
-                joints += more
-                pull = own @ more
-            glide = slid + (own @ d).reshape(-1, 3)[:, 1:]
-            problem.q[:, 0] = self._gaps(H)[chosen.pairs] - least
-            problem.q[:, 1:] = self._slips(chosen, H, B, glide)
-            problem.q[:] += (pull - problem.dense.A @ forces).reshape(-1, 3)
-            problem.r[:], problem.speed[0] = guess, _SMALL * self._length
-            rough = _ROUGH if iteration == 0 else _TOLERANCE
-            sweeps, self.told[RESIDUAL] = coupled_cones.solve(problem, rough)
-            self.told[SWEEPS] += sweeps
-            forces = problem.r.ravel().copy()
-            guess, last = problem.r, d
-            d = Z @ forces + joints
-            H = self._moved_by(s, end, d)
-            change = float(np.abs((d - last).reshape(-1, 6)[:, :3]).max())
-            change = max(
-                change, self._length * float(np.abs((d - last).reshape(-1, 6)[:, 3:]).max())
-            )
-            if change <= exact or (
-                iteration > 5 and change > 0.5 * before and change < 1e3 * exact
-            ):
-                break
-            before = change
-        whole = np.zeros((3 * k, 6 * self._rows))
-        whole[:, :n] = pushes
-        pushes = self._own(self._turned(whole, end, H))
-        rows = self._rows_of(H, chosen.pairs, chosen.axis)
-        slips = self._slips(chosen, H, rows, glide)
-        return Moved(H, d, guess, rows, pushes, carried @ forces, slips)
 
     # --- velocities ---
 
@@ -306,7 +184,7 @@ class CoupledContacts(CoupledBodies):
         opens &= chosen.smooth > 0.0
         problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
         problem.r[:], problem.speed[0] = impulses, _TINY * float(np.abs(V).max())
-        sweeps, residual = coupled_cones.solve_exactly(problem, own @ Z, _TOLERANCE)
+        sweeps, residual = coupled_cones.solve_exactly(problem, own @ Z, TOLERANCE)
         self.told[SWEEPS] += sweeps
         self.told[RESIDUAL] = max(self.told[RESIDUAL], residual)
         P = problem.r.ravel()

@@ -127,8 +127,10 @@ class Pushes:
 
     def _lead(self, mean: Array, out: Array) -> None:
         """Add what was found to leaders, which have these means."""
-        np.add.at(out, self._leader, self._on_all)
-        if not self._trivial:
+        if self._trivial:
+            out[: len(self._on_all)] += self._on_all
+        else:
+            np.add.at(out, self._leader, self._on_all)
             arms = self.ends.mean[:, 0] - mean[self._leader, 0]
             np.add.at(out[:, 3:], self._leader, np.cross(arms, self._on_all[:, :3]))
 

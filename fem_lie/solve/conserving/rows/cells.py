@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -104,7 +104,7 @@ def part_of(work: Work, count: int) -> Work:
     return Work(r[:count], d[:count], f[:count], other[:count], rows[:count], A)
 
 
-@compiled
+@uncounted
 def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
     """Take the mean of the places out of halves (k, 2, 3); returns it."""
     begin, count, centre = cells.first[e], 0, (0.0, 0.0, 0.0)
@@ -118,7 +118,7 @@ def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
     return centre
 
 
-@inlined
+@inlined_uncounted
 def solve_thin(A: Array, b: Vector) -> Vector:
     """``A⁻¹ b`` of a metric of rotations (3, 3), nothing about an axis along which all lies."""
     thin = _THIN * (A[0, 0] + A[1, 1] + A[2, 2])
@@ -139,7 +139,7 @@ def solve_thin(A: Array, b: Vector) -> Vector:
     return ω
 
 
-@compiled
+@uncounted
 def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
     """The vector of Cayley's map that fits the increments ``d`` of the means ``r`` best."""
     r, d, A, begin = work.r, work.d, work.A, cells.first[e]
@@ -153,7 +153,7 @@ def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
     return solve_thin(A, b)
 
 
-@compiled
+@uncounted
 def _mean_forces(cells: CellTable, e: int, H: Array, ω: Vector, work: Work) -> None:
     """``C f(C⁻¹ r̄)`` into ``work.f``."""
     r, f, other = work.r, work.f, work.other
@@ -196,7 +196,7 @@ class Nodes(NamedTuple):
     step: Array
 
 
-@inlined
+@inlined_uncounted
 def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
     """Means ``r`` from the first node and increments ``d`` of a cell, and halves at the end."""
     r, d, other, begin = work.r, work.d, work.other, cells.first[e]
@@ -235,13 +235,26 @@ def add_elastic(
     Returns:
         The sum of ``|s|²``.
     """
+    return _add_all(cells, nodes, energies, factors, memory(largest_cell(cells.first)), out)
+
+
+@uncounted
+def _add_all(
+    cells: CellTable,
+    nodes: Nodes,
+    energies: Energies,
+    factors: tuple[float, float, float],
+    room: Work,
+    out: Array,
+) -> float:
+    """The same with the memory for a cell."""
     W, account, W1, done = energies
     repay, typical, unknown = factors
-    room, squares = memory(largest_cell(cells.first)), 0.0
+    squares = 0.0
     for e in range(W.shape[0]):
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
-        work = part_of(room, count)
-        r, d, f = work.r, work.d, work.f
+        r, d, f = room.r[:count], room.d[:count], room.f[:count]
+        work = Work(r, d, f, room.other[:count], room.rows[:count], room.A)
         set_out(cells, e, nodes, work)
         W1[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
         take_centre(cells, e, r)

@@ -9,11 +9,9 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-import numba
-
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
-from fem_lie._jit.stack import stack
+from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.kinds.kind import SLOPE, axes, first, set_axes, straight
 from fem_lie.lie.tuples import (
@@ -62,7 +60,7 @@ def has_place(kind: int) -> bool:
     return first(kind) == 0
 
 
-@compiled
+@uncounted
 def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) -> None:
     """Halves (k, 2, 3) of a cell's nodes, seen from its first node.
 
@@ -87,7 +85,7 @@ def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) ->
                 out[a, k, j] = value + digits
 
 
-@inlined
+@inlined_uncounted
 def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
     """Rows (4, 3) of a node with these halves, and axes as simple as may be; ``H``: at present."""
     at = first(kind)
@@ -105,11 +103,11 @@ def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
         set_axes(kind, out, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-@inlined
+@inlined_uncounted
 def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> None:
     calls = cells.calls[e, which]
     w = pointer(calls[1])
-    packed, at = numba.carray(w, (12 * rows.shape[0],)), 0
+    packed, at = vector_at(w, 12 * rows.shape[0]), 0
     for a in range(rows.shape[0]):
         for k in range(4):
             for j in range(3):
@@ -118,27 +116,27 @@ def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> 
     call_kernel(calls[0], place, w, pointer(calls[2]), pointer(calls[3]))
 
 
-@compiled
+@uncounted
 def energy_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array) -> float:
     """Of a cell whose nodes have these halves (k, 2, 3); ``rows`` (k, 4, 3) is work."""
     begin = cells.first[e]
     for a in range(rows.shape[0]):
         write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
     place = stack(1)
-    out = numba.carray(place, (1,))
+    out = vector_at(place, 1)
     out[0] = 0.0
     _call(cells, e, ENERGY, rows, place)
     return float(out[0])
 
 
-@compiled
+@uncounted
 def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, out: Array) -> None:
     """Forces (k, 2, 3) on a cell whose nodes have these halves (k, 2, 3); ``rows`` is work."""
     begin, count = cells.first[e], rows.shape[0]
     for a in range(count):
         write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
     place = stack(6 * count)
-    found = numba.carray(place, (6 * count,))
+    found = vector_at(place, 6 * count)
     found[:] = 0.0
     _call(cells, e, FORCES, rows, place)
     out[:] = 0.0

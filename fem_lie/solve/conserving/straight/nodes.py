@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Flags
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.lie.kinds import inertia
 from fem_lie.lie.kinds.kind import SLOPE, axes, carry
 from fem_lie.lie.kinds.motion import from_local, to_local
@@ -25,6 +26,7 @@ from fem_lie.lie.tuples import (
     rotate_back,
     scaled,
     store,
+    store_row,
 )
 from fem_lie.solve.conserving.between.cayley import span, spin
 from fem_lie.solve.conserving.rows.halves import gathered, spread
@@ -95,9 +97,15 @@ def correct(model: Model, state: State, this: Step, x: Array) -> None:
 @compiled
 def move(model: Model, state: State, this: Step, h: float) -> None:
     """Nodes in the middle and at the end of the step, rates at its end; no forces, empty books."""
-    step, half = this.step, np.empty(6)
     this.losses[:] = 0.0
     this.outer[:] = 0.0
+    _move_all(model, state, this, h)
+
+
+@uncounted
+def _move_all(model: Model, state: State, this: Step, h: float) -> None:
+    """The nodes alone."""
+    step, half = this.step, vector_at(stack(6), 6)
     for i in range(step.shape[0]):
         kind, one = model.kinds[i], slice(i, i + 1)
         if kind < SLOPE:
@@ -108,7 +116,8 @@ def move(model: Model, state: State, this: Step, h: float) -> None:
                 half[k] = 0.5 * step[i, k]
             carry(kind, state.H[i], half, this.middle[i])
             carry(kind, state.H[i], step[i], this.end[i])
-            this.mean[i] = this.middle[i]
+            for k in range(4):
+                store_row(this.mean[i], k, load_row(this.middle[i], k))
             spread(kind, step[i], this.delta[i])
         for k in range(4):
             for j in range(3):

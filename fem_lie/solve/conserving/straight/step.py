@@ -12,15 +12,15 @@ from math import sqrt
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.lie.kinds import inertia
-from fem_lie.lie.kinds.forces import wrench
-from fem_lie.lie.kinds.kind import SLOPE, axes, first, straight
+from fem_lie.lie.kinds.forces import add_along_increments, wrench
+from fem_lie.lie.kinds.kind import SLOPE, axes
 from fem_lie.lie.tuples import (
     combined,
-    cross,
     dot,
     load,
     load_row,
@@ -97,51 +97,56 @@ def residual(model: Model, state: State, this: Step, h: float) -> None:
 
     It is times ``2/(1 + χ)``. Nodes have moved, and the outer forces are there.
     """
-    kinds, forces, q, n = model.kinds, this.forces, this.q, this.step.shape[0]
-    forces[:] = 0.0
+    q = this.q
+    this.forces[:] = 0.0
     _add_elastic(model, state, this)
     χ = model.loss * state.lag[REMEMBERS]
     if χ > 0.0:
         _dissipate(model, state, this, h)
-    for i in range(n):
-        for k in range(4):
-            for j in range(3):
-                q[0, i, k, j] = (this.V1[i, k, j] - state.V[i, k, j]) / h
+    _set_rates(state, this, h)
     inertia.multiply(model.inertia.indptr, model.inertia.indices, model.inertia.blocks, q[0], q[1])
     if χ > 0.0:
         this.losses[NUMERICAL] += velocity_loss(state.V, this.V1, this.delta, h, q[1])
-    for i in range(n):
+    _add_loads(model, this)
+    if model.damping.indptr.shape[0] > 0:
+        _add_damping(model, this, h)
+    _balance_all(model, state, this, 2.0 / (1.0 + χ))
+
+
+@uncounted
+def _set_rates(state: State, this: Step, h: float) -> None:
+    """Set ``q[0]`` to mean rates of the velocities of all rows."""
+    for i in range(this.step.shape[0]):
         for k in range(4):
             for j in range(3):
-                q[1, i, k, j] -= model.dead[i, k, j]
+                this.q[0, i, k, j] = (this.V1[i, k, j] - state.V[i, k, j]) / h
+
+
+@uncounted
+def _add_loads(model: Model, this: Step) -> None:
+    """Take loads that are fixed in space from rates of momenta ``q[1]``."""
+    for i in range(this.step.shape[0]):
+        for k in range(4):
+            for j in range(3):
+                this.q[1, i, k, j] -= model.dead[i, k, j]
                 own = model.dead[i, k, j] - model.conservative[i, k, j]
                 this.losses[WORK] += own * this.delta[i, k, j]
         add_dead(this.losses, BY_LOADS, 1.0, this.mean[i], model.dead[i])
-    if model.damping.indptr.shape[0] > 0:
-        _add_damping(model, this, h)
+
+
+@uncounted
+def _balance_all(model: Model, state: State, this: Step, factor: float) -> None:
+    """Of all nodes, and what constraints violate."""
+    n = this.step.shape[0]
     for i in range(n):
-        _add_along_increments(kinds[i], this.mean[i], q[1, i], forces[i])
-        _make_up(kinds[i], state.carry[i], this.step[i], forces[i])
+        kind, forces = model.kinds[i], this.forces[i]
+        add_along_increments(kind, this.mean[i], this.q[1, i], forces)
+        _make_up(kind, state.carry[i], this.step[i], forces)
         for k in range(6):
-            forces[i, k] += this.outer[i, k]
-        _balance(i, model, this, 2.0 / (1.0 + χ))
+            forces[k] += this.outer[i, k]
+        _balance(i, model, this, factor)
     for c in range(state.gap.shape[0]):
         this.r[6 * n + c] = state.scale[c] * (state.gap[c] + this.change[c])
-
-
-@inlined
-def _add_along_increments(kind: int, mean: Array, f: Array, out: Array) -> None:
-    """Add forces on the rows of a node, (4, 3), to those along its increments, (6,)."""
-    if kind < SLOPE:
-        moment = load(out, 3)
-        for k in range(1, 4):
-            moment = plus(moment, cross(load_row(mean, k), load_row(f, k)))
-        store(out, 0, plus(load(out, 0), load_row(f, 0)))
-        store(out, 3, moment)
-    else:
-        at = first(kind)
-        for k in range(straight(kind)):
-            store(out, 3 * k, plus(load(out, 3 * k), load_row(f, at + k)))
 
 
 @compiled
@@ -159,7 +164,7 @@ def _dissipate(model: Model, state: State, this: Step, h: float) -> None:
             this.forces[i, k] += a * this.filtered[0, i, k] - b * this.filtered[1, i, k]
 
 
-@inlined
+@inlined_uncounted
 def _make_up(kind: int, carry: Array, step: Array, forces: Array) -> None:
     """Add what the last step has left over."""
     f, moment = load(carry, 0), load(carry, 3)
@@ -243,7 +248,7 @@ def _add_framed(
     return squares
 
 
-@inlined
+@uncounted
 def _balance(i: int, model: Model, this: Step, factor: float) -> None:
     """Of one node, with loads along its axes and moments; what holds it is a reaction."""
     kind, m, r = model.kinds[i], this.middle[i], this.r[6 * i : 6 * i + 6]
@@ -262,7 +267,7 @@ def _balance(i: int, model: Model, this: Step, factor: float) -> None:
     for k in range(6):
         any_held = any_held or model.supported[i, k]
     if any_held:
-        own = np.zeros(6)
+        own = vector_at(stack(6), 6)
         for k in range(6):
             own[k] = r[k] if model.supported[i, k] else 0.0
         force, moment = wrench(kind, m, own)

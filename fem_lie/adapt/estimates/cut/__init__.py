@@ -1,0 +1,1 @@
+"""Shells with cells cut in four, what acts on the nodes that are new, and borders."""

@@ -1,0 +1,175 @@
+"""A shell with each cell cut in four, and what acts on the nodes that are new."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import NamedTuple
+
+import basix
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.adapt.estimates.cut.borders import border_shares
+from fem_lie.bodies.shells.assembly import ShellAssembly
+from fem_lie.bodies.shells.placing import frames_with
+from fem_lie.bodies.shells.shell import Shell
+from fem_lie.mesh.shapes import tabulated
+from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.results.stresses.nodal_values import CellPoints, unit
+from fem_lie.results.stresses.shell_stress import integration
+
+_FIVE = 5
+# parts of a cell, of its corners, the middles of its edges in the order of basix, and its middle
+_PARTS = {
+    "triangle": [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
+    "quadrilateral": [[0, 4, 5, 8], [4, 1, 8, 6], [5, 8, 2, 7], [8, 6, 7, 3]],
+}
+
+
+class Cut(NamedTuple):
+    """A shell and the same with each cell in four, its new nodes behind the others.
+
+    Attributes:
+        shell: The shell of m cells.
+        fine: That of 4 m cells.
+        ends: Nodes at the ends of cut edges, shape (e, 2).
+        sides: Edges of each cell, shape (m, 3 or 4).
+        border: Which edges have one cell alone, shape (e,).
+        held: Which new nodes cannot move, shape (new,).
+    """
+
+    shell: Shell
+    fine: Shell
+    ends: Indices
+    sides: Indices
+    border: Flags
+    held: Flags
+
+    @classmethod
+    def of(cls, shell: Shell) -> Cut:
+        """Cut all cells of a shell."""
+        mesh, n = shell.own_mesh, len(shell.frames)
+        pairs = np.array(basix.topology(basix.CellType[mesh.cell])[1])
+        sides = np.sort(mesh.cells[:, pairs], axis=2)
+        ends, number, met = np.unique(
+            sides.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
+        )
+        number = number.reshape(sides.shape[:2])
+        parts, m = np.array(_PARTS[mesh.cell]), len(mesh.cells)
+        local, middles = [mesh.cells, n + number], 0
+        if parts.max() == 8:
+            middles = m
+            local.append(n + len(ends) + np.arange(m)[:, np.newaxis])
+        cells = np.concatenate(local, axis=1)[:, parts].reshape(4 * m, -1)
+        x, d = shell.frames[:, 0], shell.frames[:, 3]
+        corners = mesh.cells[: middles or 0]
+        points = np.concatenate([x, x[ends].mean(axis=1), x[corners].mean(axis=1)])
+        directors = unit(np.concatenate([d, d[ends].sum(axis=1), d[corners].sum(axis=1)]))
+        shapes = shapes_of_parts(mesh.cell)
+        normals = unit(np.einsum("pkc,mcj->mpkj", shapes, mesh.normals)).reshape(*cells.shape, 3)
+        fine = copy(shell)
+        fine.frames = frames_with(points, directors)
+        fine.frames[:n] = shell.frames
+        fine.mesh = fine.own_mesh = SurfaceMesh(points, cells, mesh.cell, normals)
+        fine.connectivity, fine.source, fine.has_mass = cells, None, False
+        fine.stiffness = np.repeat(shell.stiffness, 4, axis=0)
+        fine.axes = np.repeat(shell.axes, 4, axis=0)
+        clamped: Flags = np.asarray(shell.held[:, :_FIVE].all(axis=1))
+        held = np.concatenate([clamped[ends].all(axis=1), np.zeros(middles, dtype=bool)])
+        return cls(shell, fine, ends, number, met == 1, held)
+
+
+def shapes_of_parts(cell: str) -> Array:
+    """Shape functions of a cell at the corners of its four parts, shape (4, k, k)."""
+    kind = basix.CellType[cell]
+    X = np.array(basix.geometry(kind))
+    edges = X[np.array(basix.topology(kind)[1])].mean(axis=1)
+    at = np.concatenate([X, edges, X.mean(axis=0)[np.newaxis]])
+    return np.asarray(tabulated(cell, 1, at)[0][np.array(_PARTS[cell])])
+
+
+def areas_of(shell: Shell) -> Array:
+    """Of the points of integration, shape (m, g)."""
+    mesh = shell.own_mesh
+    rule, weights = integration(shell)
+    tangents = CellPoints.of(mesh, rule).tangents(mesh.points[mesh.cells])
+    return np.asarray(weights * np.linalg.norm(np.cross(*np.moveaxis(tangents, 2, 0)), axis=-1))
+
+
+# --- what acts ---
+
+
+def on_new_nodes(cut: Cut, frames: Array) -> Array:
+    """Force and moment on each new node, components in space, shape (new, 6).
+
+    Those of the mesh are in equilibrium: what their cells leave is what acts, supports included.
+    """
+    shell = cut.shell
+    coarse = ShellAssembly([shell])
+    rows, forces = np.empty_like(frames), coarse.room()
+    rows[coarse.order] = frames
+    coarse.reset_stress(rows)
+    coarse.add_forces(rows, forces)
+    acts = _global(frames, forces[coarse.order])
+    inner = np.ones(len(frames), dtype=bool)
+    inner[cut.ends[cut.border]] = False
+    carried = _carried(shell, len(frames))
+    per_area = np.where(inner[:, np.newaxis], acts / carried[:, np.newaxis], np.nan)
+    per_area = _beyond(shell, per_area)
+    rest = acts - per_area * carried[:, np.newaxis]
+    density = [_least(per_area[cut.ends])]
+    if len(cut.fine.frames) > len(frames) + len(cut.ends):
+        density.append(_least(per_area[shell.own_mesh.cells]))
+    fine = _carried(cut.fine, len(cut.fine.frames))[len(frames) :]
+    found = np.concatenate(density) * fine[:, np.newaxis]
+    found[np.flatnonzero(cut.border)] += _on_borders(shell, cut.ends[cut.border], rest)
+    return found
+
+
+def _on_borders(shell: Shell, ends: Indices, acts: Array) -> Array:
+    """What acts on the middles of edges (b, 2) of what acts on nodes (n, 6), shape (b, 6).
+
+    Nothing is known of corners, where two lines meet.
+    """
+    along = np.diff(shell.frames[ends, 0], axis=1)[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    share, straight = border_shares(ends, along / length[:, np.newaxis], length)
+    density = acts[ends] / share[..., np.newaxis]
+    known = straight.astype(bool)
+    density = np.where(known[..., np.newaxis], density, density[:, ::-1])
+    density[~known.any(axis=1)] = 0.0
+    return 0.5 * length[:, np.newaxis] * _least(density)
+
+
+def _least(values: Array) -> Array:
+    """The smallest of several (e, k, 6), zero where signs differ: single forces are in none."""
+    low, high = values.min(axis=1), values.max(axis=1)
+    return np.where(low > 0, low, np.where(high < 0, high, 0.0))
+
+
+def _carried(shell: Shell, count: int) -> Array:
+    """Area that each node carries, shape (count,)."""
+    mesh = shell.own_mesh
+    rule, _ = integration(shell)
+    shares = areas_of(shell) @ tabulated(mesh.cell, 1, rule)[0]
+    return np.asarray(np.bincount(mesh.cells.ravel(), shares.ravel(), minlength=count))
+
+
+def _beyond(shell: Shell, values: Array) -> Array:
+    """Values (n, 6) at all nodes, where they are not known the mean of the cells around."""
+    cells = shell.own_mesh.cells
+    known = np.isfinite(values)
+    filled = np.where(known, values, 0.0)
+    total = np.maximum(known[cells].sum(axis=1), 1)
+    mean = filled[cells].sum(axis=1) / total
+    any_known = known[cells].any(axis=1).astype(np.float64)
+    out, count = np.zeros_like(filled), np.zeros_like(filled)
+    for k in range(cells.shape[1]):
+        np.add.at(out, cells[:, k], mean * any_known)
+        np.add.at(count, cells[:, k], any_known)
+    return np.where(known, filled, out / np.maximum(count, 1.0))
+
+
+def _global(H: Array, wrench: Array) -> Array:
+    pair = wrench.reshape(-1, 2, 3)
+    return np.asarray(np.einsum("npi,nij->npj", pair, H[:, 1:]).reshape(-1, 6))

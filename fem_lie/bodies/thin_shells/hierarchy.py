@@ -1,0 +1,285 @@
+r"""Smooth patches of cells of several sizes: hierarchical splines with truncated functions.
+
+Bicubics with continuous slopes on a grid are the splines with doubled knots, and nested: a cell can
+be cut in four. Functions of a level are active at its points where all cells around are of this
+level or finer. Truncated, so that they vanish with their slopes at all points of finer levels (C.
+Giannelli, B. Jüttler & H. Speleers, CAGD 29 (2012) 485), they are those that are one in one of the
+vectors of one point and zero in all others: a surface is still given by place, slopes and mixed
+derivative at its points, of which there are ``4 (points that do not hang)`` functions, as J. Deng
+et al., Graphical Models 70 (2008) 76, count them. In the middle of an edge of a larger cell hangs
+what that edge has there (:mod:`fem_lie.elements.thin_shells.rows`).
+
+So that an edge has no end that hangs itself, cells that meet differ by one level at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices, flag, instance, text
+from fem_lie.bodies.thin_shells.joining import Joined
+from fem_lie.bodies.thin_shells.joining import joined as put_together
+from fem_lie.bodies.thin_shells.patch import SmoothPatch
+from fem_lie.bodies.thin_shells.seams import Edge, Seam
+from fem_lie.elements.thin_shells import hermite
+from fem_lie.elements.thin_shells.rows import hanging_code
+
+_Numbers = TypeVar("_Numbers", Array, Indices)
+
+_EDGES = np.array([[0, 1], [2, 3], [0, 2], [1, 3]])
+"""Corners of a cell's edges: first those along u."""
+_NEW = np.array([[0.5, 0.0], [0.5, 1.0], [0.0, 0.5], [1.0, 0.5], [0.5, 0.5]])
+"""Where points of a cell are that is cut: in the middle of its edges, and its own."""
+_QUARTERS = np.array([[0, 4, 6, 8], [4, 1, 8, 7], [6, 8, 2, 5], [8, 7, 5, 3]])
+"""Corners of its quarters among its own corners and these."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplineMesh:
+    """Cells of several levels on smooth patches, made by :func:`spline_mesh` and ``fl.refine``.
+
+    Attributes:
+        rows: Place, ∂u, ∂v and ∂u∂v of each point, those that hang too, shape (n, 4, 3).
+        cells: Corners of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
+        sizes: Along u and v, shape (m, 2).
+        levels: How often each has been cut, shape (m,).
+        quarters: Which quarter of a larger cell each is, −1 of those that were given, shape (m,).
+        parents: Corners of that larger cell, shape (m, 4).
+        cuts: Both ends of each edge that was cut, and the point in its middle, shape (c, 3).
+        edges: By name.
+        named: Corners of the patches by name.
+        groups: Cells of each patch by name.
+
+    Example:
+        >>> mesh = fl.spline_mesh(fl.smooth_patch(lambda a, b: (a, b, 0), (2, 2)))
+        >>> finer = fl.refine(mesh, [0])
+        >>> len(finer.cells), len(fl.refine(finer, [0]).cells)
+        (7, 10)
+    """
+
+    rows: Array
+    cells: Indices
+    sizes: Array
+    levels: Indices
+    quarters: Indices
+    parents: Indices
+    cuts: Indices
+    edges: dict[str, Edge]
+    named: dict[str, int]
+    groups: dict[str, Indices]
+
+    def middles(self, ends: Indices) -> Indices:
+        """Points in the middle of edges (…, 2), −1 where an edge is whole."""
+        if not len(self.cuts):
+            return np.full(ends.shape[:-1], -1)
+        known = _keys(self.cuts[:, :2], len(self.rows))
+        order = np.argsort(known)
+        wanted = _keys(ends, len(self.rows))
+        at = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
+        return np.where(known[at] == wanted, self.cuts[at, 2], -1)
+
+    def hanging(self) -> Indices:
+        """Of each point the cell on whose edge it hangs, −1 of others, shape (n,)."""
+        found = np.full(len(self.rows), -1)
+        middles = self.middles(self.cells[:, _EDGES])
+        cell, edge = np.nonzero(middles >= 0)
+        found[middles[cell, edge]] = cell
+        return found
+
+    def cut(self, marked: Indices) -> SplineMesh:
+        """Cut cells in four, and as many more as differ by more than a level from those beside."""
+        found = self
+        while len(marked):
+            found = _cut(found, marked)
+            marked = _too_large(found)
+        return found
+
+    def surface(self) -> Joined:
+        """Points that do not hang, and cells by these."""
+        hang = self.hanging() >= 0
+        own = np.arange(len(self.cells))
+        flags, cells = [], self.cells.copy()
+        for step in (1, 2):
+            corner = np.where(self.quarters < 0, 0, self.quarters) ^ step
+            flags.append((self.quarters >= 0) & hang[self.cells[own, corner]])
+            # in its stead the end of the edge
+            cells[own, corner] = np.where(flags[-1], self.parents[own, corner], cells[own, corner])
+        number = np.cumsum(~hang) - 1
+        return Joined(
+            self.rows[~hang],
+            number[cells],
+            self.sizes,
+            {name: _of_points(edge, hang, number) for name, edge in self.edges.items()},
+            {name: int(number[point]) for name, point in self.named.items()},
+            self.groups,
+            hanging_code(self.quarters, *flags),
+        )
+
+
+def spline_mesh(
+    patches: SmoothPatch | Mapping[str, SmoothPatch], *, joined: bool | None = None
+) -> SplineMesh:
+    """Patches whose cells can be cut one by one, with ``fl.refine`` or ``fl.adapt``.
+
+    Whatever is cut, the surface is the same: it is that of the patches, exactly.
+
+    Args:
+        patches: One, or several by names, as for a :class:`~fem_lie.ThinShell`.
+        joined: Whether edges that lie on each other are one, as smooth surfaces go on; default:
+            those of several patches.
+
+    Raises:
+        ValueError: There is no patch, parametrisations of edges that are to be one do not agree, or
+            a patch that is closed on itself has only two cells around.
+        TypeError: An argument is of another kind than wanted.
+    """
+    if isinstance(patches, SplineMesh):
+        raise TypeError("spline_mesh: patches must be SmoothPatches, got a SplineMesh")
+    surface = surface_of(patches, joined, (), "spline_mesh")
+    _check_edges(surface.corners, len(surface.rows))
+    m = len(surface.corners)
+    return SplineMesh(
+        surface.rows,
+        surface.corners,
+        surface.sizes,
+        np.zeros(m, dtype=np.int64),
+        np.full(m, -1),
+        np.full((m, 4), -1),
+        np.empty((0, 3), dtype=np.int64),
+        surface.edges,
+        surface.named,
+        surface.groups,
+    )
+
+
+def _check_edges(cells: Indices, count: int) -> None:
+    """Two ends must say which edge is meant; it is the upper one of one cell, at most."""
+    for first, second in (_EDGES[:2], _EDGES[2:]):
+        for ends in (first, second):
+            keys = _keys(cells[:, ends], count)
+            if len(np.unique(keys)) < len(keys):
+                raise ValueError(
+                    "two edges of cells have the same ends: a spline mesh that is closed on itself "
+                    "needs three cells around, or more"
+                )
+
+
+def _keys(ends: Indices, count: int) -> Indices:
+    return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
+
+
+def _too_large(mesh: SplineMesh) -> Indices:
+    """Cells with an edge that is cut twice, or on which a corner of a smaller quarter hangs."""
+    ends = mesh.cells[:, _EDGES]
+    middle = mesh.middles(ends)
+    halves = np.stack([ends, np.broadcast_to(middle[..., np.newaxis], ends.shape)], axis=-1)
+    twice = (middle >= 0) & (mesh.middles(halves) >= 0).any(axis=-1)
+    hanging = mesh.hanging()
+    quarter = mesh.quarters >= 0
+    at_own = hanging[mesh.cells[quarter, mesh.quarters[quarter]]]
+    return np.unique(np.concatenate([np.flatnonzero(twice.any(axis=1)), at_own[at_own >= 0]]))
+
+
+def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
+    """Cut cells in four, and none beside them."""
+    points, rows, cuts = _with_middles(mesh, marked)
+    corners, pieces = mesh.cells[marked], np.tile(np.arange(4), len(marked))
+    kept = np.delete(np.arange(len(mesh.cells)), marked)
+    parents = np.concatenate([kept, np.repeat(marked, 4)])
+    order = np.argsort(parents, kind="stable")
+    parents = parents[order]
+
+    def joined(old: _Numbers, new: _Numbers) -> _Numbers:
+        return np.concatenate([old[kept], new])[order]
+
+    cells = joined(mesh.cells, points[:, _QUARTERS].reshape(-1, 4))
+    return SplineMesh(
+        rows,
+        cells,
+        joined(mesh.sizes, np.repeat(0.5 * mesh.sizes[marked], 4, axis=0)),
+        joined(mesh.levels, np.repeat(mesh.levels[marked] + 1, 4)),
+        joined(mesh.quarters, pieces),
+        joined(mesh.parents, np.repeat(corners, 4, axis=0)),
+        cuts,
+        {name: _of_quarters(edge, cells, parents) for name, edge in mesh.edges.items()},
+        mesh.named,
+        {name: np.flatnonzero(np.isin(parents, own)) for name, own in mesh.groups.items()},
+    )
+
+
+def _with_middles(mesh: SplineMesh, marked: Indices) -> tuple[Indices, Array, Indices]:
+    """Corners of cells and the points of :data:`_NEW` (c, 9); rows of all points; all cut edges."""
+    n, corners = len(mesh.rows), mesh.cells[marked]
+    ends = corners[:, _EDGES]
+    before = mesh.middles(ends).ravel()
+    _, first, same = np.unique(_keys(ends, n), return_index=True, return_inverse=True)
+    fresh = before[first] < 0
+    number = np.where(fresh, n + np.cumsum(fresh) - 1, before[first])
+    inner = n + int(fresh.sum()) + np.arange(len(marked))
+    points = np.column_stack([corners, number[same].reshape(-1, 4), inner])
+    rows = np.concatenate([mesh.rows, np.empty((int(fresh.sum()) + len(marked), 4, 3))])
+    # cells on both sides of an edge find the same
+    rows[points[:, 4:]] = _between(mesh.rows[corners], mesh.sizes[marked])
+    cuts = np.column_stack([ends.reshape(-1, 2)[first[fresh]], number[fresh]])
+    return points, rows, np.concatenate([mesh.cuts, cuts])
+
+
+def _between(corners: Array, sizes: Array) -> Array:
+    """Rows of the points of :data:`_NEW` in cells with rows (c, 4, 4, 3), shape (c, 5, 4, 3)."""
+    ones = np.ones(len(sizes))
+    scales = np.column_stack([ones, sizes, sizes.prod(axis=1)])[:, np.newaxis, :, np.newaxis]
+    orders = [hermite.VALUE, hermite.ALONG, hermite.ACROSS, hermite.TWISTED]
+    table = hermite.table(_NEW)[:, orders]
+    vectors = (corners * scales).reshape(len(sizes), -1, 3)
+    return np.asarray(np.einsum("gka,caj->cgkj", table, vectors) / scales)
+
+
+def _of_quarters(edge: Edge, cells: Indices, parents: Indices) -> Edge:
+    """An edge whose cells have been cut: the quarters that lie on it, one after the other."""
+    start, step = (edge.side, 2) if edge.along else (2 * edge.side, 1)
+    first = np.searchsorted(parents, edge.cells)
+    whole = np.searchsorted(parents, edge.cells, "right") - first == 1
+    both = np.column_stack([first + np.where(whole, 0, start), first + start + step])
+    found = both[np.column_stack([np.ones(len(whole), dtype=np.bool_), ~whole])]
+    points = np.append(cells[found[:1], start], cells[found, start + step])
+    return Edge(points, edge.along, found, edge.side)
+
+
+def _of_points(edge: Edge, hang: Flags, number: Indices) -> Edge:
+    return edge._replace(points=number[edge.points[~hang[edge.points]]])
+
+
+def surface_of(
+    patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
+    joined: bool | None,
+    seams: Sequence[Seam],
+    label: str,
+) -> Joined:
+    """Points and cells of what a body is put on.
+
+    Raises:
+        ValueError: There is no patch, they do not agree, or seams are given beside a spline mesh.
+        TypeError: It is nothing of the kind.
+    """
+    known = "a SmoothPatch, a dict of them by names, or a SplineMesh"
+    instance(patches, SmoothPatch | Mapping | SplineMesh, f"{label}: patches", known)
+    if joined is not None:
+        flag(joined, f"{label}: joined")
+    if isinstance(patches, SplineMesh):
+        if joined is not None or len(seams):
+            raise ValueError(
+                f"{label} is on a SplineMesh, which says what is joined: leave out joined and seams"
+            )
+        return patches.surface()
+    given = {"": patches} if isinstance(patches, SmoothPatch) else dict(patches)
+    if not given:
+        raise ValueError(f"{label} needs at least one patch, got none")
+    for key, patch in given.items():
+        text(key, f"{label}: the name of a patch")
+        instance(patch, SmoothPatch, f"{label}: patch {key!r}", "a SmoothPatch")
+    one = len(given) > 1 if joined is None else joined
+    return put_together(given, one=one, label=label, seams=seams)

@@ -1,0 +1,1 @@
+"""Subdomains: cells and joints divided among ranks, and the equations of their interface."""

@@ -1,0 +1,279 @@
+"""Each rank eliminates the inside of its domain; BDDC or FETI-DP solve for the interface.
+
+What is left of a domain is a dense matrix ``S = K_ΓΓ − K_ΓI K_II⁻¹ K_IΓ`` on its interface, joints
+within it included. The sum over domains is never made: PETSc's ``MATIS`` has the parts, of which
+``PCBDDC`` makes a preconditioner with deluxe scaling and primal unknowns that it chooses by
+eigenvalues (S. Zampini, SIAM J. Sci. Comput. 38 (2016) S282). It is made of their symmetric parts,
+while the iteration is with ``S`` as it is: by conjugate gradients
+or, if it is not symmetric, GMRES.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any, NamedTuple, Protocol
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array
+from fem_lie.linear.domains.part import Part
+from fem_lie.ranks.together import meet
+
+SYMMETRIC = 1e-10
+"""What may be asymmetric of a matrix that counts as symmetric, over its largest entry."""
+
+FLOOR = 1e-9
+"""Least eigenvalue of a domain's matrix in the preconditioner, over its largest.
+
+With 1e-11 round-off in what BDDC makes of its inverse makes that indefinite."""
+
+TOLERANCE = 1e-8
+"""Of an iteration, of the preconditioned residual over that at its start."""
+
+MOST = 300
+"""Iterations, after which a solution is given up."""
+
+_log = logging.getLogger(__name__)
+
+
+class Values(Protocol):
+    """How the matrix is scaled, see :class:`~fem_lie.linear.equilibrated.Equilibrated`."""
+
+    @property
+    def csr(self) -> tuple[Array, Any, Any]:
+        """Values, columns, row pointers."""
+
+    @property
+    def left(self) -> Array:
+        """Of rows."""
+
+    @property
+    def right(self) -> Array:
+        """Of columns."""
+
+
+class Way(NamedTuple):
+    """How an interface is solved for.
+
+    Attributes:
+        name: For messages.
+        krylov: PETSc's iteration, ``None`` for the one that suits the matrix.
+        bddc: Prefix of the options of BDDC in those of the iteration.
+        options: Of PETSc, unless they are given, by names after ``bddc``.
+    """
+
+    name: str
+    krylov: str | None
+    bddc: str
+    options: dict[str, object]
+
+
+ADAPTIVE: dict[str, object] = {
+    "pc_bddc_use_deluxe_scaling": True,
+    "pc_bddc_adaptive_threshold": 3.0,
+}
+
+WAYS = {
+    "bddc": Way("BDDC", None, "", ADAPTIVE),
+    "fetidp": Way(
+        "FETI-DP", "fetidp", "fetidp_bddc_", {**ADAPTIVE, "pc_bddc_deluxe_singlemat": True}
+    ),
+}
+"""By the name that the option ``domains`` has for it."""
+
+
+class Interface:
+    """A preconditioner of PETSc that solves, with all ranks together."""
+
+    def __init__(self, part: Part, own: Values, prefix: str, way: str) -> None:
+        """Find out where entries come from.
+
+        Args:
+            part: This rank's.
+            own: The scaled matrix of which it is a part.
+            prefix: Of PETSc's options; those of the iteration have ``interface_`` after it.
+            way: Of :data:`WAYS`.
+        """
+        self._part, self._own, self._way = part, own, WAYS[way]
+        self._prefix = f"{prefix}interface_"
+        self.ksp: PETSc.KSP | None = None
+        numbers = PETSc.LGMap().create(part.at.astype(np.int32), comm=PETSc.COMM_WORLD)
+        self._numbers = numbers
+
+    # --- matrices ---
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Eliminate, and make the preconditioner of what is left.
+
+        Raises:
+            ArithmeticError: The inside of a domain is singular.
+            PETSc.Error: The interface is.
+        """
+        meet("subdomains")
+        S = self._eliminated()
+        symmetric, world = 0.5 * (S + S.T), MPI.COMM_WORLD
+        both = np.array([np.abs(S - symmetric).max(initial=0.0), np.abs(S).max(initial=0.0)])
+        world.Allreduce(MPI.IN_PLACE, both, op=MPI.MAX)
+        of_motion = both[0] > SYMMETRIC * both[1]
+        self._drop()
+        self._P = self._summed(_positive(symmetric), symmetric=True)
+        self._P.setNearNullSpace(self._rigid_motions())
+        # FETI-DP takes its operator from the matrix of BDDC
+        self._A = self._summed(S if of_motion else symmetric, symmetric=not of_motion)
+        self._b, self._x = self._A.createVecs()
+        self.ksp = self._solver(self._way.krylov or ("gmres" if of_motion else "cg"))
+        self.ksp.setUp()
+        self._part.made += 1
+        told = self._way.name, world.size, self._part.size
+        _log.info("%s on %d subdomains, %d unknowns on interfaces", *told)
+
+    def _drop(self) -> None:
+        """What is there of a matrix before; all ranks together."""
+        if self.ksp is not None:
+            self.ksp.destroy()
+            self._A.destroy()
+            self._P.destroy()
+            PETSc.garbage_cleanup(PETSc.COMM_WORLD)
+
+    def _eliminated(self) -> Array:
+        """The dense matrix of the domain's interface."""
+        part, (_, columns, pointers) = self._part, self._own.csr
+        n = len(self._own.left)
+        K = sp.csr_matrix((part.values, columns, pointers), shape=(n, n))
+        own = np.concatenate([part.inside, part.interface])
+        K = sp.diags(self._own.left[own]) @ K[own][:, own] @ sp.diags(self._own.right[own])
+        count = len(part.inside)
+        inside, self._to = K[:count][:, :count], K[:count][:, count:].tocsr()
+        self._fro = K[count:][:, :count].tocsr()
+        direct = _factorised(inside.tocsr())
+        if MPI.COMM_WORLD.allreduce(direct is None, op=MPI.LOR) or direct is None:
+            raise ArithmeticError("the inside of a subdomain is singular")
+        self._direct = direct
+        self._y, self._z = self._direct.getOperators()[0].createVecs()
+        S: Array = K[count:][:, count:].toarray()
+        for k in range(S.shape[1]):
+            S[:, k] -= self._fro @ self._within(self._to[:, k].toarray().ravel())
+        return S
+
+    def _within(self, b: Array) -> Array:
+        """``K_II⁻¹ b``."""
+        if not len(b):
+            return b
+        self._y.array[:] = b
+        self._direct.solve(self._y, self._z)
+        return np.asarray(self._z.array).copy()
+
+    def _summed(self, S: Array, *, symmetric: bool) -> PETSc.Mat:
+        """The sum over domains, in parts."""
+        count = S.shape[0]
+        pointers = np.arange(count + 1, dtype=PETSc.IntType) * count
+        columns = np.tile(np.arange(count, dtype=PETSc.IntType), count)
+        local = PETSc.Mat().createAIJ(
+            (count, count), csr=(pointers, columns, S.ravel()), comm=PETSc.COMM_SELF
+        )
+        world, size = MPI.COMM_WORLD, self._part.size
+        rows = (world.rank + 1) * size // world.size - world.rank * size // world.size
+        A = PETSc.Mat().create(PETSc.COMM_WORLD)
+        A.setSizes(((rows, size),) * 2)
+        A.setType("is")
+        A.setLGMap(self._numbers, self._numbers)
+        A.setISLocalMat(local)
+        A.assemble()
+        if symmetric:
+            A.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            A.setOption(PETSc.Mat.Option.SPD, True)
+        return A
+
+    def _rigid_motions(self) -> PETSc.NullSpace:
+        """Of the interface, in the scaled unknowns, orthonormal."""
+        scaled = np.array(self._part.motions) / self._own.right[self._part.interfaces]
+        first, end = self._P.getOwnershipRange()
+        vectors = []
+        for motion in np.linalg.qr(scaled.T)[0].T:
+            vectors.append(self._P.createVecRight())
+            vectors[-1].array[:] = motion[first:end]
+        return PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_WORLD)
+
+    def _solver(self, krylov: str) -> PETSc.KSP:
+        """The iteration, with its options."""
+        ksp = PETSc.KSP().create(PETSc.COMM_WORLD)
+        ksp.setOptionsPrefix(self._prefix)
+        ksp.setOperators(self._P if krylov == "fetidp" else self._A, self._P)
+        ksp.setType(krylov)
+        if krylov != "fetidp":
+            ksp.getPC().setType("bddc")
+        else:
+            _default(self._prefix, {"fetidp_ksp_type": "cg"})
+        if krylov == "gmres":
+            ksp.setGMRESRestart(MOST)
+        _default(self._prefix + self._way.bddc, self._way.options)
+        ksp.setTolerances(rtol=TOLERANCE, max_it=MOST)
+        ksp.setFromOptions()
+        return ksp
+
+    # --- solutions ---
+
+    def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Solve, with the same numbers on all ranks."""
+        assert self.ksp is not None
+        part, given, world = self._part, b.array_r, MPI.COMM_WORLD
+        own = self._within(given[part.inside])
+        left = np.zeros(part.size)
+        left[part.at] = self._fro @ own
+        world.Allreduce(MPI.IN_PLACE, left)
+        first, end = self._b.getOwnershipRange()
+        self._b.array[:] = (given[part.interfaces] - left)[first:end]
+        self.ksp.solve(self._b, self._x)
+        self._count()
+        found = np.zeros(part.size)
+        counts = world.allgather(end - first)
+        world.Allgatherv(np.asarray(self._x.array), (found, counts))
+        whole = np.zeros(len(given))
+        whole[part.inside] = own - self._within(self._to @ found[part.at])
+        world.Allreduce(MPI.IN_PLACE, whole)
+        whole[part.interfaces] = found
+        whole[part.held] = given[part.held]
+        x.array[:] = whole
+
+    def _count(self) -> None:
+        assert self.ksp is not None
+        took, reason = self.ksp.getIterationNumber(), self.ksp.getConvergedReason()
+        self._part.iterations += took
+        self._part.solutions += 1
+        _log.debug("%s on %d subdomains: %d iterations", self._way.name, MPI.COMM_WORLD.size, took)
+        if reason <= 0:  # the solver measures the residual, the iteration around it what is left
+            _log.info("%s has not converged: %d iterations", self._way.name, took)
+
+
+def _positive(S: Array) -> Array:
+    """With no eigenvalue below :data:`FLOOR`: a domain that floats has zeros."""
+    values, vectors = np.linalg.eigh(S)
+    least = FLOOR * np.abs(values).max(initial=0.0)
+    return np.asarray((vectors * np.maximum(values, least)) @ vectors.T)
+
+
+def _factorised(inside: sp.csr_matrix) -> PETSc.KSP | None:
+    """The inside of a domain, with its joints; ``None`` if it is singular."""
+    pattern = inside.indptr.astype(PETSc.IntType), inside.indices.astype(PETSc.IntType)
+    matrix = PETSc.Mat().createAIJ(inside.shape, csr=(*pattern, inside.data), comm=PETSc.COMM_SELF)
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setOperators(matrix)
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    ksp.getPC().setType(PETSc.PC.Type.LU)
+    ksp.getPC().setFactorSolverType("umfpack")
+    try:
+        ksp.setUp()
+    except PETSc.Error:
+        return None
+    return ksp
+
+
+def _default(prefix: str, options: dict[str, object]) -> None:
+    given = PETSc.Options(prefix)
+    for name, value in options.items():
+        if name not in given:
+            given[name] = value

@@ -1,0 +1,235 @@
+"""A motion in which regions that are quiet move with one frame each, and are split when they stir.
+
+A region keeps the deformation that it has when it is merged, with the energy of that; its nodes
+follow one of them rigidly. Which nodes need frames of their own is asked now and then, see
+:mod:`.looking`: a stretch counts up to where no merged node stirs, and the next one has those that
+do free. Merging projects velocities by mass, which keeps both momenta; what it would take of the
+kinetic energy is bounded, and nodes wait until they have been quiet for a while.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags, Indices, instance, positive
+from fem_lie.adapt.following.transfer import Transferred
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.reduce.regions.looking import Looking
+from fem_lie.reduce.regions.motion import MergedMotion, RegionStretch
+from fem_lie.results.history import Result
+from fem_lie.scene import Scene
+from fem_lie.scene.scene import Began, require_scene
+from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
+from fem_lie.solve.motion.integrator import Integrator
+from fem_lie.system.equations import Equations
+
+_QUIET = 0.1  # of the tolerance: what splits a region is larger than what lets it merge again
+_AHEAD = 2.0  # stretches
+_INSTANTS = 5  # at which loads are asked for between two looks
+_LONGEST = 16  # of the shortest stretches, while nothing changes
+_WAITING = 5  # shortest stretches for which what is merged has been quiet
+_TRIES = 20  # for one stretch
+_PART = 0.1  # of what is left of that, for one merging
+_LOST = 1e-8  # of the kinetic energy: what all mergings together may take of it
+
+
+class _State(NamedTuple):
+    """Where a stretch begins: frames and twists of all nodes."""
+
+    time: float
+    frames: Array
+    twists: Array
+
+
+def merged_motion(
+    build: Callable[[], Scene],
+    *,
+    duration: float,
+    step: float,
+    every: float,
+    tolerance: float,
+    scheme: Integrator | None = None,
+) -> MergedMotion:
+    """Integrate with frames of quiet regions merged.
+
+    Args:
+        build: Makes the scene, each time anew: bodies whose nodes are frames, without joints.
+        duration: End time.
+        step: Of time.
+        every: Shortest time between two changes, a multiple of the step.
+        tolerance: How far a merged node may go elsewhere within two such times, a length.
+        scheme: Default: ``GeneralisedAlpha()``.
+
+    Raises:
+        ValueError: The scene has joints, contacts or nodes that are no frames.
+        ConvergenceError: A stretch failed.
+    """
+    instance(build, Callable, "build", "a function that makes a Scene")
+    instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
+    for value, what in ((duration, "duration"), (step, "step"), (every, "every")):
+        positive(value, what)
+    positive(tolerance, "tolerance")
+    if abs(every / step - max(1, round(every / step))) > 1e-9:
+        raise ValueError(f"every must be a multiple of the step {step!r}, got {every!r}")
+    run = _Run(build, step, every, tolerance, GeneralisedAlpha() if scheme is None else scheme)
+    return run.until(duration)
+
+
+class _Run:
+    """One motion."""
+
+    def __init__(
+        self,
+        build: Callable[[], Scene],
+        step: float,
+        every: float,
+        tolerance: float,
+        scheme: Integrator,
+    ) -> None:
+        """Nothing has moved yet."""
+        self._build, self._scheme, self._step = build, scheme, step
+        self._every, self._tolerance = every, tolerance
+        self._whole = _whole(build())
+        self._again, self._lost = 0, 0.0
+
+    def until(self, duration: float) -> MergedMotion:
+        """From the beginning."""
+        whole, start = self._whole, self._whole.start
+        attachment = whole.system.numbering.attachment
+        frames, twists = attachment.frames(start.frames), attachment.twists(start.velocities)
+        look = self._looking(_State(whole.scene.began.time, frames, twists))
+        end, span = look.state.time + duration, self._every
+        active = look.active(self._tolerance)
+        stretches: list[RegionStretch] = []
+        while end - look.state.time > 0.5 * self._step:
+            found = self._quiet(look, active, min(span, end - look.state.time))
+            root = look.merged(found.active)
+            stretches.append(_stretch(found, root, look.state.time, stretches))
+            look, merged = found.look, not active.any()
+            active = self._next(found)
+            longer = min(2.0 * span, _LONGEST * self._every)
+            span = longer if merged and not active.any() else _WAITING * self._every
+        return MergedMotion(tuple(stretches), whole.unknowns.moving, self._again)
+
+    def _quiet(self, look: _Look, active: Flags, span: float) -> _Found:
+        """A stretch in which no merged node stirs, as far as there is none."""
+        for _ in range(_TRIES):
+            root = look.merged(active)
+            result = self._moved(look, root, span)
+            found = self._quiet_part(look, result, root, active)
+            if found.rows:
+                return found
+            active, span = active | found.stirs, self._every
+            self._again += 1
+        raise ConvergenceError(f"no regions are quiet after time {look.state.time:g}")
+
+    def _quiet_part(self, look: _Look, result: Result, root: Indices, active: Flags) -> _Found:
+        """Up to the last look at which nothing merged has stirred."""
+        found = _Found(result, 0, look, active, np.ones_like(active), np.zeros_like(active))
+        every, last = round(self._every / self._step), len(result.times) - 1
+        for row in [*range(every, last, every), last]:
+            time = look.state.time + float(result.times[row])
+            state = _State(time, result.frames[row], result.velocities[row])
+            after = self._looking(state)
+            stirred = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
+            if stirred.any():
+                return found._replace(stirs=after.beside(stirred))
+            if active.any():
+                found = found._replace(calm=found.calm & ~after.active(_QUIET * self._tolerance))
+            found = found._replace(rows=row, look=after)
+        return found
+
+    def _next(self, found: _Found) -> Flags:
+        """Which nodes have frames of their own from now on."""
+        look, active = found.look, found.active
+        needed = look.active(self._tolerance) | found.stirs
+        if found.rows * self._step < (_WAITING - 0.5) * self._every:
+            return needed | active
+        fewer = needed | (active & ~found.calm)
+        _, lost = look.projected(look.merged(fewer))
+        if lost > _PART * (_LOST - self._lost) * look.kinetic:
+            return needed | active
+        self._lost += lost / look.kinetic if lost > 0.0 else 0.0
+        return fewer
+
+    def _looking(self, state: _State) -> _Look:
+        return _Look(self._whole, state, self._every)
+
+    def _moved(self, look: _Look, root: Indices, span: float) -> Result:
+        """From a state on, with merged frames."""
+        scene, unknowns = self._build(), self._whole.unknowns
+        attachment = self._whole.system.numbering.attachment
+        twists = attachment.twists(look.projected(root)[0])
+        leaders = unknowns.leaders[root[attachment.leader]]
+        for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
+            place = np.full(unknowns.total, -1)
+            place[nodes] = np.arange(len(nodes))
+            body.leaders = place[leaders[nodes]]
+            body.begins_at = look.state.frames[nodes]
+            body.velocities[:] = twists[nodes]
+        scene.began = Began(look.state.time)
+        return self._scheme.run(scene, duration=span, step=self._step, progress=False)
+
+
+class _Look(Looking):
+    """With the state that is looked at."""
+
+    def __init__(self, whole: Equations, state: _State, every: float) -> None:
+        """See the base class; loads are those until the next look."""
+        times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
+        super().__init__(whole, state.frames, state.twists, times, _AHEAD * every)
+        self.state = state
+
+
+class _Found(NamedTuple):
+    """The quiet part of a stretch.
+
+    Attributes:
+        result: Of all of it.
+        rows: Its last state in this part; 0: there is none.
+        look: At that.
+        active: Which nodes had frames of their own.
+        calm: Which have been quiet at all looks.
+        stirs: Merged ones that stirred behind it, and those beside them.
+    """
+
+    result: Result
+    rows: int
+    look: _Look
+    active: Flags
+    calm: Flags
+    stirs: Flags
+
+
+def _stretch(
+    found: _Found, root: Indices, begin: float, before: Sequence[RegionStretch]
+) -> RegionStretch:
+    """With what the change did at its begin."""
+    change, result = None, found.result
+    if before:
+        last, row = before[-1].result, before[-1].rows
+        change = Transferred(
+            (float(last.kinetic[row]), float(result.kinetic[0])),
+            (float(last.elastic[row]), float(result.elastic[0])),
+            np.array([last.momentum[row], result.momentum[0]]),
+            np.array([last.angular_momentum[row], result.angular_momentum[0]]),
+        )
+    return RegionStretch(begin, result, found.rows, len(np.unique(root)), change)
+
+
+def _whole(scene: Scene) -> Equations:
+    """Equations without merged frames, or ``ValueError``."""
+    require_scene(scene)
+    equations = Equations(scene, dynamics=True)
+    unknowns = equations.unknowns
+    if unknowns.m or scene.contacts or unknowns.floating:
+        raise ValueError("frames are merged in scenes without joints, contacts and reduced bodies")
+    if any(body.node_kind is not NodeKind.FRAME for body in scene.bodies):
+        raise ValueError("frames are merged, and nodes of some bodies are none")
+    if equations.supports or scene.motions:
+        raise ValueError("frames are merged in scenes without prescribed motions and turned axes")
+    return equations

@@ -1,0 +1,113 @@
+r"""Energy-conserving sampling and weighting: few cells whose weighted forces are those of all.
+
+What all cells do in the shapes, ``Σ_e Φᵀ Tᵀ f_e``, is wanted in some states of training from few
+of them, ``Σ_e ξ_e Φᵀ Tᵀ f_e`` with weights ``ξ ≥ 0``. Such forces are the gradient of the energy
+``Σ_e ξ_e W_e``, so that the matrix stays symmetric. Forces are compared by the energy that they
+would store at rest, and each state counts alike. That is a least-squares problem with bounds, of
+which a vertex is wanted: of the singular vectors of the training as few are taken as the tolerance
+allows, and as many cells at most have weights then.
+
+C. Farhat, P. Avery, T. Chapman & J. Cortial, Int. J. Numer. Meth. Engng 98 (2014) 625, by the
+singular vectors of J. A. Hernández, M. A. Caicedo & A. Ferrer, CMAME 313 (2017) 687.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from fem_lie._arrays import Array, Indices, instance, positive
+from fem_lie.reduce.basis import Basis, Reduced
+from fem_lie.reduce.sampling.cells_in_shapes import CellsInShapes
+
+_ROUND_OFF = 1e-12
+
+
+class CellSample(NamedTuple):
+    """Cells that stand for all in few shapes.
+
+    Attributes:
+        basis: The shapes.
+        cells: Numbers of the cells, increasing, shape (s,).
+        weights: Factors of their energies, positive, shape (s,).
+        error: Of the forces of training, relative.
+    """
+
+    basis: Basis
+    cells: Indices
+    weights: Array
+    error: float
+
+    def in_shapes(self) -> CellsInShapes:
+        """Energy, forces and matrix of these cells."""
+        return CellsInShapes(self.basis, self.cells, self.weights)
+
+
+def ecsw(states: Reduced, tolerance: float) -> CellSample:
+    """Few cells, and weights that are not negative, with the forces of all in states of training.
+
+    Example:
+        >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
+        >>> scene, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
+        >>> beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=40))
+        >>> clamp = scene.add(fl.Clamp(beam.start))
+        >>> load = scene.add(fl.PointLoad(beam.end, force=(0, 0, 800)))
+        >>> trained = fl.statics(scene, levels=(0.4, 0.8, 1.2))
+        >>> basis = fl.pod(trained, beam, 2, axes=fl.FixedAxes())
+        >>> sample = fl.ecsw(basis.project(trained, axes=fl.FixedAxes()), 1e-3)
+        >>> len(sample.cells) <= 6, sample.error <= 1e-3
+        (True, True)
+        >>> float(fl.sampled_statics(scene, sample).frames[-1, -1, 0, 2].round(2))
+        0.1
+
+    Args:
+        states: Of training, in the shapes: ``basis.project(result)``.
+        tolerance: Of the forces of training, relative, below 1.
+
+    Raises:
+        ValueError: The body has no cells that can be taken one by one, nothing is strained, or the
+            tolerance is beyond round-off.
+    """
+    instance(states, Reduced, "states", "states in few shapes, of basis.project(result)")
+    if positive(tolerance, "tolerance") >= 1.0:
+        raise ValueError(f"tolerance must be below 1, got {tolerance!r}")
+    basis = states.basis
+    count = len(basis.body.elastic_cells)
+    forces = forces_of_training(CellsInShapes(basis, np.arange(count), np.ones(count)), states)
+    left, sizes, right = np.linalg.svd(forces, full_matrices=False)
+    wanted = forces.sum(axis=1)
+    for rank in range(1, int((sizes > _ROUND_OFF * sizes[0]).sum()) + 1):
+        rows = sizes[:rank, np.newaxis] * right[:rank]
+        weights, _ = scipy.optimize.nnls(rows, left[:, :rank].T @ wanted)
+        error = np.linalg.norm(forces @ weights - wanted) / np.linalg.norm(wanted)
+        if error <= tolerance:
+            cells = np.flatnonzero(weights)
+            return CellSample(basis, cells, weights[cells], float(error))
+    raise ValueError(f"no weights have an error of {tolerance:g}: give a larger tolerance")
+
+
+def forces_of_training(cells: CellsInShapes, states: Reduced) -> Array:
+    """Forces of each cell in all shapes and states, in units of energy at rest, (k m, s).
+
+    Those of each state are over the norm of their sum; states without strain are left out.
+    """
+    _, stiffness = cells.forces_and_matrix(np.zeros(len(states.basis)))
+    try:
+        root = np.linalg.cholesky(stiffness)
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            "the shapes have rigid motions, which no cell resists: leave them out"
+        ) from None
+    found = [
+        scipy.linalg.solve_triangular(root, cells.of_each(each).T, lower=True)
+        for each in states.coordinates
+    ]
+    sizes = [float(np.linalg.norm(each.sum(axis=1))) for each in found]
+    most = max(sizes, default=0.0)
+    some = [f / size for f, size in zip(found, sizes, strict=True) if size > _ROUND_OFF * most]
+    if not some:
+        raise ValueError("states of training must have strain: there are no forces in any of them")
+    return np.concatenate(some)

@@ -1,0 +1,156 @@
+"""Places at the end of a step: forces that part what overlaps and hold what sticks."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem_lie import lie
+from fem_lie._arrays import Array
+from fem_lie.solve.alpha.ends import coupled_cones
+from fem_lie.solve.alpha.ends.coupled_bodies import CoupledBodies
+from fem_lie.solve.alpha.ends.coupled_bounds import Chosen
+from fem_lie.solve.alpha.step.nodes import State
+
+TOLERANCE, _ROUGH = 1e-9, 1e-6
+"""Residual of the cones, and that with which positions begin."""
+
+_EXACT, _ITERATIONS, _ANEW = 1e-14, 30, 2
+"""Part of the model's length by which places still change at the end; iterations at most, and in
+how many of the first ones rows of forces are taken anew."""
+
+_SMALL = 1e-12
+"""Part of the model's length below which places are known to round-off alone."""
+
+
+class Aims(NamedTuple):
+    """Where contacts are to be at the end.
+
+    Attributes:
+        gaps: Least ones, shape (k,).
+        slides: How far they slide after they meet if nothing rubs, shape (k, 2).
+    """
+
+    gaps: Array
+    slides: Array
+
+
+class Moved(NamedTuple):
+    """Where contacts move the end of a step.
+
+    Attributes:
+        H: Frames of all rows.
+        d: By which increments, in the nodes' axes, shape (6 n,).
+        r: Forces of contacts, shape (k, 3).
+        rows: There, shape (3 k, 6 rows).
+        pushes: Rows of forces, shape (3 k, 6 n).
+        carried: By joints, forces of them, shape (m,).
+        slips: How far contacts slide, shape (k, 2).
+        sweeps: Over all cones.
+        residual: What is left of these.
+    """
+
+    H: Array
+    d: Array
+    r: Array
+    rows: Array
+    pushes: Array
+    carried: Array
+    slips: Array
+    sweeps: int
+    residual: float
+
+
+class CoupledPlaces(CoupledBodies):
+    """Bodies whose contacts move the end of a step."""
+
+    def begin(self, H: Array, v: Array, time: float) -> None:
+        """Remember where a step begins.
+
+        Args:
+            H: Frames of all rows.
+            v: Twists of the moving nodes, shape (n, 6).
+            time: Of the start.
+        """
+        self._H0, self._V0 = H.copy(), self._all_rows(v, time)
+        speeds = np.linalg.norm(self._V0.reshape(-1, 2, 3), axis=2)
+        far = self._h * float(speeds[:, 0].max() + self.near.arm * speeds[:, 1].max())
+        self.near.update(H, far)
+
+    def _slips(self, chosen: Chosen, H: Array, B: Array, glide: Array) -> Array:
+        """How far contacts slide in the step, of those that meet after it, shape (k, 2)."""
+        nodes = np.flatnonzero(chosen.before.reshape(-1, self._rows, 6).any(axis=(0, 2)))
+        first, last = (lie.rotation(each[nodes]) for each in (self._H0, H))
+        apart = (H[nodes, 0] - self._H0[nodes, 0])[:, :, np.newaxis]
+        turned = lie.so3_log(np.swapaxes(first, 1, 2) @ last)
+        total = np.zeros((3 * len(chosen.pairs),))
+        for rows, R in ((chosen.before, first), (B, last)):
+            d = np.zeros((self._rows, 6))
+            d[nodes, :3] = (np.swapaxes(R, 1, 2) @ apart)[:, :, 0]
+            d[nodes, 3:] = turned
+            total += 0.5 * rows @ d.ravel()
+        return np.where(chosen.closed[:, np.newaxis], total.reshape(-1, 3)[:, 1:], glide)
+
+    def part(self, chosen: Chosen, s: State, end: Array, aims: Aims, r: Array) -> Moved:
+        """Part what overlaps, and hold what sticks.
+
+        Args:
+            chosen: Contacts that take part.
+            s: Of the run.
+            end: Frames of all rows without contacts.
+            aims: Of the contacts.
+            r: Forces that may be near, shape (k, 3).
+        """
+        if self._kept is None:
+            self._impulses.go_to(end)
+        H, sweeps, before = end, 0, np.inf
+        d: Array = np.zeros(6 * self._n)
+        joints: Array = np.zeros(6 * self._n)
+        pull: Array = np.zeros(r.size)
+        forces: Array = np.zeros(r.size)
+        first = self._turned(chosen.before, self._H0, end)
+        closed = np.repeat(chosen.closed, 3)[:, np.newaxis]
+        for iteration in range(_ITERATIONS):
+            B = self._rows_of(H, chosen.pairs, chosen.axis)
+            here = self._turned(B, H, end)
+            own = self._own(here)
+            if iteration < _ANEW:
+                pushes = self._own(np.where(closed, 0.5 * (first + here), here))
+                Z, carried = self._pushed(pushes.T)
+            problem = coupled_cones.cones_of(own @ Z, chosen.friction)
+            if self._m:
+                more = self._closed(H)
+                joints += more
+                pull = own @ more
+            glide = aims.slides + (own @ d).reshape(-1, 3)[:, 1:]
+            problem.q[:, 0] = self._gaps(H)[chosen.pairs] - aims.gaps
+            problem.q[:, 1:] = self._slips(chosen, H, B, glide)
+            problem.q[:] += (pull - problem.dense.A @ forces).reshape(-1, 3)
+            problem.r[:], problem.speed[0] = r, _SMALL * self._length
+            more_sweeps, residual = coupled_cones.solve(problem, TOLERANCE if iteration else _ROUGH)
+            sweeps, r, last = sweeps + more_sweeps, problem.r, d
+            forces = r.ravel().copy()
+            d = Z @ forces + joints
+            H = self._moved_by(s, end, d)
+            change = self._size(d - last)
+            if self._ends(iteration, change, before):
+                break
+            before = change
+        whole = np.zeros((r.size, 6 * self._rows))
+        whole[:, : 6 * self._n] = pushes
+        pushes = self._own(self._turned(whole, end, H))
+        rows = self._rows_of(H, chosen.pairs, chosen.axis)
+        slips = self._slips(chosen, H, rows, glide)
+        return Moved(H, d, r, rows, pushes, carried @ forces, slips, sweeps, residual)
+
+    def _size(self, d: Array) -> float:
+        """Of an increment: the largest of any place, with turns by the model's length."""
+        parts = np.abs(d.reshape(-1, 6))
+        return max(float(parts[:, :3].max()), self._length * float(parts[:, 3:].max()))
+
+    def _ends(self, iteration: int, change: float, before: float) -> bool:
+        """Whether places change no more, or by round-off that does not get less."""
+        exact = _EXACT * self._length
+        turns = iteration > 5 and change > 0.5 * before and change < 1e3 * exact
+        return change <= exact or turns

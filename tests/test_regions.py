@@ -1,0 +1,158 @@
+"""Frames of regions merged and split: what is missed is seen, momenta are kept, errors."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks import regions as net_benchmark
+from fem_lie.reduce.regions.looking import Looking
+from fem_lie.system.equations import Equations
+
+PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
+
+
+def rod(force=0.0, cells=8):
+    """It tumbles, and is struck at its end from 0.1 to 0.12 s."""
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.01, 0.02, PLASTIC)
+    damping = fl.Damping(stiffness=0.02)
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=cells, damping=damping, name="rod")
+    scene.add(beam)
+    beam.turn((0.5, 2.0, 1.0), about=(0.5, 0, 0))
+    beam.move((0.1, 0.2, 0.3))
+    if force:
+        pulse = lambda t: np.sin(np.pi * (t - 0.1) / 0.02) * (0.1 < t < 0.12)  # noqa: E731
+        scene.add(fl.PointLoad(beam.end, force=(0, 0, force), history=pulse))
+    return scene
+
+
+def looking(scene, increments=None, twists=None):
+    """At a state of the rod, by default the initial one."""
+    whole = Equations(scene, dynamics=True)
+    (body,) = scene.bodies
+    frames = body.frames if increments is None else fl.lie.se3_retract(body.frames, increments)
+    nodes = whole.unknowns.bodies[body]
+    ordered, moving = np.empty_like(frames), np.empty((len(frames), 6))
+    ordered[nodes] = frames
+    moving[nodes] = body.velocities if twists is None else twists
+    return Looking(whole, ordered, moving, np.array([0.0]), 0.02)
+
+
+def test_what_is_missed_is_how_far_nodes_go_elsewhere():
+    """Within the time that is looked ahead, up to the factor of one step of that size."""
+    bent, one = np.zeros((9, 6)), np.zeros(9, dtype=int)
+    bent[:, 2] = 0.01 * np.linspace(0.0, 1.0, 9) ** 2
+    missed = looking(rod(), bent).missed(one).max()
+    ends = []
+    for merged in (False, True):
+        scene = rod()
+        (body,) = scene.bodies
+        body.begins_at = fl.lie.se3_retract(body.frames, bent)
+        if merged:
+            body.leaders = one
+            body.velocities[:] = rigid_twists(bent)
+        result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=5e-4, progress=False)
+        ends.append(result.frames[-1, :, 0])
+    wanted = np.linalg.norm(ends[1] - ends[0], axis=1).max()
+    assert wanted > 1e-3
+    assert 0.4 * wanted < missed < 2.5 * wanted
+
+
+def rigid_twists(bent):
+    """Those of the rod's rigid motion at bent places that are nearest to its own."""
+    whole = Equations(rod(), dynamics=True)
+    nodes = whole.unknowns.bodies[whole.scene.bodies[0]]
+    return looking(rod(), bent).projected(np.zeros(9, dtype=int))[0][nodes]
+
+
+def test_rigid_motion_needs_one_frame_and_a_bent_rod_more():
+    look = looking(rod())
+    none = look.active(1e-4)
+    assert not none.any()
+    assert len(np.unique(look.merged(none))) == 1
+    bent = np.zeros((9, 6))
+    bent[-1, 1] = 0.02
+    root = looking(rod(), bent).merged(looking(rod(), bent).active(1e-4))
+    assert 1 < len(np.unique(root)) < 9 or (root == np.arange(9)).all()
+
+
+def test_projected_twists_have_the_same_momenta_and_less_energy_by_what_is_told():
+    random = np.random.default_rng(2)
+    look = looking(
+        rod(), 0.02 * random.uniform(-1.0, 1.0, (9, 6)), random.uniform(-1.0, 1.0, (9, 6))
+    )
+    active = np.zeros(9, dtype=bool)
+    active[4] = True
+    root = look.merged(active)
+    assert len(np.unique(root)) == 3
+    v, lost = look.projected(root)
+    before, after = look.v.ravel(), v.ravel()
+    rigid = look.spread(np.zeros(9, dtype=int))
+    momenta = rigid.T @ (look.mass @ np.column_stack([before, after]))
+    np.testing.assert_allclose(momenta[:, 1], momenta[:, 0], atol=1e-13 * np.abs(momenta).max())
+    kinetic = 0.5 * after @ (look.mass @ after)
+    assert lost > 0.1 * look.kinetic
+    assert look.kinetic - kinetic == pytest.approx(lost, rel=1e-12)
+
+
+def test_followers_keep_the_deformation_in_which_solvers_begin():
+    scene = rod()
+    (body,) = scene.bodies
+    bent = np.zeros((9, 6))
+    bent[:, 1] = 0.02 * np.linspace(0.0, 1.0, 9) ** 2
+    body.begins_at = fl.lie.se3_retract(body.frames, bent)
+    body.velocities[:] = 0.0
+    free = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
+    body.leaders = np.zeros(9, dtype=int)
+    tied = fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, progress=False)
+    assert free.elastic[0] > 0.0
+    np.testing.assert_allclose(tied.elastic, free.elastic[0], rtol=1e-9)
+    np.testing.assert_allclose(tied.frames[-1], tied.frames[0], atol=1e-12)
+
+
+def test_a_struck_rod_is_split_and_merged_again():
+    build = lambda: rod(force=20.0)  # noqa: E731
+    found = fl.merged_motion(build, duration=1.0, step=2e-3, every=0.01, tolerance=1e-4)
+    full = fl.GeneralisedAlpha().run(build(), duration=1.0, step=2e-3, progress=False)
+    assert found.times[-1] == pytest.approx(1.0)
+    frames = [part.frames for part in found.stretches]
+    assert frames[0] == frames[-1] == 1
+    assert max(frames) > 5
+    assert found.share < 0.7
+    assert found.momentum_error < 1e-12
+    kinetic = full.kinetic[-1]
+    assert abs(found.energy_change) < 1e-8 * kinetic
+    rows = np.rint(found.times / 2e-3).astype(int)
+    wanted, bent = (
+        np.linalg.norm(H[:, 4, 0] - 0.5 * (H[:, 0, 0] + H[:, -1, 0]), axis=1)
+        for H in (full.frames[rows], found.frames)
+    )
+    assert wanted.max() > 5e-3
+    np.testing.assert_allclose(bent, wanted, atol=0.02 * wanted.max())
+    assert "of 9 frames" in str(found)
+
+
+def test_the_net_of_the_benchmark():
+    record = net_benchmark.main(count=4, duration=1.8, force=10.0)
+    assert record["share"] < 0.6
+    assert record["momentum_error"] < 1e-12
+    assert record["energy_change"] < 1e-8
+    assert record["deflection_error"] < 0.01
+
+
+def test_what_cannot_be_merged_is_said():
+    def with_joint():
+        scene = rod()
+        scene.add(fl.Spherical(fl.ground(), scene.bodies[0].start))
+        return scene
+
+    options = {"duration": 0.1, "step": 1e-3, "every": 0.01, "tolerance": 1e-3}
+    with pytest.raises(ValueError, match="without joints"):
+        fl.merged_motion(with_joint, **options)
+    with pytest.raises(TypeError, match="makes a Scene"):
+        fl.merged_motion(rod(), **options)
+    with pytest.raises(ValueError, match="multiple of the step"):
+        fl.merged_motion(rod, **(options | {"every": 1.5e-3}))
+    for name in options:
+        with pytest.raises(ValueError, match=name):
+            fl.merged_motion(rod, **(options | {name: 0.0}))
