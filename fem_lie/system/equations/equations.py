@@ -185,7 +185,11 @@ class Equations:
             self._terms.clear_stress()
         elif plan.stressed is not None:
             self._terms.reset_stress(plan.stressed)
-        return system.fill_matrix(state, system.room() if forces is None else forces, plan)
+        if forces is None:
+            # which nodes touch is found with forces, and tangents want to know
+            self._terms.add_forces(state.H, np.zeros(system.size))
+            forces = system.room()
+        return system.fill_matrix(state, forces, plan)
 
     def constraints(self, H: Array) -> ConstraintsAt:
         """The constraints at frames ``H``: Jacobian and rates, and what they leave rigid bodies."""
