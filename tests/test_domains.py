@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from ranks import on_ranks
 
 import fem_lie as fl
+from fem_lie.linear.domains.division import Links, divided
 from fem_lie.system.equations import Equations, Instant, Plan
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -16,7 +17,7 @@ BAR = fl.Section.rectangle(0.02, 0.03, STEEL)
 
 
 def joined_beams():
-    """Two beams and a spring, swinging."""
+    """Two beams and a spring between nodes that no cell has, swinging."""
     upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=6)
     lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), BAR, cells=6)
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -24,6 +25,7 @@ def joined_beams():
     scene.add(lower)
     scene.add(fl.Revolute(fl.ground(), upper.start, axis=(0, 1, 0)))
     scene.add(fl.Revolute(upper.end, lower.start, axis=(0, 1, 0)))
+    scene.add(fl.Spring(fl.Distance(upper.node(3), lower.node(3)).length, stiffness=1e6))
     return scene
 
 
@@ -83,6 +85,84 @@ def test_parts_sum_up_to_the_matrix(make, count, dynamics):
     assert (have[6 * n :] == 1).all()
     off = np.abs((total - K)[np.ix_(free, free)]).max()
     assert off <= 1e-12 * np.abs(K[np.ix_(free, free)]).max()
+
+
+@pytest.mark.parametrize("make", [joined_beams, sheet])
+def test_what_several_domains_have_is_their_interface(make):
+    equations = Equations(make(), dynamics=True)
+    tangent, free = equations.system.tangent, ~equations.matrix.unit_rows
+    division, have, mine = tangent.division(3), np.zeros(equations.unknowns.size), []
+    for rank in range(3):
+        tangent.divide(division, rank)
+        mine.append(equations.matrix.part)
+        have[np.concatenate([mine[-1].inside, mine[-1].interface])] += 1
+    for part in mine:
+        assert (have[part.inside] == 1).all()
+        assert (have[part.interface] > 1).all()
+        np.testing.assert_array_equal(part.interfaces[part.at], part.interface)
+        np.testing.assert_array_equal(part.interfaces, np.flatnonzero((have > 1) & free))
+
+
+@pytest.mark.parametrize("inertial", [False, True])
+@pytest.mark.parametrize("make", [joined_beams, sheet])
+def test_motions_of_the_interface_are_rigid(make, inertial):
+    """What frames do that are all moved by a small motion of space, along axes of either kind."""
+    equations = Equations(make(), dynamics=True)
+    tangent, n = equations.system.tangent, equations.unknowns.moving
+    H = fl.lie.se3_compose(
+        fl.lie.se3_exp(np.array([1.0, -2.0, 0.5, 0.4, 0.3, -0.8])), np.array(equations.start.frames)
+    )
+    tangent.divide(tangent.division(2), 1)
+    tangent.domain.see(H, equations.unknowns.kinds, inertial=inertial)
+    found, interfaces = tangent.domain.part.motions, tangent.domain.part.interfaces
+    assert len(found) == 6 and len(interfaces) > 0
+    for small, motion in zip(1e-7 * np.eye(6), found, strict=True):
+        ahead, behind = (fl.lie.se3_compose(fl.lie.se3_exp(s * small), H[:n]) for s in (1, -1))
+        moved = fl.lie.se3_log(fl.lie.se3_compose(fl.lie.se3_inverse(behind), ahead)) / 2e-7
+        if inertial:
+            moved = np.einsum("nki,nhk->nhi", H[:n, 1:], moved.reshape(n, 2, 3)).reshape(n, 6)
+        np.testing.assert_allclose(motion, moved.ravel()[interfaces], atol=1e-8)
+
+
+def quarters(long, wide):
+    """Cells of a grid, and columns of its nodes."""
+    column, row = np.divmod(np.arange(long * wide), wide)
+    first = column * (wide + 1) + row
+    cells = np.stack([first, first + 1, first + wide + 1, first + wide + 2], axis=1)
+    return cells, np.repeat(np.arange(long + 1), wide + 1)
+
+
+def links(rows):
+    return Links(np.repeat(np.arange(len(rows)), rows.shape[1]), rows.ravel(), len(rows))
+
+
+NONE = links(np.empty((0, 2), dtype=np.int64))
+
+
+@pytest.mark.parametrize("rich", [6, 36])
+def test_domains_have_as_many_unknowns_and_meet_in_few(rich):
+    """Of a strip with more unknowns at one end, by cuts across it."""
+    cells, column = quarters(48, 4)
+    free = np.where(column < 12, rich, 6)
+    found = divided(links(cells), NONE, NONE, free, 3)
+    sharing = found.nodes.sum(axis=1)
+    unknowns = (free / sharing) @ found.nodes
+    assert np.abs(unknowns / unknowns.mean() - 1).max() < 0.12
+    assert found.shared.sum() <= 2 * 5 + 2
+    for rank in range(3):
+        own = np.isin(np.arange(len(free)), cells[found.cells == rank])
+        np.testing.assert_array_equal(own, found.nodes[:, rank])
+
+
+def test_what_is_joined_is_of_one_domain():
+    """Nodes of a joint and of a pair that no cell has, at both ends of a strip."""
+    cells, column = quarters(24, 2)
+    ends = np.array([[0, len(column) - 1]])
+    for joints, others in ((links(ends), NONE), (NONE, links(ends))):
+        found = divided(links(cells), joints, others, np.full(len(column), 6), 2)
+        at = found.cells[np.isin(cells, ends).any(axis=1)]
+        assert len(np.unique(at)) == 1 and len(np.unique(found.cells)) == 2
+        assert (found.constraints == at[0]).all()
 
 
 def test_refuses_a_matrix_without_those_of_its_domains():

@@ -184,6 +184,12 @@ def test_what_cannot_be_reduced_is_said():
         fl.reduced_frequencies(scene, basis, 3)
     with pytest.raises(ValueError, match="not the body"):
         fl.reduced_frequencies(free, basis, 2)
+    with pytest.raises(ValueError, match="shapes are 1 … 2, got 3"):
+        basis.picture("shape.png", 3)
+    jointed, body_in_joint = rod(clamped=False)
+    jointed.add(fl.Revolute(fl.ground(), body_in_joint.start, axis=(0, 1, 0)))
+    with pytest.raises(ValueError, match="joints do not belong into its scene"):
+        fl.craig_bampton(jointed, [], 2)
     ends = fl.craig_bampton(free, [loose.start], 2)
     with pytest.raises(ValueError, match="that are held"):
         fl.reduced_frequencies(scene, fl.Basis(body, ends.shapes), 2)

@@ -43,6 +43,43 @@ def test_schemes_agree_on_all_kinds_of_nodes(kind):
     assert np.abs(found[0] - found[1]).max() < 2e-3 * moved
 
 
+KNOTS = np.array([0.0, 0.2, 0.5, 0.6, 1.0])
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("kind", ["net", "cable"])
+def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
+    """Of places what is a parabola along the rope, of places and slopes what is a cubic."""
+    if kind == "net":
+        body = fl.Net([(s, 0, 0) for s in KNOTS], [range(len(KNOTS))], THREAD)
+        p = np.polynomial.Polynomial([0.3, -1.0, 2.0])
+    else:
+        body = fl.Cable.curve(lambda s: (s + 0.3 * s * s, 0, 0), THREAD, cells=4)
+        p = np.polynomial.Polynomial([0.3, -1.0, 2.0, -0.7])
+    nodes = list(range(len(body.frames)))[:: -1 if backwards else 1]
+    rope = fl.Rope(body, nodes)
+    ends = np.cumsum([0.0, *rope.lengths])
+    places = body.frames[nodes, 0, 0]
+    np.testing.assert_allclose(ends, np.abs(places - places[0]), rtol=1e-12)
+    rows, (slots, powers) = np.stack([p(ends), p.deriv()(ends)]), rope.powers()
+    for k, length in enumerate(rope.lengths):
+        found = np.einsum("akq,ka->q", powers[k], rows[:, slots[k]])  # of no node: zero
+        s = np.linspace(0.0, 1.0, 7)
+        wanted = p(ends[k] + s * length)
+        np.testing.assert_allclose(np.polynomial.Polynomial(found)(s), wanted, atol=1e-13)
+
+
+def test_rings_are_on_the_part_of_a_rope_that_is_nearest():
+    """A rope that goes and comes back beside itself: not where one gets to from its start."""
+    there = [(0.1 * k, 0.0, 0.0) for k in range(11)]
+    net = fl.Net([*there, *((x, 0.1, 0.0) for x, _, _ in reversed(there))], [range(22)], THREAD)
+    places = [(0.43, 0.1, 0), (0.43, 0, 0), (0.87, 0.1, 0)]
+    touch = fl.Contact(fl.Rope(net), fl.Rings([fl.ground()] * 3, at=places), fl.Penalty(1e4))
+    touch.check()
+    feet = touch.term(lambda body: np.arange(len(body.frames))).feet
+    np.testing.assert_allclose(feet, [1.1 + 0.57, 0.43, 1.1 + 0.13], atol=1e-12)
+
+
 def taut(friction: float, weight: float = 1.0) -> tuple[fl.Scene, fl.RigidBody]:
     """A bead on a straight rope under tension, between pins."""
     scene = fl.Scene(gravity=(0, 0, -9.81 * weight))
@@ -116,8 +153,18 @@ def test_bad_input():
         refused(fl.Rope(rope("net")), ground, fl.Penalty(1e4, damping=1.0))
     with pytest.raises(ValueError, match="nodes 2 and 5 follow each other"):
         refused(fl.Rope(rope("net"), [0, 1, 2, 5]), ground)
-    with pytest.raises(ValueError, match="three nodes or more"):
-        refused(fl.Rope(rope("net"), [0, 1]), ground)
+    for few in ([0, 1], [0, 1, 0]):
+        with pytest.raises(ValueError, match="three nodes or more"):
+            refused(fl.Rope(rope("net"), few), ground)
+    with pytest.raises(ValueError, match="is what there is of both"):
+        ball = fl.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).centre, 0.1)
+        fl.Contact(fl.Rope(thread), ball, fl.Penalty(1e4)).check()
+    with pytest.raises(ValueError, match="ignore_initial is for"):
+        fl.Contact(fl.Rope(thread), ground, fl.Penalty(1e4), ignore_initial=True).check()
+    with pytest.raises(ValueError, match="by Penalty without damping"):
+        refused(fl.Rope(rope("net")), ground, fl.Impact())
+    with pytest.raises(ValueError, match="must have a point"):
+        fl.Rings([])
     with pytest.raises(ValueError, match=r"a ring beside its node needs nodes with frames"):
         other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
         refused(fl.Rope(rope("net")), fl.Rings([other.node(1)], at=[at]))

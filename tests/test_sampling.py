@@ -81,6 +81,24 @@ def test_weights_are_positive_and_forces_those_of_training(name):
     assert sample.error == pytest.approx(error, rel=1e-6)
 
 
+def test_forces_of_training_are_in_units_of_energy_and_each_state_counts_alike():
+    """Of small deformations: products of their sums are those of the energy, over both norms."""
+    _, basis, states = trained("beam", 3)
+    cells = CellsInShapes(basis, np.arange(40), np.ones(40))
+    random, (_, K) = np.random.default_rng(4), cells.forces_and_matrix(np.zeros(3))
+    η = 1e-5 * random.uniform(0.1, 1.0, (4, 1)) * random.normal(size=(4, 3)) / np.sqrt(K.diagonal())
+    given = fl.Reduced(basis, states.rigid[:4], η, states.errors[:4])
+    found = forces_of_training(cells, given).reshape(4, 3, 40).sum(axis=2)
+    product = η @ K @ η.T
+    sizes = np.sqrt(product.diagonal())
+    np.testing.assert_allclose(found @ found.T, product / np.outer(sizes, sizes), atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, rtol=1e-12)
+    resting = fl.Reduced(basis, given.rigid, η * [[1.0], [0.0], [1.0], [1.0]], given.errors)
+    np.testing.assert_array_equal(
+        forces_of_training(cells, resting).reshape(3, 3, 40).sum(axis=2), found[[0, 2, 3]]
+    )
+
+
 @BOTH
 def test_few_cells_have_the_equilibrium_of_all(name):
     scene, basis, states = trained(name, 4)
@@ -139,6 +157,8 @@ def test_what_cannot_be_sampled_is_said():
     with pytest.raises(ValueError, match="rigid motions"):
         fl.ecsw(fl.Reduced(rigid, states.rigid, states.coordinates[:, :1], states.errors), 0.1)
     sample = fl.ecsw(states, 1e-2)
+    surface, shell = plate(0.06)
+    of_shell = fl.CellSample(fl.Basis(shell, np.zeros((1, 49, 6))), np.arange(1), np.ones(1), 0.0)
     with pytest.raises(ValueError, match="not the body"):
         fl.sampled_statics(rod(1.0)[0], sample)
     with pytest.raises(ValueError, match="that are held"):
@@ -148,6 +168,12 @@ def test_what_cannot_be_sampled_is_said():
     empty, body = rod(0.0)
     with pytest.raises(ValueError, match="no load"):
         fl.sampled_statics(empty, sample._replace(basis=fl.Basis(body, basis.shapes)))
+    surface.add(fl.SurfacePressure(shell, 1.0))
+    with pytest.raises(ValueError, match="more than forces on nodes"):
+        fl.sampled_statics(surface, of_shell)
+    scene.add(fl.Temperature(basis.body, 40.0, 1e-5))
+    with pytest.raises(ValueError, match="more than forces on nodes"):
+        fl.sampled_statics(scene, sample)
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, RUBBER), cells=2)
     with pytest.raises(ValueError, match="one by one"):
         cable.cells_apart(np.arange(2), np.ones(2))

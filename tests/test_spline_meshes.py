@@ -389,6 +389,8 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
         np.testing.assert_allclose(places[:, 0], at)
         assert (np.diff(places[:, 1]) > 0).all()
         assert shell.on_edge(name).weights.sum() == pytest.approx(1.0, rel=1e-13)
+    one, other = ([p.node for p in shell.points(name)] for name in ("left.a=1", "right.a=0"))
+    assert one == other
     assert (finer.surface().hanging > 0).any()
     assert shell["right.11"].position == pytest.approx([2.0, 1.0, 0.0])
 
