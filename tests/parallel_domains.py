@@ -19,6 +19,7 @@ def results():
     rest = fl.statics(scene, load_steps=2)
     moved = fl.GeneralisedAlpha().run(pendulum(), duration=0.02, step=2e-3)
     found = {"place": rest.position(corner), "frames": moved.frames, "joints": moved.joint_forces}
+    found["asked"] = np.array(rest.total_iterations)
     return found, (rest.subdomains, moved.subdomains)
 
 

@@ -199,6 +199,7 @@ def test_two_subdomains_find_what_one_rank_finds(alone, tmp_path, way):
             assert interface > 0
             assert solutions >= made > 0
             assert iterations <= 10 * solutions
+        assert found["told"][0][3] == found["asked"]  # of statics, none is refined
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
+from fem_lie.linear.domains.dual import Dual
 from fem_lie.linear.domains.part import Part
 from fem_lie.ranks.together import meet
 
@@ -63,14 +64,12 @@ class Way(NamedTuple):
 
     Attributes:
         name: For messages.
-        krylov: PETSc's iteration, ``None`` for the one that suits the matrix.
-        bddc: Prefix of the options of BDDC in those of the iteration.
-        options: Of PETSc, unless they are given, by names after ``bddc``.
+        dual: Whether it is one for multipliers, see :class:`~fem_lie.linear.domains.dual.Dual`.
+        options: Of PETSc, unless they are given.
     """
 
     name: str
-    krylov: str | None
-    bddc: str
+    dual: bool
     options: dict[str, object]
 
 
@@ -79,10 +78,14 @@ ADAPTIVE: dict[str, object] = {
     "pc_bddc_adaptive_threshold": 3.0,
 }
 
+OF_MULTIPLIERS = {**ADAPTIVE, "pc_bddc_deluxe_singlemat": True}
+
 WAYS = {
-    "bddc": Way("BDDC", None, "", ADAPTIVE),
+    "bddc": Way("BDDC", False, ADAPTIVE),
     "fetidp": Way(
-        "FETI-DP", "fetidp", "fetidp_bddc_", {**ADAPTIVE, "pc_bddc_deluxe_singlemat": True}
+        "FETI-DP",
+        True,
+        {"fetidp_ksp_type": "cg"} | {f"fetidp_bddc_{n}": v for n, v in OF_MULTIPLIERS.items()},
     ),
 }
 """By the name that the option ``domains`` has for it."""
@@ -103,6 +106,7 @@ class Interface:
         self._part, self._own, self._way = part, own, WAYS[way]
         self._prefix = f"{prefix}interface_"
         self.ksp: PETSc.KSP | None = None
+        self._dual: Dual | None = None
         numbers = PETSc.LGMap().create(part.at.astype(np.int32), comm=PETSc.COMM_WORLD)
         self._numbers = numbers
 
@@ -124,10 +128,9 @@ class Interface:
         self._drop()
         self._P = self._summed(_positive(symmetric), symmetric=True)
         self._P.setNearNullSpace(self._rigid_motions())
-        # FETI-DP takes its operator from the matrix of BDDC
         self._A = self._summed(S if of_motion else symmetric, symmetric=not of_motion)
         self._b, self._x = self._A.createVecs()
-        self.ksp = self._solver(self._way.krylov or ("gmres" if of_motion else "cg"))
+        self.ksp = self._solver(symmetric=not of_motion)
         self.ksp.setUp()
         self._part.made += 1
         told = self._way.name, world.size, self._part.size
@@ -200,19 +203,23 @@ class Interface:
             vectors[-1].array[:] = motion[first:end]
         return PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_WORLD)
 
-    def _solver(self, krylov: str) -> PETSc.KSP:
+    def _solver(self, *, symmetric: bool) -> PETSc.KSP:
         """The iteration, with its options."""
-        ksp = PETSc.KSP().create(PETSc.COMM_WORLD)
-        ksp.setOptionsPrefix(self._prefix)
-        ksp.setOperators(self._P if krylov == "fetidp" else self._A, self._P)
-        ksp.setType(krylov)
-        if krylov != "fetidp":
+        ksp, prefix = PETSc.KSP().create(PETSc.COMM_WORLD), self._prefix
+        _default(prefix, self._way.options)
+        ksp.setOperators(self._A, self._P)
+        self._dual = Dual(self._P, prefix, MOST) if self._way.dual else None
+        if self._dual is None:
+            ksp.setType("cg" if symmetric else "gmres")
             ksp.getPC().setType("bddc")
-        else:
-            _default(self._prefix, {"fetidp_ksp_type": "cg"})
-        if krylov == "gmres":
+        else:  # what precedes each of these iterations is another iteration
+            ksp.setType("fcg" if symmetric else "fgmres")
+            ksp.getPC().setType("python")
+            ksp.getPC().setPythonContext(self._dual)
+            prefix += "around_"
+        ksp.setOptionsPrefix(prefix)
+        if not symmetric:
             ksp.setGMRESRestart(MOST)
-        _default(self._prefix + self._way.bddc, self._way.options)
         ksp.setTolerances(rtol=TOLERANCE, max_it=MOST)
         ksp.setFromOptions()
         return ksp
@@ -244,6 +251,8 @@ class Interface:
     def _count(self) -> None:
         assert self.ksp is not None
         took, reason = self.ksp.getIterationNumber(), self.ksp.getConvergedReason()
+        if self._dual is not None:
+            took = self._dual.taken()
         self._part.iterations += took
         self._part.solutions += 1
         _log.debug("%s on %d subdomains: %d iterations", self._way.name, MPI.COMM_WORLD.size, took)
