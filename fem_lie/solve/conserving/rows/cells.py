@@ -45,17 +45,18 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.between.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
 from fem_lie.solve.conserving.between.mean_forces import (
     add_resistance,
     shrunk,
     solve_symmetric,
     unshrunk,
 )
+from fem_lie.solve.conserving.rows.energies import Energies, factor_beside
 from fem_lie.solve.conserving.rows.halves import (
     NOTHING,
     PLACES,
     CellTable,
+    are_places,
     energy_of,
     forces_of,
     gather,
@@ -166,22 +167,6 @@ def _mean_forces(cells: CellTable, e: int, H: Array, ω: Vector, work: Work) -> 
             store_row(f[a], k, shrunk(ω, load_row(f[a], k)))
 
 
-class Energies(NamedTuple):
-    """Of all cells, each of shape (M,).
-
-    Attributes:
-        start: Stored at the start of the step.
-        account: Work done on them up to there.
-        end: Stored at the end, overwritten.
-        work: Done in the step, overwritten.
-    """
-
-    start: Array
-    account: Array
-    end: Array
-    work: Array
-
-
 class Nodes(NamedTuple):
     """Start of a step, and its increments.
 
@@ -222,7 +207,7 @@ def add_elastic(
     factors: tuple[float, float, float],
     out: Array,
 ) -> float:
-    """Add the elastic forces of a step to ``out``.
+    """Add the elastic forces of a step to ``out``, but of cells of places.
 
     Args:
         cells: All cells.
@@ -248,15 +233,15 @@ def _add_all(
     out: Array,
 ) -> float:
     """The same with the memory for a cell."""
-    W, account, W1, done = energies
-    repay, typical, unknown = factors
-    squares = 0.0
-    for e in range(W.shape[0]):
+    repay, squares = factors[0], 0.0
+    for e in range(cells.sees.shape[0]):
+        if are_places(cells, e):
+            continue
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
         r, d, f = room.r[:count], room.d[:count], room.f[:count]
         work = Work(r, d, f, room.other[:count], room.rows[:count], room.A)
         set_out(cells, e, nodes, work)
-        W1[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
+        energies.end[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
         take_centre(cells, e, r)
         ω = (0.0, 0.0, 0.0)
         if cells.sees[e] < PLACES:
@@ -275,13 +260,7 @@ def _add_all(
                 square += weight * dot(s, s)
                 noise += sqrt(dot(push, push) * dot(arm, arm))
                 ρ2 += weight * dot(arm, arm) / count
-        noise = ROUND_OFF * noise + unknown
-        debt = W[e] - account[e]
-        missing = beyond(W1[e] - W[e] - made, KNOWN * noise)
-        missing += debt if abs(debt) > noise else 0.0
-        least = max(0.01 * typical, ROUND_OFF * ρ2)
-        factor = factor_of(missing, KNOWN * noise, square, least)
-        done[e] = made + factor * square
+        factor = factor_beside(energies, e, factors, (made, square, noise, ρ2))
         squares += square
         for a in range(count):
             i = cells.nodes[begin + a]

@@ -60,6 +60,15 @@ def has_place(kind: int) -> bool:
     return first(kind) == 0
 
 
+@inlined_uncounted
+def are_places(cells: CellTable, e: int) -> bool:
+    """Whether the nodes of a cell are places and nothing else."""
+    alone = True
+    for a in range(cells.first[e], cells.first[e + 1]):
+        alone = alone and has_place(cells.kinds[a]) and straight(cells.kinds[a]) == 1
+    return alone
+
+
 @uncounted
 def gather(kinds: Indices, nodes: Indices, H: Array, rest: Array, out: Array) -> None:
     """Halves (k, 2, 3) of a cell's nodes, seen from its first node.

@@ -34,8 +34,10 @@ from fem_lie.solve.conserving.between import discrete_gradient
 from fem_lie.solve.conserving.between.cayley import left_moment
 from fem_lie.solve.conserving.between.mean_forces import Ends, Path
 from fem_lie.solve.conserving.between.pushes import LOSS, ON_GROUND
-from fem_lie.solve.conserving.rows.cells import Energies, Nodes, add_elastic
+from fem_lie.solve.conserving.rows.cells import Nodes, add_elastic
 from fem_lie.solve.conserving.rows.changes import Lasting, add_changes
+from fem_lie.solve.conserving.rows.energies import Energies
+from fem_lie.solve.conserving.rows.places import add_of_places
 from fem_lie.solve.conserving.step.dissipation import (
     ELASTIC,
     MEMORY,
@@ -228,7 +230,8 @@ def _add_straight(
     M = model.cells.sees.shape[0]
     nodes = Nodes(state.H, state.rest, this.step)
     energies = Energies(state.W[:M], state.account[:M], this.W1[:M], this.work[:M])
-    return add_elastic(model.cells, nodes, energies, factors, this.forces)
+    squares = add_elastic(model.cells, nodes, energies, factors, this.forces)
+    return squares + add_of_places(model.cells, nodes, energies, factors, this.forces)
 
 
 @compiled
