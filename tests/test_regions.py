@@ -132,6 +132,25 @@ def test_a_struck_rod_is_split_and_merged_again():
     assert "of 9 frames" in str(found)
 
 
+def test_what_stirs_at_the_first_look_is_made_again():
+    """A blow soon after a stretch has begun, but not so soon that it was seen before."""
+
+    def build():
+        scene = rod()
+        blow = lambda t: np.sin(np.pi * (t - 0.083) / 0.02) * (0.083 < t < 0.103)  # noqa: E731
+        scene.add(fl.PointLoad(scene.bodies[0].end, force=(0, 0, 20.0), history=blow))
+        return scene
+
+    found = fl.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
+    full = fl.GeneralisedAlpha().run(build(), duration=0.14, step=2e-3, progress=False)
+    assert found.again > 0
+    assert found.stretches[0].frames == 1 < found.stretches[-1].frames
+    ends = [H[-1, :, 0] for H in (found.frames, full.frames)]
+    bent = np.linalg.norm(ends[1][4] - 0.5 * (ends[1][0] + ends[1][-1]))
+    assert bent > 5e-4
+    np.testing.assert_allclose(*ends, atol=0.1 * bent)
+
+
 def test_the_net_of_the_benchmark():
     record = net_benchmark.main(count=4, duration=1.8, force=10.0)
     assert record["share"] < 0.6

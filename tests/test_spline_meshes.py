@@ -388,7 +388,10 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
         places = np.array([p.body.frames[p.node, 0] for p in shell.points(name)])
         np.testing.assert_allclose(places[:, 0], at)
         assert (np.diff(places[:, 1]) > 0).all()
-        assert shell.on_edge(name).weights.sum() == pytest.approx(1.0, rel=1e-13)
+        edge = shell.on_edge(name)
+        assert edge.weights.sum() == pytest.approx(1.0, rel=1e-13)
+        np.testing.assert_allclose(edge.places[..., 0], at, atol=1e-13)
+        assert (edge.weights * edge.places[..., 1] ** 2).sum() == pytest.approx(1 / 3, rel=1e-12)
     one, other = ([p.node for p in shell.points(name)] for name in ("left.a=1", "right.a=0"))
     assert one == other
     assert (finer.surface().hanging > 0).any()
