@@ -29,7 +29,7 @@ from fem_lie.elements.shells.measures import (
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.motions import retract
-from fem_lie.linear.direct import NEGATIVE
+from fem_lie.linear.packages import NEGATIVE
 
 
 def section(E: float, nu: float, t: float) -> np.ndarray:

@@ -9,7 +9,8 @@ from demos.space_net import square_net
 from fem_lie.linear.bordered import KKT, Border
 from fem_lie.linear.condensed import preconditioner
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import CHAINS, LATTICES, THREADS, ByChains, DirectSolver
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.packages import CHAINS, LATTICES, THREADS, ByChains
 from fem_lie.solve import methods
 from fem_lie.solve.methods import methods_in_time
 from fem_lie.system.equations import Equations

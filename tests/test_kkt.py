@@ -8,8 +8,9 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from demos.hemisphere import pinched, quarter
-from fem_lie.linear.direct import INDEFINITE, MOTION, SYMMETRIC, DirectSolver
+from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.packages import INDEFINITE, MOTION, SYMMETRIC
 from fem_lie.solve.statics.follow import SceneEquilibrium
 from fem_lie.system.instant import Instant, Plan
 

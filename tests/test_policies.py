@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.direct import CHAINS, LATTICES
+from fem_lie.linear.packages import CHAINS, LATTICES
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.staleness import staleness
 from fem_lie.solve.methods import methods_in_time

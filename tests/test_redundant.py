@@ -6,8 +6,7 @@ import scipy.linalg
 import scipy.sparse as sp
 
 import fem_lie as fl
-from fem_lie.linear.idle_multipliers import IdleMultipliers
-from fem_lie.linear.redundancy import redundant_constraints
+from fem_lie.linear.redundancy import IdleMultipliers, redundant_constraints
 from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
 
 Z = (0.0, 0.0, 1.0)

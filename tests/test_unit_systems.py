@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.direct import MOTION, DirectSolver
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.packages import MOTION
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.system import System
 from fem_lie.system.equations import Equations

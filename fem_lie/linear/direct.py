@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
 
@@ -13,22 +12,20 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
-from fem_lie.linear.condensed.preconditioner import Condensed
-from fem_lie.linear.domains.interface import Interface
 from fem_lie.linear.equilibrated import (
-    ACCURATE,
     Equilibrated,
     InaccurateSolutionError,
     SingularMatrixError,
 )
 from fem_lie.linear.factors import Solution, addresses
 from fem_lie.linear.low_rank import Columns
+from fem_lie.linear.packages import CHAINS, DEFAULTS, NEGATIVE, ON_RANKS, RESCUES, Method
 from fem_lie.ranks.shared_factors import SharedMatrix, shared
 from fem_lie.ranks.subdomains import Subdomains
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
-    from fem_lie.linear.idle_multipliers import IdleMultipliers
+    from fem_lie.linear.redundancy import IdleMultipliers
 
 _log = logging.getLogger(__name__)
 
@@ -46,106 +43,8 @@ class ConvergenceError(RuntimeError):
         self.result = result
 
 
-@dataclass(frozen=True)
-class Method:
-    """A factorisation, and the package that does it.
-
-    Attributes:
-        kind: PETSc's name, ``lu`` or ``cholesky``.
-        package: PETSc's name of the package.
-        spreads: Whether several ranks factorise what is large together.
-        together: Whether all ranks solve together by its own means.
-        accurate: See :data:`~.equilibrated.ACCURATE`.
-    """
-
-    kind: str
-    package: str
-    spreads: ClassVar[bool] = True
-    together: ClassVar[bool] = False
-    accurate: ClassVar[float] = ACCURATE
-
-    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """Make it what ``pc`` does with the equilibrated copy ``own`` of ``kkt``."""
-        pc.setType(self.kind)
-        pc.setFactorSolverType(self.package)
-
-
-class Alone(Method):
-    """One that takes a rank less time by itself than MUMPS on several, as there is little fill."""
-
-    spreads: ClassVar[bool] = False
-
-
-class ByChains(Alone):
-    """Chains of nodes are eliminated first, see :mod:`fem_lie.linear.condensed`."""
-
-    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """See the base class."""
-        pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(Condensed(kkt, own, self.package))
-
-
-class Domains(Alone):
-    """Each rank has a subdomain, whose interface is solved for; see :mod:`fem_lie.linear.domains`.
-
-    ``kind`` and ``package`` are a name of :data:`~fem_lie.linear.domains.interface.WAYS`.
-    """
-
-    together: ClassVar[bool] = True
-    accurate: ClassVar[float] = 1e-6
-
-    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """See the base class."""
-        if kkt.part is None:
-            kkt.share_among_ranks()
-        assert kkt.part is not None
-        pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(Interface(kkt.part, own, pc.getOptionsPrefix() or "", self.kind))
-
-
-CHAINS = (Alone("lu", "klu"),)
-"""The fastest for chains, trees and single loops of bodies: block triangular, little fill."""
-
-SURFACES = (Method("lu", "mumps"),)
-"""For surfaces, whose factors fill."""
-
-SYMMETRIC = (Method("cholesky", "cholmod"), Method("cholesky", "mumps"))
-"""For symmetric matrices of surfaces: positive definite, or else indefinite."""
-
-INDEFINITE = SYMMETRIC[1:]
-"""For symmetric matrices of surfaces that are bordered by constraints."""
-
-MOTION = (Method("lu", "umfpack"), Method("lu", "mumps"))
-"""For surfaces in time: umfpack solves twice as fast as mumps."""
-
-LATTICES = (Alone("lu", "umfpack"), Method("lu", "mumps"))
-"""For trusses and small nets in time. The factors of klu grow faster than a truss whose bars are
-joined: from 2 to 8 cells of 28 bars 32 times as slow."""
-
-THREADS = (ByChains("lu", "mumps"), *reversed(MOTION))
-"""For large nets and trusses, most nodes of which are within threads and bars; then mumps, whose
-memory grows less than that of umfpack."""
-
-DEFAULTS: dict[str, dict[str, object]] = {
-    # indefinite matrices are no news
-    "cholmod": {"mat_cholmod_print": 0},
-    # joints leave zeros on the diagonal, for which umfpack takes nets for unsymmetric; with its own
-    # tolerance of 0.1 it leaves their order for pivots that are larger, and twice as much fill
-    "umfpack": {"mat_umfpack_strategy": "SYMMETRIC", "mat_umfpack_pivot_tolerance": 0.01},
-}
-"""PETSc's options of packages, unless they are given."""
-
-RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
-"""What comes after the methods of a scene where their solutions are not accurate."""
-
 MOST_REFINED = 3
 """Times that a solution is refined before another method is tried: a residual costs little."""
-
-ON_RANKS = ("mumps",)
-"""Packages that factorise on several ranks together."""
-
-NEGATIVE = 12
-"""MUMPS' INFOG of the number of negative pivots."""
 
 
 class DirectSolver:

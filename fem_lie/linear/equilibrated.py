@@ -16,7 +16,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.linear.idle_multipliers import IdleMultipliers
+from fem_lie.linear.redundancy import IdleMultipliers
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT

@@ -17,8 +17,8 @@ from petsc4py import PETSc
 
 import scipy.sparse as sp
 
-from fem_lie.linear.direct import NEGATIVE
 from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.packages import NEGATIVE
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
 _ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant

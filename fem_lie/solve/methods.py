@@ -9,7 +9,8 @@ from petsc4py import PETSc
 
 from fem_lie.lie.kinds import SURFACE
 from fem_lie.linear.condensed.elimination import plan_of
-from fem_lie.linear.direct import (
+from fem_lie.linear.domains.interface import WAYS
+from fem_lie.linear.packages import (
     CHAINS,
     INDEFINITE,
     LATTICES,
@@ -19,12 +20,11 @@ from fem_lie.linear.direct import (
     THREADS,
     Domains,
 )
-from fem_lie.linear.domains.interface import WAYS
 from fem_lie.ranks.together import several
 
 if TYPE_CHECKING:
     from fem_lie.linear.bordered import KKT
-    from fem_lie.linear.direct import Method
+    from fem_lie.linear.packages import Method
     from fem_lie.system.equations import Equations
 
 LARGE = 20000

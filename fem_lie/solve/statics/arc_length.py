@@ -192,12 +192,23 @@ class _Follower:
         return self._path
 
     def _step(self, cap: float) -> None:
-        model, options, path = self._model, self._options, self._path
-        before, factor = model.state(), self._factor
+        model, before, factor = self._model, self._model.state(), self._factor
         origin = model.positions()
-        count, done = 0, False
+        done, count = self._found(cap, origin)
+        twist = model.twists(self._moved) if done else None
+        # a step has its length at two states and more: one is behind, others on other paths
+        if twist is not None and (self._twist is None or cosine(twist, self._twist) > _AHEAD):
+            self._go_on(cap, origin, twist, count)
+            return
+        model.restore(before)
+        self._factor = factor
+        self._halve(count)
+
+    def _found(self, cap: float, origin: Array) -> tuple[bool, int]:
+        """Whether there is equilibrium at the end of a step, and iterations."""
+        model, count, done = self._model, 0, False
         try:
-            while not done and count < options.max_iterations:
+            while not done and count < self._options.max_iterations:
                 internal, load = model.forces()
                 residual = internal - self._factor * load
                 done = count > 0 and self._balanced(residual, load, cap)
@@ -210,30 +221,27 @@ class _Follower:
             done, self._folded = False, f" It folds: {error}."
         except (_Lost, SingularMatrixError):
             done = False
-        twist = self._twist
-        if done:
-            twist = model.twists(self._moved)
-            # a step has its length at two states and more: one is behind, others on other paths
-            done = self._twist is None or cosine(twist, self._twist) > _AHEAD
-        if not done or twist is None:
-            model.restore(before)
-            self._factor = factor
-            self._length /= 2
-            path.failed_steps += 1
-            path.failed_iterations += count
-            if self._length < options.smallest_step * model.diameter:
-                raise ConvergenceError(
-                    f"no equilibrium beyond load factor {factor:g}: steps of "
-                    f"{2 * self._length:.1e} still fail.{self._folded or model.turn_hint()}",
-                    path,
-                )
-            return
-        self._folded = ""
-        here = model.positions()
-        self._twist = twist
+        return done, count
+
+    def _halve(self, count: int) -> None:
+        """Go on with a shorter step."""
+        self._length /= 2
+        self._path.failed_steps += 1
+        self._path.failed_iterations += count
+        if self._length < self._options.smallest_step * self._model.diameter:
+            raise ConvergenceError(
+                f"no equilibrium beyond load factor {self._factor:g}: steps of "
+                f"{2 * self._length:.1e} still fail.{self._folded or self._model.turn_hint()}",
+                self._path,
+            )
+
+    def _go_on(self, cap: float, origin: Array, twist: Array, count: int) -> None:
+        """From the equilibrium that was found, with a step that suits it."""
+        path, here = self._path, self._model.positions()
+        self._folded, self._twist = "", twist
         path.factors.append(self._factor)
         path.iterations.append(count)
-        self._length *= min(2.0, max(0.5, sqrt(options.good_iterations / count)))
+        self._length *= min(2.0, max(0.5, sqrt(self._options.good_iterations / count)))
         if self._factor == cap:
             self._length = min(self._length, 3 * rms(here - origin))
         if self._passed.again(self._factor, here, twist):

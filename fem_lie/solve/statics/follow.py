@@ -9,7 +9,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import placed, turn_all
-from fem_lie.linear.direct import ConvergenceError, DirectSolver, Method
+from fem_lie.linear.direct import ConvergenceError, DirectSolver
+from fem_lie.linear.packages import Method
 from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.equilibrium import PathResult
 from fem_lie.scene import Scene

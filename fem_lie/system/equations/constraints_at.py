@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.linear.idle_multipliers import IdleMultipliers
+from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.system.small_motions.rigid_motions import rigid_motions
 from fem_lie.system.system import System
 

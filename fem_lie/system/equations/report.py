@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.lie.kinds import shown_all
-from fem_lie.linear.idle_multipliers import IdleMultipliers
+from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.scene.choices import Redundant
 from fem_lie.system.instant import Instant
 from fem_lie.system.nodes.fixed_axes import wrenches
