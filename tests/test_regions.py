@@ -119,6 +119,7 @@ def test_a_struck_rod_is_split_and_merged_again():
     assert frames[0] == frames[-1] == 1
     assert max(frames) > 5
     assert found.share < 0.7
+    assert [part.change is None for part in found.stretches] == [True] + [False] * (len(frames) - 1)
     assert found.momentum_error < 1e-12
     kinetic = full.kinetic[-1]
     assert abs(found.energy_change) < 1e-8 * kinetic
