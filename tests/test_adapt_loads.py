@@ -104,6 +104,20 @@ def test_a_tolerance_that_is_none(tolerance):
         fl.adapt_loads(never, LINE, LEVELS, tolerance=tolerance)
 
 
+@pytest.mark.parametrize("most", [0, -3])
+def test_no_elements_at_all(most):
+    with pytest.raises(ValueError, match="most"):
+        fl.adapt_loads(never, LINE, LEVELS, tolerance=0.1, most=most)
+
+
+def test_what_was_solved_is_counted():
+    """One equilibrium for each load factor where the mesh is fine enough."""
+    line = fl.straight((0, 0, 0), (10, 0, 0), 16)
+    found = fl.adapt_loads(cantilever, line, [0.01, 0.02], tolerance=0.5)
+    assert found.solved == len(found.stretches) == 2
+    assert (found.cells == 16).all()
+
+
 @pytest.mark.parametrize("levels", [[], [0.5, 0.2], [-1.0]])
 def test_levels_that_do_not_grow(levels):
     with pytest.raises(ValueError, match="load factors must be positive and increase"):

@@ -47,6 +47,25 @@ def test_it_leaves_freely_and_touches_when_it_comes_back(law, jointed):
     assert t[pushed.min()] > back - 5e-3
 
 
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_each_pair_parts_by_itself(law):
+    """One ball leaves the floor and comes back; one that began in it, too, falls on through it."""
+    balls = [fl.RigidBody(1.0, 4e-3 * np.eye(3), (x, 0, 0.05)) for x in (0, 1)]
+    balls[0].move((0, 0, 1))
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    for ball in balls:
+        scene.add(ball)
+    pile, floor = (
+        fl.Vertices([ball.centre for ball in balls], 0.1),
+        fl.Plane(fl.ground(), (0, 0, 1)),
+    )
+    scene.add(fl.Contact(pile, floor, law, ignore_initial=True))
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3, progress=False)
+    back, falls = (result.position(ball.centre)[:, 2] for ball in balls)
+    assert back.max() > 0.1 and back[-1] > 0.09
+    np.testing.assert_allclose(falls, 0.05 - GRAVITY * result.times**2 / 2, atol=1e-4)
+
+
 def test_without_it_is_refused():
     scene, _ = thrown_up(fl.Penalty(1e5))
     (contact,) = scene.contacts

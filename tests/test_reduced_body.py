@@ -7,6 +7,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.lie import kinds
 from fem_lie.lie.motions import Group
+from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.system import System
 from fem_lie.system.instant import Instant, Plan
 
@@ -189,6 +190,19 @@ def test_inertial_shapes_carry_weight_as_all_unknowns_do():
     assert np.abs(found - wanted).max() < 1e-5 * np.abs(wanted).max()
 
 
+@pytest.mark.parametrize("spinning", [False, True])
+def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinning):
+    scene, beam = part(8, 0.1)
+    basis = fl.inertial_shapes(scene, [beam.start, beam.end], 4, spinning=spinning)
+    rest = BesideRest(scene, None)
+    V = rest.vectors(basis.shapes)
+    M, K = (V @ (A @ V.T) for A in (rest.pencil.M, rest.pencil.K))
+    np.testing.assert_allclose(M, np.eye(len(M)), atol=1e-6)
+    np.testing.assert_allclose(K, np.diag(K.diagonal()), atol=1e-6 * np.abs(K).max())
+    assert len(M) == (16 if spinning else 10)
+    assert (np.diff(K.diagonal()) > 0.0).all()
+
+
 def test_spin_stiffens():
     from benchmarks.reduction import spinning_in_few_shapes
 
@@ -305,6 +319,19 @@ def test_bad_input():
     matrices = body.interfaces, body.stiffness, body.density, body.shapes, beam
     with pytest.raises(ValueError, match="quadratic must have shape"):
         fl.ReducedBody(*matrices, points={}, quadratic=np.zeros((2, 2, 2)))
+    few, size = body.stiffness[:4, :4], np.abs(body.stiffness).max()
+    uneven = body.stiffness + 1e-6 * size * np.eye(len(body.stiffness), k=1)
+    for wrong, message in (
+        ((body.interfaces, uneven, *matrices[2:]), "stiffness must be symmetric"),
+        ((*matrices[:2], np.eye(5), *matrices[3:]), "density must be finite and of shape"),
+        (
+            (*matrices[:2], np.full_like(body.density, np.nan), *matrices[3:]),
+            "density must be finite",
+        ),
+        ((body.interfaces, few, np.eye(16), *matrices[3:]), "have 6 coordinates, got 4"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            fl.ReducedBody(*wrong, points={})
     with pytest.raises(ValueError, match="no point 'middle'"):
         body["middle"]
     damped, section = fl.Scene(), fl.Section.rectangle(0.02, 0.03, STEEL)
