@@ -32,6 +32,7 @@ import fem_lie as fl
 
 POLICIES: dict[str, fl.Policy] = {
     "auto": fl.Automatic(),
+    "secants": fl.Automatic(secants=3),
     "nni4": fl.Limit(4),
     "full": fl.EveryIteration(),
 }

@@ -10,9 +10,10 @@ without length that slide along it, without friction.
 Steps are those of the energy-momentum scheme. Until the rope is pulled nothing acts from outside
 but the ball, which holds by its reaction: energy is that of the start, and momenta are what the
 reaction has taken. --rings is the number of hexagons of threads about the middle, --cells that of
-elements between knots, --pull-from when the rope begins to be pulled. The mouth is the largest
-distance of the edge from the axis, over the radius of the ball, and its height that of the edge
-above the lowest place of the ball.
+elements between knots, --pull-from when the rope begins to be pulled, --secants how many of the
+last corrections of a step the next one learns from. The mouth is the largest distance of the edge
+from the axis, over the radius of the ball, and its height that of the edge above the lowest place
+of the ball.
 """
 
 from __future__ import annotations
@@ -59,11 +60,13 @@ def main(
     step: float = 4e-4,
     time: float = 0.15,
     pull_from: float = 0.04,
+    secants: int = 0,
     pictures: bool = True,
 ) -> dict[str, Any]:
     scene, elements = capture(rings, cells, pull_from)
     started = process_time()
-    result = fl.EnergyMomentum().run(scene, duration=time, step=step, progress=False)
+    scheme = fl.EnergyMomentum(policy=fl.Automatic(secants=secants))
+    result = scheme.run(scene, duration=time, step=step, progress=False)
     used = process_time() - started
     if pictures:
         picture(result, scene)

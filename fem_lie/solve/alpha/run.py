@@ -160,7 +160,8 @@ class Run(Newton):
         """Go on to the end of step ``last`` in the compiled loop; whether it was reached."""
         assert self._rule is not None
         while True:
-            solution = Solution.none() if self._guided else self.solver.by_call
+            here = self._guided or self._secants is not None
+            solution = Solution.none() if here else self.solver.by_call
             how = self._plain[0], solution.plain, self._how(ends), self._rule
             code = loop.run(self._packed.table, *how, results, wanted, last)
             if code == loop.DONE:

@@ -17,13 +17,14 @@ from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
-from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, NUMBERS, RATIO, STEP
+from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
 from fem_lie.solve.methods import methods_in_time, on_domains
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.convergence import ROTATION, contradicts, estimate
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
+from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Instant, Plan
 
 _LARGE = 20_000
@@ -93,6 +94,10 @@ class RunState(Integration[Recorder]):
         self._may_be_apart = unknowns.apart and self._sets_apart and not (whole or unknowns.rigid)
         self._apart, self._outgrown = self._may_be_apart, False
         self.books = equations.books()
+        self._secants: Secants | None = None
+        if options.policy.secants > 0:
+            sizes = np.tile(np.repeat([1.0 / length, ROTATION], 3), self._moving)
+            self._secants = Secants(options.policy.secants, np.append(sizes, np.zeros(m)))
 
     # --- start ---
 
@@ -214,6 +219,10 @@ class RunState(Integration[Recorder]):
         if self._guided:
             nodes = self.dx[: 6 * self._moving].reshape(-1, 6)
             self.equations.supports.turn_back(H1, nodes)
+        if self._secants is not None:
+            if self.counters[ITERATION] == 1:
+                self._secants.forget()
+            self._secants.improve(self.dx)
 
     @property
     def _missing(self) -> bool:
@@ -222,6 +231,8 @@ class RunState(Integration[Recorder]):
 
     def _renew(self, update: Update, stressed: Array | None) -> None:
         """Make anew what is wanted; without a matrix that is all."""
+        if self._secants is not None:
+            self._secants.forget()
         if update == Update.CONSTRAINTS and not self._missing:
             self._refresh()
         else:

@@ -91,6 +91,11 @@ class EnergyMomentum(Integrator):
         # translations are global, so the derivatives in velocities are those of R³×SO(3)
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
         _refuse(equations)
+        if self.policy.secants and not is_straight(equations):
+            raise ValueError(
+                "conserving schemes learn from corrections where nodes are no frames (Cable, Net, "
+                f"ThinShell, Solid): wanted secants=0 without these, got {self.policy.secants}"
+            )
         return equations
 
     def _integration(self, equations: Equations, step: float) -> Run | StraightRun:

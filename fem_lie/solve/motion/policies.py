@@ -21,6 +21,9 @@ from fem_lie.solve.renewal import BASE, LOST, SIZE, Rule, Update, due, learn
 NEVER = 2**31
 """More iterations than any step is given."""
 
+MOST_SECANTS = 20
+"""More take longer than what they save."""
+
 GAIN = 1.0
 """Iterations per step, of which new mass and stiffness must be expected to save more."""
 
@@ -84,9 +87,12 @@ class Policy(ABC):
 
     Attributes:
         rescue: Whether a step that fails may be done again with full iteration.
+        secants: How many of its last corrections a step learns from, see
+            :mod:`fem_lie.solve.secants`.
     """
 
     rescue: ClassVar[bool] = True
+    secants: int = 0
 
     @abstractmethod
     def begin(self, bound: bool) -> Decisions:
@@ -219,11 +225,17 @@ class Automatic(Policy):
         cost: Time of building and factorising the matrix, in iterations.
         patience: Iterations of one step after which the matrix is renewed at once.
         refresh: Time of building and factorising the border of constraints, in iterations.
+        secants: How many of the last corrections of a step make the next one better. They save
+            matrices where stiffness changes faster than these are made, as in nets that slacken,
+            and are of little use where steps take three iterations. ``GeneralisedAlpha`` and
+            conserving schemes of scenes with nodes that are no frames have them; other schemes
+            refuse them, and free rigid bodies have no matrix to ask for them.
     """
 
     cost: float = 40.0
     patience: int = 8
     refresh: float = 40.0
+    secants: int = 0
 
     def __post_init__(self) -> None:
         """Check the costs."""
@@ -232,6 +244,8 @@ class Automatic(Policy):
                 "cost and refresh must be positive and patience at least 1, got "
                 f"{self.cost}, {self.refresh}, {self.patience}"
             )
+        if not 0 <= self.secants <= MOST_SECANTS:
+            raise ValueError(f"secants must be 0 … {MOST_SECANTS}, got {self.secants}")
 
     def begin(self, bound: bool) -> Decisions:
         """New matrices when they are worth their cost."""

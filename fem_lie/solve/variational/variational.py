@@ -82,6 +82,11 @@ class Variational(Integrator):
     def __post_init__(self) -> None:
         """Check the options."""
         check_until_round_off(self.tolerance, self.max_iterations, self.policy)
+        if self.policy.secants:
+            given = self.policy.secants
+            raise ValueError(
+                f"Variational learns from no corrections: wanted secants=0, got {given}"
+            )
 
     def equations(self, scene: Scene) -> Equations:
         """The equations of a scene; ``ValueError`` names what the scheme cannot do."""

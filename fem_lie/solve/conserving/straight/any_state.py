@@ -26,6 +26,7 @@ from fem_lie.solve.motion.convergence import ROTATION
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Instant, Plan
 
 _PREFIX = "fem_lie_dynamics_"
@@ -117,6 +118,9 @@ class AnyState(Integration[Recorder]):
         self._pushed = self._pushes.room(n)
         self._factors: Factors | None = None
         self._made = self._factorisations = 0
+        self._secants: Secants | None = None
+        if policy.secants > 0:
+            self._secants = Secants(policy.secants, np.append(self._measure, np.zeros(m)))
 
     @property
     def frames(self) -> Array:
@@ -182,6 +186,8 @@ class AnyState(Integration[Recorder]):
         """The correction, into ``_x``."""
         assert self._factors is not None
         solve(self._factors.plain, self.this.r, self._y, self._x)
+        if self._secants is not None:
+            self._secants.improve(self._x)
 
     def _factorise(self) -> None:
         """With the matrix in the middle of the step."""
@@ -201,6 +207,8 @@ class AnyState(Integration[Recorder]):
         self.this.r[6 * n :] = s.scale * (s.gap + self.this.change)
         self._factors = factorise(equations.matrix)
         self._factorisations += 1
+        if self._secants is not None:
+            self._secants.forget()
 
     def _of_frames(self, H: Array, v: Array, plan: Plan) -> tuple[Array, Plan]:
         """What frames have beside: velocities, accelerations, axes behind those of the end.

@@ -168,6 +168,8 @@ class StraightRun(AnyState):
 
     def _begin(self, *, still: bool) -> float:
         """Where the iteration begins; the size of the largest motion."""
+        if self._secants is not None:
+            self._secants.forget()
         motion.predict(self.model, self.s, self.this, self.size)
         if still:
             self.this.step[:] = 0.0

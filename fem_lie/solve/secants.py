@@ -1,0 +1,110 @@
+"""Corrections of a kept matrix, made better by what the last ones of the step have changed.
+
+A correction ``g = A⁻¹ r`` with an old matrix ``A`` is wrong where stiffness has changed since. What
+the corrections ``d`` that were made have changed ``g`` by is known, ``Δg``, and with the present
+matrix it would have been ``d`` itself. So of ``g`` what these changes explain best is replaced::
+
+    g − Σ γ Δg + Σ γ d,      |g − Σ γ Δg| least
+
+in lengths of the model. That is Anderson's mixing of the preconditioned residual, a quasi-Newton
+method that satisfies as many secant equations as there are changes. Multipliers enter the problem
+linearly and follow; they are not in what is made least. Nothing is kept beyond a step, so that a
+run goes on from a checkpoint as if it had not ended.
+
+Sources: Anderson, J. ACM 12 (1965) 547; Fang & Saad, Numer. Linear Algebra Appl. 16 (2009) 197;
+Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled
+
+_ALIKE = 1e-8
+"""Of the square of a change, what must be left of it beside newer ones."""
+
+
+class Secants:
+    """Corrections of the present step and what they have changed.
+
+    Attributes:
+        measure: Of unknowns in lengths of the model, nil for multipliers, shape (n,).
+    """
+
+    def __init__(self, most: int, measure: Array) -> None:
+        """Nothing is known yet; at most so many changes are."""
+        self.measure = measure
+        self._made, self._changed = np.zeros((2, most, len(measure)))
+        self._last, self._count = np.zeros((2, len(measure))), -1
+
+    def forget(self) -> None:
+        """Begin anew: another step, or another matrix."""
+        self._count = -1
+
+    def improve(self, g: Array) -> None:
+        """Replace a correction (n,), which is then made, by a better one.
+
+        One that is larger than the last is led astray by what has changed, and all is forgotten.
+        """
+        made, changed, last = self._made, self._changed, self._last
+        if self._count >= 0 and _grows(self.measure, g, last[1]):
+            self.forget()
+        if self._count >= 0:
+            # the newest comes first
+            made[1:], changed[1:] = made[:-1].copy(), changed[:-1].copy()
+            made[0], changed[0] = last[0], last[1] - g
+        self._count = min(self._count + 1, len(made))
+        last[1] = g
+        if self._count > 0:
+            mix(self.measure, made[: self._count], changed[: self._count], g)
+        last[0] = g
+
+
+@compiled
+def _grows(measure: Array, g: Array, before: Array) -> bool:
+    now = then = 0.0
+    for i in range(g.shape[0]):
+        now = max(now, abs(g[i]) * measure[i])
+        then = max(then, abs(before[i]) * measure[i])
+    return now > then
+
+
+@compiled
+def mix(measure: Array, made: Array, changed: Array, g: Array) -> None:
+    """Replace of ``g`` (n,) what ``changed`` (p, n) explains by as much of ``made`` (p, n).
+
+    Changes that are nearly sums of those before them are left out.
+    """
+    p, n = changed.shape
+    L, b, kept = np.zeros((p, p)), np.zeros(p), np.zeros(p, dtype=np.bool_)
+    for j in range(p):
+        for k in range(j + 1):
+            for i in range(n):
+                L[j, k] += measure[i] ** 2 * changed[j, i] * changed[k, i]
+        for i in range(n):
+            b[j] += measure[i] ** 2 * changed[j, i] * g[i]
+    # Cholesky's factors, row by row
+    for j in range(p):
+        square = L[j, j]
+        for k in range(j):
+            if kept[k]:
+                for i in range(k):
+                    if kept[i]:
+                        L[j, k] -= L[j, i] * L[k, i]
+                L[j, k] /= L[k, k]
+                L[j, j] -= L[j, k] ** 2
+                b[j] -= L[j, k] * b[k]
+        kept[j] = L[j, j] > _ALIKE * square
+        if kept[j]:
+            L[j, j] = np.sqrt(L[j, j])
+            b[j] /= L[j, j]
+    for j in range(p - 1, -1, -1):
+        if kept[j]:
+            for k in range(j + 1, p):
+                if kept[k]:
+                    b[j] -= L[k, j] * b[k]
+            b[j] /= L[j, j]
+            for i in range(n):
+                g[i] += b[j] * (made[j, i] - changed[j, i])
