@@ -53,14 +53,17 @@ STENCILS = {
 }
 
 
-def sums(cells, kernel):
+def sums(cells, kernel, apart):
     values = np.zeros((len(cells), 37))
     values[:, 36] = 1.0 + np.arange(len(cells))
-    return CellSum(cells, kernel.address, values, np.array([2.0]), np.zeros((len(cells), 1)))
+    values = values[:, 36:] if apart else values
+    given = values, np.array([2.0]), np.zeros((len(cells), 1))
+    return CellSum(cells, kernel.address, *given, apart=apart)
 
 
+@pytest.mark.parametrize("apart", [False, True], ids=["in room of their own", "apart"])
 @pytest.mark.parametrize("cells", STENCILS.values(), ids=STENCILS.keys())
-def test_any_stencil(cells):
+def test_any_stencil(cells, apart):
     """Energy, forces and matrix against dense sums, all from the same quadratic form."""
     H = np.random.default_rng(4).normal(size=(COUNT, 4, 3))
     dense = np.zeros((COUNT, COUNT))
@@ -69,15 +72,15 @@ def test_any_stencil(cells):
         second[cell] = 1.0, -2.0, 1.0
         dense += 2.0 * (1.0 + k) * np.outer(second, second)
     x = H[:, 0]
-    energy = sums(cells, energy_kernel).scalar(H)
+    energy = sums(cells, energy_kernel, apart).scalar(H)
     assert energy == pytest.approx(0.5 * np.vdot(x, dense @ x), rel=1e-13)
     forces = np.zeros(6 * COUNT)
-    sums(cells, force_kernel).add_vector(H, forces)
+    sums(cells, force_kernel, apart).add_vector(H, forces)
     expected = np.zeros((COUNT, 6))
     expected[:, :3] = dense @ x
     np.testing.assert_allclose(forces.reshape(-1, 6), expected, atol=1e-12)
     pattern = Pattern.of(cells, COUNT)
-    sum_of_cells = sums(cells, matrix_kernel)
+    sum_of_cells = sums(cells, matrix_kernel, apart)
     blocks = sum_of_cells.matrix(H, pattern)
     found = np.zeros((COUNT, 6, COUNT, 6))
     rows = np.repeat(np.arange(COUNT), np.diff(pattern.indptr))

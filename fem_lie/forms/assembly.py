@@ -70,7 +70,8 @@ class Assembly(BodyTerm):
             assert forms.viscous_tangent is not None
             self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
             self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
-            self._velocity_at = forms.velocity_at
+            # those of the state, which come first, are apart
+            self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 
     @property
     def forms(self) -> LocalFrameForms:

@@ -18,16 +18,20 @@ from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
-_KERNEL, _CELLS, _NODES, _FIRST, _W, _WIDTH, _C, _X, _EXTENT = range(9)
+KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, APART = range(10)
 """In a row: address of the kernel; number of cells, nodes of each, place of the first one; address
-and length of coefficients, address of constants, address and length of coordinates."""
+and length of coefficients, address of constants, address and length of coordinates; coefficients
+that a kernel finds before these and no cell has for itself: twelve of each node, or none."""
+
+NO_ROWS: Indices = np.empty((0, APART + 1), dtype=np.int64)
+"""Of no forms."""
 
 
 class FormTable(NamedTuple):
     """Forms to be summed.
 
     Attributes:
-        rows: Of addresses and sizes, shape (f, 9).
+        rows: Of addresses and sizes, shape (f, 10).
         nodes: Of all cells of all forms.
     """
 
@@ -39,7 +43,8 @@ class EachCell(NamedTuple):
     """The cells of some forms, for those who call their kernels one by one.
 
     Attributes:
-        calls: Addresses of kernel, coefficients, constants and coordinates of each, shape (m, 4).
+        calls: Addresses of kernel, coefficients, constants and coordinates of each; how many of
+            the second there are, and how many before these, shape (m, 6).
         first: Place of its first node, shape (m + 1,).
         nodes: Of all cells.
     """
@@ -51,33 +56,54 @@ class EachCell(NamedTuple):
 
 def each_cell(table: FormTable) -> EachCell:
     """One by one, in the order of the forms."""
-    calls: list[Indices] = [np.empty((0, 4), dtype=np.int64)]
+    calls: list[Indices] = [np.empty((0, 6), dtype=np.int64)]
     sizes = [np.zeros(1, dtype=np.int64)]
     for row in table.rows:
-        own = np.tile(row[[_KERNEL, _W, _C, _X]], (row[_CELLS], 1))
-        own[:, [1, 3]] += 8 * np.arange(row[_CELLS])[:, np.newaxis] * row[[_WIDTH, _EXTENT]]
+        own = np.tile(row[[KERNEL, W, C, X, WIDTH, APART]], (row[CELLS], 1))
+        own[:, [1, 3]] += 8 * np.arange(row[CELLS])[:, np.newaxis] * row[[WIDTH, EXTENT]]
         calls.append(own)
-        sizes.append(np.full(row[_CELLS], row[_NODES]))
+        sizes.append(np.full(row[CELLS], row[NODES]))
     return EachCell(np.concatenate(calls), np.cumsum(np.concatenate(sizes)), table.nodes)
 
 
 @inlined
-def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, place: Pointer) -> int:
+def room_for(rows: Indices) -> int:
+    """Most coefficients that a kernel finds in the room that cells share."""
+    most = 1
+    for f in range(rows.shape[0]):
+        if rows[f, APART] > 0:
+            most = max(most, rows[f, WIDTH] + rows[f, APART])
+    return most
+
+
+@inlined
+def coefficients(at: int, width: int, apart: int, room: Pointer) -> Pointer:
+    """All that a kernel is to find: in the room, or where they are if nothing is apart."""
+    if apart == 0:
+        return pointer(at)
+    given, found = vector_at(pointer(at), width), vector_at(room, apart + width)
+    for k in range(width):
+        found[apart + k] = given[k]
+    return room
+
+
+@inlined
+def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, room: Pointer, place: Pointer) -> int:
     """Add what the kernel of a form makes of its cell ``e``; returns where the cell's nodes begin.
 
     The frames of its nodes are written at the head of its coefficients.
     """
-    count = row[_NODES]
-    first = row[_FIRST] + count * e
-    w = pointer(row[_W] + 8 * row[_WIDTH] * e)
+    count, width = row[NODES], row[WIDTH]
+    first = row[FIRST] + count * e
+    w = coefficients(row[W] + 8 * width * e, width, row[APART], room)
     packed, k = vector_at(w, 12 * count), 0
     for i in range(first, first + count):
         for a in range(4):
             for j in range(3):
                 packed[k] = H[nodes[i], a, j]
                 k += 1
-    x = pointer(row[_X] + 8 * row[_EXTENT] * e)
-    call_kernel(row[_KERNEL], place, w, pointer(row[_C]), x)
+    x = pointer(row[X] + 8 * row[EXTENT] * e)
+    call_kernel(row[KERNEL], place, w, pointer(row[C]), x)
     return first
 
 
@@ -94,15 +120,15 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
     rows, nodes = table
     most = 1
     for f in range(rows.shape[0]):
-        most = max(most, rows[f, _NODES] * unknowns)
-    place = stack(most)
+        most = max(most, rows[f, NODES] * unknowns)
+    place, room = stack(most), stack(room_for(rows))
     values = vector_at(place, most)
     for f in range(rows.shape[0]):
-        count = rows[f, _NODES]
-        for e in range(rows[f, _CELLS]):
+        count = rows[f, NODES]
+        for e in range(rows[f, CELLS]):
             for k in range(most):
                 values[k] = 0.0
-            first = _add_cell(H, rows[f], nodes, e, place)
+            first = _add_cell(H, rows[f], nodes, e, room, place)
             if unknowns == 0:
                 out[0] += values[0]
             for i in range(count):
@@ -134,18 +160,18 @@ def add_blocks(
     rows, nodes = table
     most = 1
     for f in range(rows.shape[0]):
-        most = max(most, rows[f, _NODES] * unknowns)
-    room, pair = stack(most * most), 0
+        most = max(most, rows[f, NODES] * unknowns)
+    place_of, room, pair = stack(most * most), stack(room_for(rows)), 0
     for f in range(rows.shape[0]):
-        count = rows[f, _NODES]
-        values = numba.carray(room, (count, unknowns, count, unknowns))
-        for e in range(rows[f, _CELLS]):
+        count = rows[f, NODES]
+        values = numba.carray(place_of, (count, unknowns, count, unknowns))
+        for e in range(rows[f, CELLS]):
             for i in range(count):
                 for a in range(used):
                     for j in range(count):
                         for b in range(used):
                             values[i, a, j, b] = 0.0
-            _add_cell(H, rows[f], nodes, e, room)
+            _add_cell(H, rows[f], nodes, e, room, place_of)
             for i in range(count):
                 for j in range(count):
                     block = out[place[pair_of[pair]]]
@@ -169,8 +195,8 @@ def _cells(table: FormTable) -> list[Indices]:
     """Nodes of the cells of each form, shape (m, k)."""
     found: list[Indices] = []
     for row in table.rows:
-        size, first = row[_NODES], row[_FIRST]
-        found.append(table.nodes[first : first + row[_CELLS] * size].reshape(-1, size))
+        size, first = row[NODES], row[FIRST]
+        found.append(table.nodes[first : first + row[CELLS] * size].reshape(-1, size))
     return found
 
 
@@ -188,12 +214,12 @@ def of_cells(table: FormTable, wanted: Sequence[Flags]) -> FormTable:
         # cells that follow each other in memory are one row
         for start, end in edges.reshape(-1, 2):
             some = row.copy()
-            some[_CELLS], some[_FIRST] = end - start, at
-            some[[_W, _X]] += 8 * start * row[[_WIDTH, _EXTENT]]
+            some[CELLS], some[FIRST] = end - start, at
+            some[[W, X]] += 8 * start * row[[WIDTH, EXTENT]]
             found.append(some)
             kept.append(cells[start:end].ravel())
             at += len(kept[-1])
-    rows = np.array(found, dtype=np.int64).reshape(-1, _EXTENT + 1)
+    rows = np.array(found, dtype=np.int64).reshape(-1, APART + 1)
     return FormTable(rows, np.concatenate(kept))
 
 
@@ -207,9 +233,8 @@ def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, 
     rows, nodes, at = [], [], 0
     for table, start in zip(tables, first, strict=True):
         own = table.rows.copy()
-        own[:, _FIRST] += at
+        own[:, FIRST] += at
         rows.append(own)
         nodes.append(start + table.nodes)
         at += len(table.nodes)
-    empty = np.empty((0, _EXTENT + 1), dtype=np.int64), np.empty(0, dtype=np.int64)
-    return np.concatenate([empty[0], *rows]), np.concatenate([empty[1], *nodes])
+    return np.concatenate([NO_ROWS, *rows]), np.concatenate([np.empty(0, dtype=np.int64), *nodes])

@@ -52,7 +52,7 @@ class CellSum:
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
-        values: Data of each cell, which stay where they are, shape (m, ≥ 12 k).
+        values: Data of each cell, which stay where they are, shape (m, any).
         table: For :func:`~fem_lie.forms.cell_forms.add_cells`.
         used: Unknowns of a node, the first ones, that matrices have entries for.
         own_only: Whether matrices are of the cells alone of which :meth:`choose` was told.
@@ -68,6 +68,8 @@ class CellSum:
         values: Array,
         constants: Array,
         coordinates: Array,
+        *,
+        apart: bool = False,
     ) -> None:
         """Keep what the kernel reads.
 
@@ -77,17 +79,20 @@ class CellSum:
             values: Data of each cell, whose first 12 k numbers are overwritten by its nodes' rows.
             constants: The same for all cells.
             coordinates: Of each cell, shape (m, any).
+            apart: Whether data are without these 12 k numbers, which the kernel finds before a copy
+                on the stack: of few data of many cells.
         """
-        self.cells = cells
+        self.cells, rows = cells, 12 * cells.shape[1]
         self.values, self._x = (np.ascontiguousarray(a, np.float64) for a in (values, coordinates))
         self._constants = constants
-        if self.values.shape != (len(cells), max(self.values.shape[1], 12 * cells.shape[1])):
+        least = 0 if apart else rows
+        if self.values.shape != (len(cells), max(self.values.shape[1], least)):
             raise ValueError(
-                f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ "
-                f"{12 * cells.shape[1]}), got {self.values.shape}"
+                f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ {least}), got "
+                f"{self.values.shape}"
             )
         row = [kernel, *cells.shape, 0, *_place(self.values), constants.ctypes.data]
-        row += _place(self._x)
+        row += [*_place(self._x), rows if apart else 0]
         self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
         self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
@@ -212,7 +217,7 @@ class CellForm(CellSum):
             other: One on the same cells, with which it shares coordinates, and coefficients if
                 these are the same.
         """
-        self._form = form._cpp_object
+        self._form, self.cells = form._cpp_object, cells
         constants = dolfinx.cpp.fem.pack_constants(self._form)
         if other is None:
             mesh = form.mesh
@@ -221,11 +226,12 @@ class CellForm(CellSum):
         else:
             x, same = other._x, self._form.coefficients == other._form.coefficients
             values = other.values if same else self._packed()
-        super().__init__(cells, int(kernel.address), values, constants, x)
+        super().__init__(cells, int(kernel.address), values, constants, x, apart=True)
 
     def _packed(self) -> Array:
+        """All but the state."""
         (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()
-        return np.asarray(values)
+        return np.asarray(values)[:, 12 * self.cells.shape[1] :]
 
     def pack(self) -> None:
         """Read all coefficients anew."""

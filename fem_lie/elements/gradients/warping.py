@@ -176,7 +176,5 @@ class Warping(Springs):
 
     def __init__(self, springs: WarpingSprings, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""
-        room = np.zeros((len(springs.nodes), _DATA))
-        columns = [springs.stiffness[:, np.newaxis], springs.natural[:, np.newaxis]]
-        values = np.hstack([room, springs.shares, *columns])
+        values = np.column_stack([springs.shares, springs.stiffness, springs.natural])
         super().__init__((energy_kernel, force_kernel, matrix_kernel), values, springs, count)

@@ -228,8 +228,6 @@ class BendingSprings(Springs):
 
     def __init__(self, bends: Bends, count: int) -> None:
         """Pack the springs, on the nodes of an assembly of so many."""
-        b = len(bends.nodes)
-        numbers = [np.zeros((b, _DATA)), bends.stiffness[:, np.newaxis]]
-        values = np.hstack([*numbers, bends.natural[:, np.newaxis], bends.fixed])
+        values = np.column_stack([bends.stiffness, bends.natural, bends.fixed])
         super().__init__((energy_kernel, force_kernel, matrix_kernel), values, bends, count)
         self._matrix.used = 3

@@ -230,7 +230,7 @@ def matrix_kernel(
 def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
     """Stress at the end of the increments ``h`` (n, 6), to first order, to where it is packed."""
     for i in range(nodes.shape[0]):
-        data = values[i, _DATA:]
+        data = values[i]
         a, b, c = nodes[i]
         z = _sides(_moved(H[a], h[a]), _moved(H[b], h[b]), _moved(H[c], h[c]), data)[2]
         end = (
@@ -252,9 +252,9 @@ class CornerSprings(CarryingCellTerm, Springs):
         b = len(corners.nodes)
         parts = corners.stiffness.reshape(b, 9), corners.natural, corners.frames.astype(float)
         kernels = energy_kernel, force_kernel, matrix_kernel
-        values = np.hstack([np.zeros((b, _DATA)), *parts, np.zeros((b, 3))])
+        values = np.hstack([*parts, np.zeros((b, 3))])
         super().__init__(kernels, values, corners, count)
-        self._stress = self._matrix.values[:, _DATA + 14 :]
+        self._stress = self._matrix.values[:, 14:]
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""

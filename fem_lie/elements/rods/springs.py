@@ -32,14 +32,14 @@ class Springs(CellTerm):
 
         Args:
             kernels: Compiled functions for energy, forces and matrix.
-            values: Of each spring, behind room for the rows of its nodes, shape (b, any).
+            values: Of each spring, which come behind the rows of its nodes, shape (b, any).
             springs: What they are.
             count: Number of nodes of the assembly.
         """
         nodes, data = springs.nodes, np.ascontiguousarray(values, dtype=np.float64)
         none = np.zeros(1), np.zeros((len(nodes), 1))
         self._energy, self._forces, self._matrix = (
-            CellSum(nodes, kernel.address, data, *none) for kernel in kernels
+            CellSum(nodes, kernel.address, data, *none, apart=True) for kernel in kernels
         )
         self._pattern = Pattern.of(nodes, count)
         self.springs, self._count = springs, count

@@ -9,7 +9,6 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.elements.rods.springs import Springs
 from fem_lie.elements.thin_shells.seam_kernels import (
-    DATA,
     STRESS,
     carry_stress,
     energy_kernel,
@@ -51,9 +50,9 @@ class SeamSprings(CarryingCellTerm, Springs):
         """Pack the points, on the nodes of an assembly of so many."""
         b = len(points.nodes)
         parts = points.sizes, points.shapes.reshape(b, -1), points.taken, points.stiffness
-        values = np.hstack([np.zeros((b, DATA)), *parts, np.zeros((b, 6))])
+        values = np.hstack([*parts, np.zeros((b, 6))])
         super().__init__((energy_kernel, force_kernel, matrix_kernel), values, points, count)
-        self._stress = self._matrix.values[:, DATA + STRESS :]
+        self._stress = self._matrix.values[:, STRESS:]
 
     def carry(self, H: Array, h: Array) -> None:
         """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""

@@ -245,7 +245,7 @@ def carry_stress(H: Array, h: Array, nodes: Indices, place: tuple[int, int]) -> 
     rows, q, E = np.empty((_BOTH, 4, 3)), np.empty((6, 3)), np.empty((6, 18))
     Z, moved = np.empty((18, 96)), np.empty(96)
     for i in range(nodes.shape[0]):
-        data = numba.carray(pointer(place[0] + 8 * (place[1] * i + DATA)), (_SIZE,))
+        data = numba.carray(pointer(place[0] + 8 * place[1] * i), (_SIZE,))
         for node in range(_BOTH):
             rows[node] = H[nodes[i, node]]
             moved[6 * node : 6 * node + 6] = h[nodes[i, node]]

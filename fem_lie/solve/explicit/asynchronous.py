@@ -21,12 +21,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, number
+from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.kinds import POINT
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
-from fem_lie.solve.explicit.single_cells import CELLS, FIRST, NODES
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.policies import Never
@@ -101,7 +101,7 @@ class AsynchronousRun(Integration[Recorder]):
         super().__init__(Never(), equations, step)
         n, known = equations.unknowns.moving, equations.tables
         tables = [term.tables[0] for term in known.terms if term.tables is not None]
-        self._rows: Indices = np.concatenate([np.empty((0, 9), np.int64), *(t[0] for t in tables)])
+        self._rows: Indices = np.concatenate([NO_ROWS, *(t[0] for t in tables)])
         at = np.cumsum([0, *(len(t[1]) for t in tables)])
         first = np.repeat(at[:-1], [len(t[0]) for t in tables])
         self._rows[:, FIRST] += first

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results import Result
 from fem_lie.solve.explicit import loop, nodes
@@ -27,7 +28,6 @@ _AT_A_TIME = 20_000_000
 """Steps times unknowns, a second or so, after which the loop comes back to be interrupted."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
-_NO_CELLS: Indices = np.empty((0, 9), dtype=np.int64)
 _CELLS = slice(10, 12)
 """In the table of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and their nodes."""
 
@@ -84,8 +84,8 @@ class ExplicitRun(Integration[Recorder]):
             books.table,
             books.total,
             self.counters,
-            _NO_CELLS,
-            _NO_CELLS[:, 0].copy(),
+            NO_ROWS,
+            NO_ROWS[:, 0].copy(),
         )
         self._packed = FixedArrays(packed.arrays)
         if table is not None:

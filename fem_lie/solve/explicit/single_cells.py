@@ -7,10 +7,8 @@ import numba
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.stack import stack
+from fem_lie.forms.cell_forms import APART, CELLS, EXTENT, FIRST, KERNEL, NODES, WIDTH, C, W, X
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
-
-KERNEL, CELLS, NODES, FIRST, WEIGHTS, WIDTH, CONSTANTS, PLACES, EXTENT = range(9)
-"""In a row of a :class:`~fem_lie.forms.cell_forms.FormTable`."""
 
 
 @compiled
@@ -18,7 +16,8 @@ def room_for(rows: Indices) -> tuple[int, int]:
     """Most coefficients of a cell, and most of its forces."""
     width = most = 1
     for f in range(rows.shape[0]):
-        width, most = max(width, rows[f, WIDTH]), max(most, 6 * rows[f, NODES])
+        width = max(width, rows[f, APART] + rows[f, WIDTH])
+        most = max(most, 6 * rows[f, NODES])
     return width, most
 
 
@@ -39,10 +38,10 @@ def cell_forces(
     Returns:
         Where its nodes begin in ``nodes``.
     """
-    count, width = row[NODES], row[WIDTH]
+    count, width, apart = row[NODES], row[WIDTH], row[APART]
     first = row[FIRST] + count * e
-    packed, values = numba.carray(data, (width,)), numba.carray(place, (6 * count,))
-    given = numba.carray(pointer(row[WEIGHTS] + 8 * width * e), (width,))
+    packed, values = numba.carray(data, (apart + width,)), numba.carray(place, (6 * count,))
+    given = numba.carray(pointer(row[W] + 8 * width * e), (width,))
     k = 0
     for i in range(first, first + count):
         node = nodes[i]
@@ -50,12 +49,12 @@ def cell_forces(
             for j in range(3):
                 packed[k] = H[node, a, j]
                 k += 1
-    for j in range(k, width):
-        packed[j] = given[j]
+    for j in range(k, apart + width):
+        packed[j] = given[j - apart]
     for j in range(6 * count):
         values[j] = 0.0
-    x = pointer(row[PLACES] + 8 * row[EXTENT] * e)
-    call_kernel(row[KERNEL], place, data, pointer(row[CONSTANTS]), x)
+    x = pointer(row[X] + 8 * row[EXTENT] * e)
+    call_kernel(row[KERNEL], place, data, pointer(row[C]), x)
     return first
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.stack import stack, vector_at
+from fem_lie.forms.cell_forms import coefficients
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.kinds.kind import SLOPE, axes, first, set_axes, straight
 from fem_lie.lie.tuples import (
@@ -36,8 +37,8 @@ class CellTable(NamedTuple):
     """All cells of a scene.
 
     Attributes:
-        calls: Addresses of kernel, coefficients, constants and coordinates, for forces and for the
-            energy, shape (M, 2, 4).
+        calls: For forces and for the energy, see :class:`~fem_lie.forms.cell_forms.EachCell`,
+            shape (M, 2, 6).
         first: First place of each cell in ``nodes``, shape (M + 1,).
         nodes: Nodes of the cells.
         kinds: What these are, see :mod:`fem_lie.lie.kinds`.
@@ -112,10 +113,16 @@ def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
         set_axes(kind, out, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
+@inlined
+def room_of(calls: Indices) -> int:
+    """Coefficients that must have room where they are not with the cell."""
+    return calls[4] + calls[5] if calls[5] > 0 else 1
+
+
 @inlined_uncounted
 def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> None:
     calls = cells.calls[e, which]
-    w = pointer(calls[1])
+    w = coefficients(calls[1], calls[4], calls[5], stack(room_of(calls)))
     packed, at = vector_at(w, 12 * rows.shape[0]), 0
     for a in range(rows.shape[0]):
         for k in range(4):

@@ -12,6 +12,7 @@ from math import sqrt
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie._jit.stack import blocks_at, stack, vector_at
+from fem_lie.forms.cell_forms import coefficients
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.tuples import (
     Vector,
@@ -37,6 +38,7 @@ from fem_lie.solve.conserving.rows.halves import (
     CellTable,
     are_places,
     largest_cell,
+    room_of,
 )
 
 
@@ -44,7 +46,7 @@ from fem_lie.solve.conserving.rows.halves import (
 def _ask(cells: CellTable, e: int, which: int, places: Array, count: int, found: Pointer) -> None:
     """Add the energy, or forces (k, 6), of a cell at places (k, 2, 3), along global axes."""
     calls = cells.calls[e, which]
-    w = pointer(calls[1])
+    w = coefficients(calls[1], calls[4], calls[5], stack(room_of(calls)))
     rows = blocks_at(w, count, 4, 3)
     for a in range(count):
         store_row(rows[a], 0, load_row(places[a], 0))
