@@ -19,7 +19,7 @@ class NodalInertia:
     """Constant blocks of (x, d₁, d₂, d₃) in the pattern of a :class:`BodyTerm`.
 
     Attributes:
-        mass: Shape (nnz, 4, 4).
+        mass: Shape (nnz, r, r), of the first ``r`` of these rows where others have none.
         damping: The same of mass-proportional damping, or ``None`` without.
     """
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -80,6 +80,65 @@ def _clear_held(rows: Array, nodes: Indices, held: Flags) -> None:
         for k in range(6):
             if held[nodes[leg], k]:
                 rows[leg, k] = 0.0
+
+
+_Pattern: TypeAlias = tuple[Indices, Indices, Indices, Indices]
+"""Rows and columns of pairs of nodes, then first and all multipliers of each node."""
+
+
+@compiled
+def _count(pattern: _Pattern, held: Flags, lengths: Indices) -> None:
+    """Entries of each row of nodes, shape (6 n,): see :func:`_set_columns`."""
+    bptr, bind, iptr, _ = pattern
+    for i in range(held.shape[0]):
+        free = 0
+        for b in range(bptr[i], bptr[i + 1]):
+            for n in range(6):
+                free += not held[bind[b], n]
+        for k in range(6):
+            lengths[6 * i + k] = (1 if held[i, k] else free) + iptr[i + 1] - iptr[i]
+
+
+@compiled
+def _set_columns(pattern: _Pattern, held: Flags, columns: npt.NDArray[np.int32]) -> None:
+    """Columns of the rows of all nodes.
+
+    A row has all columns of its node's blocks that are free, or its diagonal if it is held, and
+    then the multipliers of its node.
+    """
+    bptr, bind, iptr, incident = pattern
+    at = 0
+    for i in range(held.shape[0]):
+        for k in range(6):
+            if held[i, k]:
+                columns[at] = 6 * i + k
+                at += 1
+            else:
+                for b in range(bptr[i], bptr[i + 1]):
+                    for n in range(6):
+                        if not held[bind[b], n]:
+                            columns[at] = 6 * bind[b] + n
+                            at += 1
+            for entry in range(iptr[i], iptr[i + 1]):
+                columns[at] = 6 * held.shape[0] + incident[entry, 0]
+                at += 1
+
+
+@compiled
+def _find(bptr: Indices, bind: Indices, rows: Indices, columns: Indices, found: Indices) -> None:
+    """Where in the pattern pairs of nodes are, −1 for those that do not move."""
+    count = bptr.shape[0] - 1
+    for p in range(rows.shape[0]):
+        found[p] = -1
+        if rows[p] < count and columns[p] < count:
+            low, high = bptr[rows[p]], bptr[rows[p] + 1]
+            while high - low > 1:
+                middle = (low + high) // 2
+                if bind[middle] <= columns[p]:
+                    low = middle
+                else:
+                    high = middle
+            found[p] = low
 
 
 class Divisible(Protocol):
@@ -187,44 +246,25 @@ class KKT:
         order = np.lexsort((c, border.nodes))
         self._incident = np.stack([c, leg], axis=1)[order]
         self._incident_ptr = np.searchsorted(border.nodes[order], np.arange(count + 1))
-        of_nodes, lengths = self._node_rows(count)
         of_constraints: Indices = (6 * border.nodes[:, np.newaxis] + np.arange(6)).ravel()
         ends = 6 * border.ptr[1:]
         if self.redundant:
             of_constraints = np.insert(of_constraints, ends, 6 * count + np.arange(m))
-        lengths = np.append(lengths, 6 * np.diff(border.ptr) + int(self.redundant))
+        own: Indices = np.empty(6 * count, dtype=np.int64)
+        pattern = self.indptr, self.indices, self._incident_ptr, self._incident
+        _count(pattern, self.held, own)
+        lengths = np.append(own, 6 * np.diff(border.ptr) + int(self.redundant))
         self._row_pointers = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
-        self._columns = np.append(of_nodes, of_constraints).astype(PETSc.IntType)
+        self._columns = np.empty(self._row_pointers[-1], dtype=PETSc.IntType)
+        _set_columns(pattern, self.held, self._columns)
+        self._columns[own.sum() :] = of_constraints
         self._size = len(self._columns)
-
-    def _node_rows(self, count: int) -> tuple[Indices, Indices]:
-        """Columns of the rows of all nodes, and how many each row has, shape (6 n,).
-
-        A row has all columns of its node's blocks that are free, or its diagonal if it is held, and
-        then the multipliers of its node.
-        """
-        own = np.arange(6 * count).reshape(-1, 6)
-        free = ~self.held[self.indices]
-        blocks, multipliers = own[self.indices][free], 6 * count + self._incident[:, 0]
-        starts = np.append(0, np.cumsum(free.sum(axis=1)))[self.indptr]
-        pool = np.concatenate([blocks, multipliers, own.ravel()])
-        first = np.where(
-            self.held, len(blocks) + len(multipliers) + own, starts[:-1, np.newaxis]
-        ).ravel()
-        number = np.where(self.held, 1, np.diff(starts)[:, np.newaxis]).ravel()
-        then = np.repeat(len(blocks) + self._incident_ptr[:-1], 6)
-        touched = np.repeat(np.diff(self._incident_ptr), 6)
-        begins, sizes = np.stack([first, then], 1).ravel(), np.stack([number, touched], 1).ravel()
-        at = np.repeat(begins - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
-        return pool[at], number + touched
 
     def place(self, rows: Indices, columns: Indices) -> Indices:
         """Positions of node pairs among the blocks; -1 where a node does not move."""
-        count = len(self.held)
-        key = np.repeat(np.arange(count), np.diff(self.indptr)) * count + self.indices
-        moves = (rows < count) & (columns < count)
-        found = np.searchsorted(key, np.where(moves, rows * count + columns, 0))
-        return np.where(moves, found, -1)
+        found: Indices = np.empty(rows.shape, dtype=np.int64)
+        _find(self.indptr, self.indices, rows.ravel(), columns.ravel(), found.ravel())
+        return found
 
     def share_among_ranks(self) -> None:
         """Have a domain for each rank: what is filled from now on fills :attr:`part`, too.

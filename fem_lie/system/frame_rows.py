@@ -46,8 +46,10 @@ class FrameRows:
         self._breaks = declared([motion.motion for motion in scene.motions], kinks=True)
         fixed = np.array([lie.frame(np.zeros(3), np.eye(3)), *self.prescribed(0.0)])
         self.frames = np.concatenate([numbering.frames, fixed])
-        now = np.concatenate([fixed[:1], self.prescribed(scene.began.time)])
-        self.begins_at = np.concatenate([numbering.begins_at, now])
+        self.begins_at = self.frames
+        if numbering.begins_at is not numbering.frames or scene.motions:
+            now = np.concatenate([fixed[:1], self.prescribed(scene.began.time)])
+            self.begins_at = np.concatenate([numbering.begins_at, now])
         self.velocities = np.concatenate([numbering.velocities, np.zeros((len(fixed), 6))])
         # what is held along fixed axes is held exactly where translations are along fixed axes
         guided = np.isfinite(numbering.supports[:, 0, 0])

@@ -107,7 +107,10 @@ class BeamAssembly(Assembly):
         mesh = nodal.function.function_space.mesh
 
         def gathered(name: str) -> Array:
-            return np.concatenate([getattr(body, name) for body in bodies])[permutation]
+            parts = [getattr(body, name) for body in bodies]
+            if len(parts) == 1 and parts[0].strides[0] == 0:
+                return np.asarray(parts[0])  # one for all, wherever they are
+            return np.concatenate(parts)[permutation]
 
         lengths, eigenstrain = gathered("lengths"), cellwise(mesh, np.zeros((len(elements), 6)))
         viscosity = None

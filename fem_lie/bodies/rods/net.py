@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -95,26 +94,27 @@ def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:
 
 def _followed(threads: Sequence[Sequence[int]], count: int) -> tuple[Indices, Successive]:
     """Edges of all threads, shape (m, 2), and those that follow each other."""
-    edges: list[tuple[int, int]] = []
-    nodes: list[tuple[int, int, int]] = []
-    pairs: list[tuple[int, int]] = []
+    edges: list[Indices] = []
+    nodes: list[Indices] = []
+    pairs: list[Indices] = []
+    first = 0
     for number, thread in enumerate(threads):
-        path = [int(k) for k in indices_of(thread, count, f"points of thread {number}")]
+        path = indices_of(thread, count, f"points of thread {number}")
         if len(path) < 2:
-            raise ValueError(f"a thread goes through two points or more, got {path}")
-        first = len(edges)
-        edges += pairwise(path)
-        nodes += zip(path, path[1:], path[2:], strict=False)
-        pairs += pairwise(range(first, len(edges)))
-        if path[0] == path[-1]:
-            nodes.append((path[-2], path[0], path[1]))
-            pairs.append((len(edges) - 1, first))
+            raise ValueError(f"a thread goes through two points or more, got {path.tolist()}")
+        edges.append(np.column_stack([path[:-1], path[1:]]))
+        own: Indices = np.arange(first, first + len(path) - 1)
+        first += len(own)
+        # one that is closed goes on where it began
+        closed = path[0] == path[-1]
+        around, again = (
+            (np.append(path, path[1]), np.append(own, own[0])) if closed else (path, own)
+        )
+        nodes.append(np.column_stack([around[:-2], around[1:-1], around[2:]]))
+        pairs.append(np.column_stack([again[:-1], again[1:]]))
     if not edges:
         raise ValueError("a net has threads, got none")
-    along = Successive(
-        np.array(nodes, np.int64).reshape(-1, 3), np.array(pairs, np.int64).reshape(-1, 2)
-    )
-    return np.array(edges, np.int64), along
+    return np.concatenate(edges), Successive(np.concatenate(nodes), np.concatenate(pairs))
 
 
 def _frames(places: Array, edges: Indices, tangents: Array) -> Array:

@@ -20,7 +20,7 @@ from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.grips.grip import Grip
 from fem_lie.grips.interpolated import interpolated
-from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds import TRAITS, NodeKind
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,16 +155,18 @@ class Formulation(ABC):
         """
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4).
+        """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, r, k, r).
 
-        The default is consistent with the interpolation of all four by the Lagrange polynomials of
-        the formulation's degree, 1 or 2.
+        It may be of the first ``r`` of these rows alone, where others have no inertia. The default
+        is consistent with the interpolation of all by the Lagrange polynomials of the
+        formulation's degree, 1 or 2.
 
         Args:
             nodal: As for :meth:`forms`.
             cells: What the cells are made of.
         """
-        weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
+        rows = TRAITS[self.node_kind].rows.stop
+        weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density[:, :rows, :rows]
         return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import all_from_group, all_to_group, bend_all
+from fem_lie.lie.kinds import all_from_group, all_from_local, all_to_group, bend_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State, extrapolate
@@ -47,10 +47,14 @@ def set_start(
     v = (equations.start.velocities if twist is None else twist).copy()
     vdot, weights = accelerations(equations, solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
-    later = State.start(s.H, s.kinds)
-    extrapolate(ahead, s.H, s.motion, s.kinds, later.H, v)
-    later.set_start(v[:n], accelerations(equations, solver, later.H, v, time + ahead, h)[0])
-    jerk = np.asarray((later.vdot - s.vdot) / ahead, dtype=np.float64)
+    later = s.H.copy()
+    extrapolate(ahead, s.H, s.motion, s.kinds, later, v)
+    rate, _ = accelerations(equations, solver, later, v, time + ahead, h)
+    jerk = np.empty_like(rate)
+    all_from_local(s.kinds, later, v[:n], rate, np.empty_like(rate), jerk)
+    del later, rate
+    jerk -= s.vdot
+    jerk /= ahead
     s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(equations, solver, scheme, s, jerk)
     return weights

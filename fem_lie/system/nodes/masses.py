@@ -34,7 +34,7 @@ def inertia_of(
     """
     rows: list[Indices] = [np.empty(0, dtype=np.int64)]
     columns: list[Indices] = [np.empty(0, dtype=np.int64)]
-    mass: list[Array] = [np.empty((0, 4, 4))]
+    mass: list[Array] = []
     damping: list[Array] = []
     damps = any(
         assembly.inertia is not None and assembly.inertia.damping is not None
@@ -63,10 +63,10 @@ def inertia_of(
             if damps:
                 damping.append(np.zeros((1, 4, 4)))
     r, c = np.concatenate(rows), np.concatenate(columns)
-    inertia = _on_leaders(numbering, r, c, np.concatenate(mass))
+    inertia = _on_leaders(numbering, r, c, mass)
     if not damps:
         return inertia, Inertia.none()
-    return inertia, _on_leaders(numbering, r, c, np.concatenate(damping))
+    return inertia, _on_leaders(numbering, r, c, damping)
 
 
 def floating_of(numbering: Numbering) -> Floating:
@@ -98,16 +98,20 @@ def weight_of(mass: Inertia, count: int, gravity: Array) -> Array:
     return weight
 
 
-def _on_leaders(numbering: Numbering, r: Indices, c: Indices, blocks: Array) -> Inertia:
+def _on_leaders(numbering: Numbering, r: Indices, c: Indices, given: list[Array]) -> Inertia:
     """Blocks of pairs of all nodes as blocks ``Wᵀ G W`` of pairs of leaders, sorted."""
     attachment, count = numbering.attachment, numbering.count
-    if not attachment.trivial:
-        W = attachment.linear()
-        blocks = W[r].transpose(0, 2, 1) @ blocks @ W[c]
-        r, c = attachment.leader[r], attachment.leader[c]
-    key, place = np.unique(r * count + c, return_inverse=True)
-    G = np.zeros((len(key), 4, 4))
-    add_at(G, place, blocks)
+    leader = attachment.leader
+    W = None if attachment.trivial else attachment.linear()
+    key, place = np.unique(leader[r] * count + leader[c], return_inverse=True)
+    G, first = np.zeros((len(key), 4, 4)), 0
+    for blocks in given:
+        own = slice(first, first + len(blocks))
+        first += len(blocks)
+        if W is not None:
+            left, right = (W[nodes[own], : blocks.shape[1]] for nodes in (r, c))
+            blocks = left.transpose(0, 2, 1) @ blocks @ right
+        add_at(G, place[own], blocks)
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
 
 

@@ -85,7 +85,9 @@ class Numbering:
 
     def _tie(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
-        begins_at = np.empty_like(frames)
+        # one array for both, unless they differ
+        elsewhere = any(body.begins_at is not None for body in self.nodes)
+        begins_at = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
         held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
@@ -107,7 +109,7 @@ class Numbering:
         self.attachment = Attachment(begins_at, pairs)
         self.count = self.attachment.count
         self.frames = frames[self.attachment.leaders]
-        self.begins_at = begins_at[self.attachment.leaders]
+        self.begins_at = begins_at[self.attachment.leaders] if elsewhere else self.frames
         # lengths beside rotations: of one node anything will do
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.attachment.leaders]
