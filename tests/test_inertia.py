@@ -188,7 +188,7 @@ def test_tangents(seed):
     A, K = np.ones((11, 6, 6)), np.ones((11, 6, 6))
     H, v, a = body.H, body.v, body.a
     kinds = np.zeros(3, dtype=np.int64)
-    inertia.tangents((H, v, a), kinds, body.pattern, place, (mass, damping), (A, K))
+    inertia.tangents((H, v, a), kinds, body.pattern, (place, place), (mass, damping), (A, K))
     untouched = np.setdiff1d(np.arange(11), place)
     assert (A[untouched] == 1).all() and (K[untouched] == 1).all()
 

@@ -127,6 +127,7 @@ class System:
             self.connections,
             self.held,
             numbering.supports,
+            self.kinds,
             redundant=scene.redundant is not Redundant.REFUSE,
             length=self.length,
         )

@@ -21,9 +21,9 @@ from fem_lie.linear.low_rank import Beside
 from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.instant import Instant, Plan
-from fem_lie.system.lagging import let_lag
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.sums import combine, combine_rows, load_tangent, to_inertial
+from fem_lie.system.nodes.sums import combine_rows, load_tangent, to_inertial
+from fem_lie.system.parts import Parts
 from fem_lie.system.scales import Vectors
 from fem_lie.system.terms.all_terms import Terms
 
@@ -48,13 +48,14 @@ class Tangent:
         kkt: The bordered matrix.
         supports: Which nodes have unknowns along axes fixed in space.
         vectors: Which constraints are one vector.
-        A: Derivatives in corrections of the nodes' increments, blocks of ``kkt``, (nnz, 6, 6).
-        K: Derivatives in the twists ``h`` of the nodes' frames, likewise.
+        parts: ``A``, derivatives in corrections of the nodes' increments, and ``K``, in the twists
+            ``h`` of the nodes' frames, blocks of ``kkt``.
         domain: What this rank has of the scene, if that is divided.
     """
 
     domain: Domain | None = None
     _share: Array | None = None
+    _apart = False
     _given: Array | None = None
 
     def __init__(
@@ -65,6 +66,7 @@ class Tangent:
         connections: Connections,
         held: Flags,
         axes: Array,
+        kinds: Indices,
         *,
         redundant: bool,
         length: float,
@@ -79,13 +81,14 @@ class Tangent:
             held: Which unknowns of the nodes are zero, shape (n, 6).
             axes: Fixed axes of the supports, see
                 :class:`~fem_lie.system.nodes.fixed_axes.Supports`.
+            kinds: Of the nodes.
             redundant: Whether constraints may follow from others.
             length: Of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
         self._bodies = bodies
         self._border, self.vectors = connections.border, Vectors(connections.joined)
-        self._held, self._count = held, len(held)
+        self._held, self._count, self._kinds = held, len(held), kinds
         self._rows = np.zeros((len(self._border.nodes), 6))
         pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
@@ -108,15 +111,33 @@ class Tangent:
         place, diagonal = self.kkt.place, np.arange(self._count)
         own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
-        self._place_mass, self._diagonal = place(*own), place(diagonal, diagonal)
-        self._place_bodies = place(*floating)
-        parts = zip(self._terms, coupled, strict=False)
-        self._parts = [(term, place(*pair)) for term, pair in parts]
-        self._sets = [(each, place(*each.pairs)) for each in self._connections.sets]
+        self.parts = Parts(self._kinds, self.kkt.indices, apart=self._apart)
+        in_K = self.parts.place_K
+        self._place_mass, self._place_bodies = (
+            (at, in_K(at)) for at in (place(*own), place(*floating))
+        )
+        self._diagonal = place(diagonal, diagonal)
+        places = (place(*pair) for pair in coupled)
+        self._of_terms = [
+            (term, in_K(at), at if term.viscous else at[:0])
+            for term, at in zip(self._terms, places, strict=False)
+        ]
+        self._sets = [(each, in_K(place(*each.pairs))) for each in self._connections.sets]
         self.supports.find(self.kkt.indptr, self.kkt.indices)
-        self.A = np.zeros((len(self.kkt.indices), 6, 6))
-        self.K = np.zeros_like(self.A)
         self._filled = False  # whether A is what the KKT has
+
+    @property
+    def A(self) -> Array:
+        """That of :attr:`parts`."""
+        return self.parts.A
+
+    def keep_apart(self) -> None:
+        """Have all of ``K`` apart from ``A``, from the next matrix on."""
+        self._apart = True
+        if not self.parts.apart:
+            self._settle()
+            if self.domain is not None:
+                self._others = np.zeros_like(self.parts.blocks)
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """``B = ∂Φ/∂h`` in the twists of the moving nodes, held ones left out; (m, 6 n)."""
@@ -142,14 +163,14 @@ class Tangent:
         """Have the domain of a rank; see :class:`~fem_lie.system.domains.Domain`."""
         self.domain = Domain(self.kkt, self._terms, division, rank)
         self.kkt.divide(self.domain.part)
-        self._others = np.zeros_like(self.A), np.zeros_like(self.K)
+        self._others = np.zeros_like(self.parts.blocks)
 
     @contextmanager
     def of_domain(self, scale: Array) -> Iterator[None]:
         """What is filled meanwhile is of the domain alone, with this scale of constraints."""
         assert self.domain is not None
-        whole = self.A, self.K
-        self.A, self.K = self._others
+        parts, whole = self.parts, self.parts.blocks
+        parts.blocks = self._others
         self._share, self._given = self.domain.share, scale
         self.domain.only_own(True)
         try:
@@ -157,7 +178,7 @@ class Tangent:
                 yield
         finally:
             self.domain.only_own(False)
-            self._others, (self.A, self.K) = (self.A, self.K), whole
+            self._others, parts.blocks = parts.blocks, whole
             self._share = self._given = None
 
     @contextmanager
@@ -166,12 +187,11 @@ class Tangent:
         if self._share is None or not really:
             yield
             return
-        A, K = self.A, self.K
-        self.A, self.K = np.zeros_like(A), np.zeros_like(K)
+        parts, blocks = self.parts, self.parts.blocks
+        parts.blocks = np.zeros_like(blocks)
         yield
-        A += self._share * self.A
-        K += self._share * self.K
-        self.A, self.K = A, K
+        parts.blocks, added = blocks, parts.blocks
+        parts.add_share(self._share, added)
 
     def _divides(self, term: Term) -> bool:
         return self.domain is not None and not self.domain.has_cells(term)
@@ -203,8 +223,7 @@ class Tangent:
                 raise ValueError("subdomains want pairs of nodes that stay, got others: contact?")
             self.kkt.couple(self._pairs())
             self._settle()
-        self.A[:] = 0.0
-        self.K[:] = 0.0
+        self.parts.blocks[:] = 0.0
         self._filled = False
 
     def restore_pattern(self, indptr: Indices, indices: Indices) -> None:
@@ -212,8 +231,8 @@ class Tangent:
         if np.array_equal(indptr, self.kkt.indptr) and np.array_equal(indices, self.kkt.indices):
             return
         self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
-        self.A = np.zeros((len(indices), 6, 6))
-        self.K, self._versions, self._filled = np.zeros_like(self.A), (), False
+        self.parts = Parts(self._kinds, indices, apart=self._apart)
+        self._versions, self._filled = (), False
 
     def add_inertia(
         self,
@@ -235,19 +254,20 @@ class Tangent:
         with self._divided():
             if any(factors) or v.any() or a.any():
                 self._add_rates((H, v[:n], a[:n]), kinds, factors)
-            load_tangent(kinds, H, *loads, self._diagonal, self.K)
+            diagonal = self.parts.place_K(self._diagonal)
+            load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
 
-    def add_mass(self, H: Array, kinds: Indices) -> None:
-        """The mass matrix, to ``A``."""
+    def add_mass(self, H: Array, kinds: Indices, factor: float) -> None:
+        """The mass matrix times a factor, to ``A``, and what weight has of one, to ``K``."""
         still = np.zeros((self._count, 6))
         with self._divided():
-            self._add_rates((H, still, still), kinds, (1.0, 0.0))
+            self._add_rates((H, still, still), kinds, (factor, 0.0))
 
     def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
         """Derivatives of inertia at frames, velocities and their rates."""
-        parts = self.A, self.K
+        parts = self.parts.blocks, self.parts.blocks
         inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
-        if len(self._place_bodies):
+        if len(self._place_bodies[0]):
             bodies, place = self._bodies.plain, self._place_bodies
             floating.tangents(motion, kinds, bodies, place, factors, parts)
 
@@ -262,19 +282,19 @@ class Tangent:
             wanted: Which of them.
             ends: Of a step, for those that have secants; default: at ``H`` alone.
         """
-        for (term, place), forces in zip(self._parts, kept, strict=True):
+        for (term, place, _), forces in zip(self._of_terms, kept, strict=True):
             with self._divided(really=self._divides(term)):
                 if ends is not None and term.secant:
-                    add_at(self.K, place, term.tangent_over_step(ends, H))
+                    add_at(self.parts.blocks, place, term.tangent_over_step(ends, H))
                 elif wanted(term):
-                    term.add_tangent(H, forces, place, self.K)
+                    term.add_tangent(H, forces, place, self.parts.blocks)
 
     def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
         """Put stiff rows of terms that may be apart beside the KKT, in increments ``d``.
 
         Without axes of supports.
         """
-        found = [term.stiff_rows(H) for term, _ in self._parts if term.apart]
+        found = [term.stiff_rows(H) for term, *_ in self._of_terms if term.apart]
         moves = [(f.nodes >= 0) & (f.nodes < self._count) for f in found]
         some = [which.any(axis=1) for which in moves]
         nodes = np.concatenate([f.nodes[which] for f, which in zip(found, moves, strict=True)])
@@ -297,10 +317,11 @@ class Tangent:
         kept = term.room()
         term.add_forces(H, np.zeros((self._count, 6)), kept)
         self.clear()
-        (place,) = (place for other, place in self._parts if other is term)
-        term.add_tangent(H, kept, place, self.K)
-        self.supports.turn_blocks(H, self.K)
-        return sp.bsr_matrix((self.K, self.kkt.indices, self.kkt.indptr)).tocsr()
+        (place,) = (place for other, place, _ in self._of_terms if other is term)
+        term.add_tangent(H, kept, place, self.parts.blocks)
+        self.parts.add_K()
+        self.supports.turn_blocks(H, self.A)
+        return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
 
     def add_geometric(self, H: Array, weights: Array) -> None:
         """Geometric stiffness of joints with multipliers ``weights``, and of terms, to ``K``.
@@ -308,12 +329,12 @@ class Tangent:
         That of joints has what acts along them.
         """
         for each, place in self._sets:
-            each.geometric(H, weights, place, self.K)
-        for term, place in self._parts:
+            each.geometric(H, weights, place, self.parts.blocks)
+        for term, place, _ in self._of_terms:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
                 with self._divided():
-                    add_at(self.K, place, blocks)
+                    add_at(self.parts.blocks, place, blocks)
 
     def add_viscosity(self, H: Array, v: Array, factor: float, wanted: Wanted = every) -> None:
         """``factor`` times the derivatives of viscous forces in twists to ``A``, others to ``K``.
@@ -324,18 +345,19 @@ class Tangent:
             factor: ∂v/∂d.
             wanted: Of which terms.
         """
-        for term, place in self._parts:
+        for term, in_K, in_A in self._of_terms:
             if term.viscous and wanted(term):
                 by_twists, by_frames = term.viscous_tangent(H, v)
                 with self._divided(really=self._divides(term)):
-                    add_at(self.A, place, factor * by_twists)
+                    add_at(self.parts.blocks, in_A, factor * by_twists)
                     if by_frames is not None:
-                        add_at(self.K, place, by_frames)
+                        add_at(self.parts.blocks, in_K, by_frames)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
         """See :func:`~fem_lie.lie.motions.add_turnings`; to ``K``."""
         with self._divided():
-            add_turnings(forces, 1.0, self._diagonal, nodes, self.K)
+            diagonal = self.parts.place_K(self._diagonal)
+            add_turnings(forces, 1.0, diagonal, nodes, self.parts.blocks)
 
     # --- sum ---
 
@@ -376,22 +398,23 @@ class Tangent:
         """
         d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
         self._connections.jacobian(ahead, self._rows)
-        columns, bind, nodes = self._rows.copy(), self.kkt.indices, self._border.nodes
+        columns, nodes = self._rows.copy(), self._border.nodes
         if plan.forces_at is not None:
             self._connections.jacobian(plan.forces_at, columns)
         if plan.lag is not None:
-            let_lag(self.K, self._rows, plan.lag, bind, nodes)
+            self.parts.let_lag(self._rows, plan.lag, nodes)
         if d.any():
-            combine(self.A, self.K, kinds, d, bind)
+            self.parts.combine(kinds, d)
             combine_rows(self._rows, kinds, d, nodes)
         else:
-            self.A += self.K
+            self.parts.add_K()
         if self.supports:
             self.supports.turn_blocks(ahead, self.A)
             self.supports.turn_border(ahead, columns)
             self.supports.turn_border(ahead, self._rows)
         if plan.inertial:
-            to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, self.kkt.indptr, bind)
+            pattern = self.kkt.indptr, self.kkt.indices
+            to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, *pattern)
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self.kkt.fill(self.A, columns, self._rows, scale)
         self._filled = True

@@ -198,7 +198,7 @@ def tangents(
     motion: tuple[Array, Array, Array],
     kinds: Indices,
     floating: PlainFloating,
-    place: Indices,
+    places: tuple[Indices, Indices],
     factors: tuple[float, float],
     parts: tuple[Array, Array],
 ) -> None:
@@ -208,7 +208,7 @@ def tangents(
         motion: Frames, local velocities and their rates.
         kinds: Of the nodes.
         floating: See :class:`Floating`.
-        place: Of each of its pairs in the pattern.
+        places: Of each of its pairs among the blocks of derivatives in motion and in frames.
         factors: Of the derivatives in the accelerations and in the velocities.
         parts: Blocks of derivatives in these, and in frames.
     """
@@ -256,7 +256,8 @@ def tangents(
                     for i in range(k):
                         own[:] = 0.0
                         pull(kinds[nodes[i]], H[nodes[i]], f[i].imag / _STEP, 1.0, own)
-                        block = (K if of_frames else A)[place[pair + k * i + j]]
+                        at = pair + k * i + j
+                        block = K[places[1][at]] if of_frames else A[places[0][at]]
                         for row in range(6):
                             block[row, column] += own[row]
         pair += k * k

@@ -71,7 +71,7 @@ def tangents(
     motion: PlainMotion,
     kinds: Indices,
     G: PlainInertia,
-    place: Indices,
+    places: tuple[Indices, Indices],
     factors: tuple[float, float],
     parts: tuple[Array, Array],
 ) -> None:
@@ -84,20 +84,21 @@ def tangents(
         kinds: What the derivatives in accelerations and velocities are by, those of the group, see
             :mod:`fem_lie.lie.kinds`.
         G: The block-sparse matrix.
-        place: Position of each block of ``G`` in the pattern of ``A`` and ``K`` (blocks, 6, 6).
+        places: Position of each block of ``G`` among those of ``A`` and of ``K`` (blocks, 6, 6).
         factors: Of the derivatives in the accelerations, ``mass``, and in the velocities,
             ``damping``.
         parts: ``A``, blocks of the derivative in (a, v), and ``K``, in local increments, both
-            updated; the part of ``∂Lᵀ`` is in neither.
+            updated, perhaps one array; the part of ``∂Lᵀ`` is in neither.
     """
     (H, v, a), (indptr, indices, blocks), (A, K) = motion, G, parts
+    in_A, in_K = places
     W, X = np.empty((4, 3, 6)), np.empty((4, 3, 6))
     unit, vector = np.empty(3), np.empty((4, 3))
     Q, left = np.empty((3, 3)), np.empty((4, 3))
     for i in range(indptr.shape[0] - 1):
         for entry in range(indptr[i], indptr[i + 1]):
             j = indices[entry]
-            of_rates, of_frames = A[place[entry]], K[place[entry]]
+            of_rates, of_frames = A[in_A[entry]], K[in_K[entry]]
             if kinds[i] >= SLOPE and kinds[j] >= SLOPE:
                 _add_straight((kinds[i], kinds[j]), H[i], H[j], blocks[entry], factors[0], of_rates)
                 continue

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.system.nodes.sums import add_times
 from fem_lie.system.system import System
 
 
@@ -26,10 +25,15 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
     terms.add_forces(H, np.zeros(system.size), kept)
     # after the forces, which may find other pairs of nodes that touch
     tangent.clear()
+    # both parts may be one: it is 4/h² times that until it is the sum
+    inverse = 4.0 / step**2
     tangent.add_terms(H, kept)
-    tangent.add_viscosity(H, still, 0.5 * step, lambda term: not (term.of_bodies or term.in_space))
-    tangent.add_mass(H, system.kinds)
-    add_times(tangent.A, 0.25 * step**2, tangent.K)
+    tangent.add_viscosity(
+        H, still, 0.5 * step * inverse, lambda term: not (term.of_bodies or term.in_space)
+    )
+    tangent.add_mass(H, system.kinds, inverse)
+    tangent.parts.add_K()
+    tangent.A[:] /= inverse
     scale = tangent.constraint_scale(H)
     tangent.fill(tangent.A, H, scale)
     return scale

@@ -18,7 +18,6 @@ from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.kinds import floating, inertia, pull_all, pull_derivative, push_all, tangent, turn
 from fem_lie.lie.kinds.floating import PlainFloating
 from fem_lie.lie.kinds.inertia import PlainInertia, PlainMotion
-from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.system.nodes.attachment import expand
 from fem_lie.system.nodes.loads import PlainLoads
 
@@ -259,37 +258,6 @@ def load_vector(
 
 
 @compiled
-def combine(A: Array, K: Array, kinds: Indices, d: Array, bind: Indices) -> None:
-    """``A ← A + K T(d)``: derivatives in d, not in ``h = T(d) δd``."""
-    count, product = d.shape[0], np.empty((6, 6))
-    number, turning = np.full(count, -1), 0
-    for i in range(count):
-        # what is no frame has T = 1
-        if kinds[i] < SLOPE:
-            number[i], turning = turning, turning + 1
-    T = np.empty((turning, 6, 6))
-    for i in range(count):
-        if number[i] >= 0:
-            tangent(kinds[i], d[i], T[number[i]])
-    for b in range(bind.shape[0]):
-        which = number[bind[b]]
-        if which >= 0:
-            _multiply(K[b], T[which], product)
-        for k in range(6):
-            for n in range(6):
-                A[b, k, n] += product[k, n] if which >= 0 else K[b, k, n]
-
-
-@compiled
-def add_times(A: Array, factor: float, K: Array) -> None:
-    """``A += factor K``, in place."""
-    for b in range(A.shape[0]):
-        for k in range(6):
-            for n in range(6):
-                A[b, k, n] += factor * K[b, k, n]
-
-
-@compiled
 def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
     """``rows ← rows T(d)`` for those of constraints at ``nodes``, shape (legs, 6)."""
     T, row = np.empty((6, 6)), np.empty(6)
@@ -325,12 +293,3 @@ def to_inertial(
         node = nodes[leg]
         turn(kinds[node], H[node], columns[leg])
         turn(kinds[node], H[node], rows[leg])
-
-
-@compiled
-def _multiply(A: Array, B: Array, out: Array) -> None:
-    for i in range(6):
-        for j in range(6):
-            out[i, j] = 0.0
-            for k in range(6):
-                out[i, j] += A[i, k] * B[k, j]

@@ -40,6 +40,7 @@ def linearised(
     now = Instant(H, v, np.zeros_like(v), weights)
     system.residual(now, scale, r, forces)
     loads = forces.on_rows, system.loads.moment
+    tangent.keep_apart()
     tangent.clear()
     tangent.add_inertia(now, twists, loads, (1.0, 0.0))
     M = tangent.A.copy()
@@ -50,7 +51,7 @@ def linearised(
     tangent.add_geometric(H, weights)
     system.follow_motion(forces)
     ad = lie.se3_ad(v)[tangent.kkt.indices]
-    K = tangent.K + tangent.A @ ad
+    K = tangent.parts.K + tangent.A @ ad
     tangent.add_viscosity(H, v, 1.0, lambda term: not term.in_space)
     return M, tangent.A + M @ ad, K
 

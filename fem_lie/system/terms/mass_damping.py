@@ -68,7 +68,8 @@ class MassDamping(Term):
         A, K = np.zeros((2, len(self._rows), 6, 6))
         # L v is the acceleration v of a body at rest
         motion = H, np.zeros((self._count, 6)), v[: self._count]
-        inertia.tangents(motion, self._kinds, self._D.plain, self._place, (1.0, 0.0), (A, K))
+        places = self._place, self._place
+        inertia.tangents(motion, self._kinds, self._D.plain, places, (1.0, 0.0), (A, K))
         f = self._forces(H, v, np.zeros((self._count, 6)))
         _add_turned(self._kinds, H, f, self._diagonal, K)
         return A, K

@@ -1,0 +1,141 @@
+"""Both parts of the matrix in blocks, as one array: of forces, and of frames.
+
+``A`` are derivatives in corrections of increments, ``K`` in twists. To the columns of nodes that
+are places alone both are the same, and have the same blocks; those of ``K`` that are apart stand
+behind all of ``A``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie._jit import compiled, inlined
+from fem_lie.lie.kinds import tangent
+from fem_lie.lie.kinds.kind import POINT, SLOPE
+from fem_lie.lie.series import exponential
+from fem_lie.lie.tuples import load, rotate, store
+
+
+class Parts:
+    """``A`` and ``K``.
+
+    Attributes:
+        blocks: Of ``A``, then those of ``K`` that are apart, shape (any, 6, 6).
+        of_K: Where the block of ``K`` of each pair is, shape (nnz,).
+    """
+
+    def __init__(self, kinds: Indices, bind: Indices, *, apart: bool) -> None:
+        """Make room.
+
+        Args:
+            kinds: Of the nodes.
+            bind: Node of the columns of each block.
+            apart: Whether all blocks of ``K`` are apart.
+        """
+        self._bind, count = bind, len(bind)
+        alone = np.full(count, True) if apart else kinds[bind] != POINT
+        self.apart = bool(alone.all())
+        self.of_K: Indices = np.arange(count)
+        self.of_K[alone] = count + np.arange(alone.sum())
+        self.blocks = np.zeros((count + alone.sum(), 6, 6))
+
+    @property
+    def A(self) -> Array:
+        """Blocks of all pairs, shape (nnz, 6, 6)."""
+        return self.blocks[: len(self.of_K)]
+
+    @property
+    def K(self) -> Array:
+        """Likewise, where all are apart."""
+        assert self.apart
+        return self.blocks[len(self.of_K) :]
+
+    def place_K(self, place: Indices) -> Indices:
+        """Places in ``K`` of pairs at places in ``A``, −1 where there is none."""
+        return np.where(place < 0, -1, self.of_K[place])
+
+    def add_share(self, share: Array, others: Array) -> None:
+        """Add other blocks, times a factor of each pair, (nnz, 1, 1)."""
+        count = len(share)
+        own = np.flatnonzero(self.of_K >= count)
+        self.blocks[:count] += share * others[:count]
+        self.blocks[count:] += share[own] * others[count:]
+
+    def let_lag(self, rows: Array, lag: Array, nodes: Indices) -> None:
+        """Make derivatives in twists those in translations along other axes, and rotations.
+
+        Args:
+            rows: Of constraints, (legs, 6), updated.
+            lag: Rotation vectors from the other axes to those of the frames, (n, 3); places have
+                none.
+            nodes: Node of each leg.
+        """
+        _let_lag(self.blocks, self.of_K, rows, lag, self._bind, nodes)
+
+    def combine(self, kinds: Indices, d: Array) -> None:
+        """``A ← A + K T(d)``: derivatives in d, not in ``h = T(d) δd``."""
+        _combine(self.blocks, self.of_K, kinds, d, self._bind)
+
+    def add_K(self) -> None:
+        """``A ← A + K``."""
+        _add(self.blocks, self.of_K)
+
+
+@compiled
+def _add(blocks: Array, of_K: Indices) -> None:
+    for b in range(of_K.shape[0]):
+        if of_K[b] != b:
+            for k in range(6):
+                for n in range(6):
+                    blocks[b, k, n] += blocks[of_K[b], k, n]
+
+
+@compiled
+def _combine(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indices) -> None:
+    count, product = d.shape[0], np.empty((6, 6))
+    number, turning = np.full(count, -1), 0
+    for i in range(count):
+        # what is no frame has T = 1
+        if kinds[i] < SLOPE:
+            number[i], turning = turning, turning + 1
+    T = np.empty((turning, 6, 6))
+    for i in range(count):
+        if number[i] >= 0:
+            tangent(kinds[i], d[i], T[number[i]])
+    for b in range(bind.shape[0]):
+        if of_K[b] == b:
+            continue
+        K, which = blocks[of_K[b]], number[bind[b]]
+        if which >= 0:
+            _multiply(K, T[which], product)
+        for k in range(6):
+            for n in range(6):
+                blocks[b, k, n] += product[k, n] if which >= 0 else K[k, n]
+
+
+@compiled
+def _multiply(A: Array, B: Array, out: Array) -> None:
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
+            for k in range(6):
+                out[i, j] += A[i, k] * B[k, j]
+
+
+@compiled
+def _let_lag(
+    blocks: Array, of_K: Indices, rows: Array, lag: Array, bind: Indices, nodes: Indices
+) -> None:
+    for b in range(bind.shape[0]):
+        if of_K[b] != b:
+            for k in range(6):
+                _lagging(lag[bind[b]], blocks[of_K[b], k])
+    for leg in range(rows.shape[0]):
+        _lagging(lag[nodes[leg]], rows[leg])
+
+
+@inlined
+def _lagging(φ: Array, row: Array) -> None:
+    _, e1, e2, e3 = exponential((0.0, 0.0, 0.0), load(φ, 0))
+    store(row, 0, rotate(e1, e2, e3, load(row, 0)))
