@@ -6,6 +6,7 @@ import pytest
 import fem_lie as fl
 from benchmarks import conserving_contact
 from fem_lie.lie.motions import retract
+from fem_lie.solve.conserving.between.pushes import _part_of_earlier
 
 GRAVITY, SIZE = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -187,6 +188,34 @@ def test_conserving_steps_book_what_rubbing_takes(case, steps, lost):
     assert result.energy_error < 1e-12
     assert result.momentum_error < 1e-13
     assert result.angular_momentum_error < 1e-13
+
+
+def in_a_box(steps: int) -> fl.Result:
+    """A ball in a free box that turns, with friction, by steps of a fifth of a contact's period."""
+    scene, _ = conserving_contact.box(1e4, 0.3)
+    step = 0.4 * np.pi * np.sqrt(0.75 / 1e4)
+    return fl.EnergyMomentum().run(scene, duration=steps * step, step=step, progress=False)
+
+
+def test_what_rubs_and_is_apart_keeps_its_matrix():
+    """Anchors of what flies freely hold no spring, not even of round-off."""
+    assert in_a_box(10).factorisations <= 2
+
+
+def test_steps_that_stick_and_slip_in_turns_are_made_in_full():
+    result = in_a_box(140)
+    assert result.divided == 0
+    assert np.diff(result.balance[:, 1]).min() >= 0.0
+    assert result.balance_error < 1e-12
+
+
+def test_energy_of_earlier_steps_waits_for_work():
+    """Forces that do hardly any do not jump with its sign."""
+    left, work = 1e-12, np.linspace(-2e-6, 2e-6, 4001)
+    parts = np.array([_part_of_earlier(left, each, 1e-6) for each in work])
+    np.testing.assert_allclose(parts, -parts[::-1])
+    assert np.abs(np.diff(parts)).max() < 1.01 * left / 1e-6 * 1e-3
+    assert parts[-1] * work[-1] == pytest.approx(left)
 
 
 def test_a_ball_slides_then_rolls_in_conserving_steps():

@@ -78,8 +78,11 @@ def set_over_step(
         found[e], τ[e], q = 0.0, 0.0, which[e]
         if q < 0:
             continue
-        mean, spring = apart_of(ends.mean, anchors, q), apart_of(ends.start, anchors, q)
-        slip = (0.0, 0.0, 0.0)
+        mean, spring, slip = apart_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        i, j = at.pairs[e]
+        # what is apart holds no spring: round-off of its anchors would count as a push
+        if gap(ends.start, at.a, at.b, i, j, at.flat)[0] < 0.0:
+            spring = apart_of(ends.start, anchors, q)
         for s in range(SLOTS):
             node, w = anchors.nodes[q, s], anchors.weights[q, s]
             levers.nodes[e, s], levers.weights[e, s] = node, w
@@ -91,7 +94,7 @@ def set_over_step(
             store_row(levers.levers[e], s, c)
             slip = plus(slip, scaled(w, load_row(ends.delta[node], 0)))
             slip = plus(slip, global_components(ends.delta[node], c))
-        g, n, _ = gap(ends.end, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.flat)
+        g, n, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
         u = plus(spring, slip)
         found[e, 0] = g
         for k in range(3):

@@ -24,6 +24,8 @@ _NOISE = {1e-15: 1, 1e-9: 8}
 """Increments, in lengths of the model, that are round-off after so many that fell no more."""
 _FALLS = 0.8
 """Ratio of increments that is no progress any more."""
+_TURNS = 3
+"""Increments that fell no more, after which half of a correction is made."""
 _MOST = 0.05
 """Increments of one iteration, in lengths of the model: beyond, a contact is another one."""
 
@@ -105,8 +107,8 @@ class Touching(RunState):
             if not np.isfinite(increment):
                 break
             least = min(least, increment)
-            if increment > _MOST:
-                x *= _MOST / increment
+            # contacts that stick and slip in turns are met half-way
+            x *= min(1.0 if stalls < _TURNS else 0.5, _MOST / max(increment, _MOST))
             nodes.packed_correct(*tables)
         return False
 

@@ -18,6 +18,8 @@ BESIDE = 2
 
 _MOST = 0.5
 """Part by which forces may be changed to do the work that is wanted of them."""
+_LITTLE = 1e-2
+"""Part of what is stored: forces that do less work take back less of what earlier steps left."""
 
 
 class Pushes:
@@ -150,10 +152,11 @@ class Pushes:
     def _settle_debt(self, work: float, leak: float, out: Array) -> None:
         """Change forces by what is stored beyond the work on it."""
         # by digits of places, and where places follow
-        owed = self.debt + self.ahead - self.energy - work
-        part = _part(owed + leak, work)
+        missing = self.ahead - self.energy - work
+        little = _LITTLE * (self.ahead + self.energy)
+        part = _part(missing, work) + _part_of_earlier(self.debt + leak, work, little)
         out *= 1.0 + part
-        self._owed = owed - part * work
+        self._owed = self.debt + missing - part * work
 
     def accept(self, H: Array) -> None:
         """Go on from the end of the step that was looked at, with frames ``H``."""
@@ -176,3 +179,14 @@ def _part(missing: float, work: float) -> float:
         return 0.0
     part = missing / work
     return part if abs(part) <= _MOST else _MOST**2 / part
+
+
+def _part_of_earlier(missing: float, work: float, little: float) -> float:
+    """The same of what may wait: goes to zero with the work.
+
+    Between surfaces that rest on each other work is of either sign from one iteration to the next,
+    and forces that jumped with it would have no equilibrium.
+    """
+    if abs(work) >= little:
+        return _part(missing, work)
+    return _part(missing, little) * work / little
