@@ -149,6 +149,10 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution):
     lost = 0.5 * rates @ M @ rates - 0.5 * expected @ M @ expected
     told = result.contacts
     assert told.impact_loss[0] + told.friction_loss[0] == pytest.approx(lost, rel=1e-4, abs=1e-4)
+    n, t = -np.cos(angles), np.sin(angles)
+    _, along = np.linalg.solve(np.stack([n, t]).T, M @ (expected - rates))
+    rubbed = -along * 0.5 * t @ (rates + expected)
+    assert told.friction_loss[0] == pytest.approx(rubbed, rel=1e-4, abs=1e-4)
     assert result.joint_violations.max() < 1e-12
 
 

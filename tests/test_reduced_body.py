@@ -264,6 +264,27 @@ def test_frames_alone_are_expanded_and_projected():
     np.testing.assert_array_equal(states.within(less).frames, states.expand())
 
 
+def test_joints_supports_and_points_stay_where_they_are_in_full_fields():
+    """Behind another body, with interfaces whose numbers are others."""
+    body, scene = reduced(2)[0], fl.Scene(gravity=(0, 0, -9.81))
+    for name in ("ball", "bob"):
+        scene.add(fl.RigidBody(1.0, 0.1 * np.eye(3), body["end"].position, name=name))
+    ball, bob = scene.bodies
+    scene.add(body)
+    scene.add(fl.Spherical(ball.centre, body["end"]))
+    scene.add(fl.Spherical(body["end"], bob.centre))
+    scene.add(fl.Clamp(body["start"]))
+    result = fl.GeneralisedAlpha().run(scene, duration=2e-3, step=1e-3)
+    found = fl.expand(result, body)
+    pairs = [(j.node, k.node) for j, k in zip(result.info.joints, found.info.joints, strict=True)]
+    pairs += zip(result.info.supports.nodes, found.info.supports.nodes, strict=True)
+    assert len(pairs) > 2
+    for old, new in pairs:
+        np.testing.assert_array_equal(found.frames[:, new], result.frames[:, old])
+    for name in ("ball.centre", "rod.start", "rod.end"):
+        np.testing.assert_array_equal(found.position(name), result.position(name))
+
+
 def test_balances_are_those_of_the_full_body():
     """Weight, reactions and the rate of angular momentum agree, of the reduced body by itself."""
     body, _ = reduced()
