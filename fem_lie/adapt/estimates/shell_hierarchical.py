@@ -1,18 +1,16 @@
-"""Hierarchical errors of shells: each cell as four of its kind, with those nodes that are new."""
+"""Hierarchical errors of shells: cells about each node in four of their kind, and their balance."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse.linalg
-from scipy.sparse import bsr_matrix
 
 from fem_lie import lie
-from fem_lie._arrays import Array
-from fem_lie.adapt.estimates.cut.cut_shells import Cut, areas_of, on_new_nodes, shapes_of_parts
+from fem_lie._arrays import Array, Flags
+from fem_lie.adapt.estimates.cut.cut_shells import Cut, areas_of, on_all_nodes, shapes_of_parts
+from fem_lie.adapt.estimates.cut.patches import Patches
 from fem_lie.adapt.estimates.estimate import ElementErrors
-from fem_lie.bodies.shells.assembly import ShellAssembly
 from fem_lie.bodies.shells.placing import frames_with
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.shapes import tabulated
@@ -24,22 +22,23 @@ from fem_lie.results.stresses.shell_stress import ShellStress, integration
 from fem_lie.scene import Scene
 
 _FIVE = 5
-_ITERATIONS = 6
-_SETTLED = 1e-4  # of the first correction
-_NOTHING = 1e-11  # of the model, or rad
+_STEP = 1e-6  # in differences, of the model and in rad
 _FINER = 4.0 / 3.0  # the square of the whole error, over the part that halved cells have less
 
 
 def shell_hierarchical(
     result: Result | StaticResult, shell: Shell, scene: Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
-    """Errors from the balance of all nodes that are new when each cell is cut in four.
+    """Errors from what the stress of the cells leaves unbalanced when each is cut in four.
 
-    Nodes of the mesh stay, new ones go to where forces balance with what acts on them (R. E. Bank &
-    R. K. Smith, SIAM J. Numer. Anal. 30 (1993) 921): one sparse system for all of them. What acts
-    on them is taken from the forces on the nodes that there are, per area within and per length at
-    borders, and a single force stays with its node. An element of first order loses half of its
-    error so, and ``η² = 4/3 ∫ (σ_fine − σ)·D⁻¹(σ_fine − σ)``.
+    About each node there is a small problem: it and the new nodes in the cells that meet there are
+    free, the rim is held (P. Morin, R. H. Nochetto & K. G. Siebert, Math. Comp. 72 (2003) 1067).
+    Forces are what acts less what the stress σ *of the uncut cells* balances, so that places of
+    the coarse mesh, which in fine cells would be stress that thin shells do not have, are not in
+    it. Each part of a cell takes the stress δ from the problem about its own corner. What acts on
+    new nodes is taken from the forces on the nodes that there are, per area within and per length
+    at borders, and a single force stays with its node. An element of first order loses half of its
+    error so, and ``η² = 4/3 ∫ δ·D⁻¹δ``.
 
     Raises:
         ValueError: The cells have nodes besides their corners; the shell is not in that result, or
@@ -51,23 +50,58 @@ def shell_hierarchical(
             f"{shell.mesh.degree}: take Recovery()"
         )
     nodes, cut = nodes_in(result.info, shell), Cut.of(shell)
-    return [_errors(cut, result.frames[step][nodes]) for step in steps]
+    patches = Patches.of(cut)
+    return [_errors(cut, patches, result.frames[step][nodes]) for step in steps]
 
 
-def _errors(cut: Cut, frames: Array) -> ElementErrors:
-    shell = cut.shell
-    fine, stress = ShellStress.of(cut.fine), ShellStress.of(shell)
-    own, moved = stress(frames), _settled(cut, frames)
-    rule, _ = integration(shell)
+def _errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
+    shell, cells = cut.shell, cut.fine.own_mesh.cells
+    stress = ShellStress.of(shell)
+    own, (rule, _) = stress(frames), integration(shell)
     inside = _at_parts(shell, rule) @ own[:, np.newaxis]  # (m, 4, g, 8)
-    missed = fine(moved).reshape(inside.shape) - inside
+    H = _between(cut, frames)
+    axes, free = _supports(cut, H)
+    areas = areas_of(cut.fine)
+    strains = areas[..., np.newaxis, np.newaxis] * np.repeat(stress.compliance, 4, axis=0)[:, None]
+    slopes = np.einsum("mgikb,mkba->mgika", _slopes(cut, H), axes[cells])
+    works = np.einsum("mgij,mgjka->mgika", strains, slopes)
+    balanced = np.einsum("mgi,mgika->mka", inside.reshape(*areas.shape, 8), works)
+    acts = _local(H, on_all_nodes(cut, frames))[:, :_FIVE]
+    rest = np.einsum("Nba,Nb->Na", axes, acts)
+    np.subtract.at(rest, cells, balanced)
+    flat = (len(areas), -1, *slopes.shape[3:])
+    missed = patches.stress(slopes.reshape(flat), works.reshape(flat), rest, free)
+    missed = missed.reshape(*areas.shape, 8)
+    squares = _FINER * np.einsum("mgi,mgij,mgj->m", missed, strains, missed)
+    energy = np.einsum("mgi,mij,mgj,mg->", own, stress.compliance, own, areas_of(shell))
+    return ElementErrors(squares.reshape(-1, 4).sum(axis=1), float(energy))
 
-    def energy(values: Array) -> Array:
-        return np.asarray(np.einsum("m...gi,mij,m...gj->m...g", values, stress.compliance, values))
 
-    areas = areas_of(cut.fine).reshape(inside.shape[:3])
-    squares = _FINER * (energy(missed) * areas).sum(axis=(1, 2))
-    return ElementErrors(squares, float((energy(own) * areas_of(shell)).sum()))
+def _slopes(cut: Cut, H: Array) -> Array:
+    """Derivatives of stress in twists of the nodes of each fine cell, shape (4 m, g, 8, k, 5)."""
+    stress, cells = ShellStress.of(cut.torn), cut.fine.own_mesh.cells
+    frames, found = H[cells.ravel()], []
+    for place in range(cells.shape[1]):
+        for unit_of, size in zip(np.eye(6)[:_FIVE], [cut.shell.size] * 3 + [1.0] * 2, strict=True):
+            step = np.zeros((*cells.shape, 6))
+            step[:, place] = _STEP * size * unit_of
+            turned = (lie.se3_retract(frames, s * step.reshape(-1, 6)) for s in (1, -1))
+            after, before = (stress(moved) for moved in turned)
+            found.append((after - before) / (2.0 * _STEP * size))
+    slopes = np.stack(found, axis=3)
+    return slopes.reshape(*slopes.shape[:3], cells.shape[1], _FIVE)
+
+
+def _supports(cut: Cut, H: Array) -> tuple[Array, Flags]:
+    """Axes (N, 5, 5) of the motions of nodes, as columns in twists, and which are free, (N, 5)."""
+    shell, n = cut.shell, len(cut.shell.frames)
+    axes = np.tile(np.eye(_FIVE), (len(H), 1, 1))
+    in_space = np.flatnonzero(np.isfinite(shell.supports).all(axis=(1, 2)))
+    axes[in_space, :3, :3] = H[in_space, 1:] @ np.swapaxes(shell.supports[in_space], 1, 2)
+    free = np.ones((len(H), _FIVE), dtype=np.bool_)
+    free[:n] = ~shell.held[:, :_FIVE]
+    free[n:][cut.held] = False
+    return axes, free
 
 
 def _at_parts(shell: Shell, rule: Array) -> Array:
@@ -78,48 +112,7 @@ def _at_parts(shell: Shell, rule: Array) -> Array:
     return np.asarray(places @ shapes_of_parts(mesh.cell) @ corners)
 
 
-# --- balance of the new nodes ---
-
-
-def _settled(cut: Cut, frames: Array) -> Array:
-    """Frames of all nodes of the fine shell, new ones where forces balance: Newton's method."""
-    H, n = _between(cut, frames), len(frames)
-    assembly = ShellAssembly([cut.fine])
-    acting = on_new_nodes(cut, frames)
-    free = n + np.flatnonzero(~cut.held)
-    lengths, first = np.repeat([cut.shell.size, 1.0], 3), 0.0
-    for _ in range(_ITERATIONS):
-        K, r = _balance(assembly, H)
-        rows = (6 * free[:, np.newaxis] + np.arange(_FIVE)).ravel()
-        wrench = _local(H[free], acting[free - n])[:, :_FIVE]
-        rest = r[free, :_FIVE] - wrench
-        solve = scipy.sparse.linalg.splu(K[rows][:, rows].tocsc(), permc_spec="MMD_AT_PLUS_A")
-        step = np.zeros((len(free), 6))
-        step[:, :_FIVE] = -solve.solve(rest.ravel()).reshape(-1, _FIVE)
-        H[free] = lie.se3_retract(H[free], step)
-        size = float(np.abs(step / lengths).max(initial=0.0))
-        first = first or size
-        if size <= max(_SETTLED * first, _NOTHING):
-            return H
-    raise RuntimeError(
-        f"the nodes that are new in {cut.shell.label} did not settle in {_ITERATIONS} rounds: the "
-        f"last correction is {size / first:.1e} of the first"
-    )
-
-
-def _balance(assembly: ShellAssembly, H: Array) -> tuple[bsr_matrix, Array]:
-    """Tangent and forces (N, 6) at frames, as the nodes of the shell are numbered."""
-    order = assembly.order
-    rows = np.empty_like(H)
-    rows[order] = H
-    assembly.reset_stress(rows)
-    forces, kept = assembly.room(), assembly.room()
-    assembly.add_forces(rows, forces, kept)
-    blocks = assembly.tangent(rows, kept)
-    N = len(H)
-    K = bsr_matrix((blocks, assembly.indices, assembly.indptr), shape=(6 * N, 6 * N)).tocsr()
-    own = (6 * order[:, np.newaxis] + np.arange(6)).ravel()
-    return K[own][:, own], forces[order]
+# --- where new nodes are ---
 
 
 def _between(cut: Cut, frames: Array) -> Array:

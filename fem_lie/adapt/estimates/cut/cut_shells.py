@@ -32,6 +32,7 @@ class Cut(NamedTuple):
     Attributes:
         shell: The shell of m cells.
         fine: That of 4 m cells.
+        torn: The same, each cell with nodes of its own.
         ends: Nodes at the ends of cut edges, shape (e, 2).
         sides: Edges of each cell, shape (m, 3 or 4).
         border: Which edges have one cell alone, shape (e,).
@@ -40,6 +41,7 @@ class Cut(NamedTuple):
 
     shell: Shell
     fine: Shell
+    torn: Shell
     ends: Indices
     sides: Indices
     border: Flags
@@ -74,9 +76,12 @@ class Cut(NamedTuple):
         fine.connectivity, fine.source, fine.has_mass = cells, None, False
         fine.stiffness = np.repeat(shell.stiffness, 4, axis=0)
         fine.axes = np.repeat(shell.axes, 4, axis=0)
+        torn, own = copy(fine), np.arange(cells.size).reshape(cells.shape)
+        torn.frames, torn.connectivity = fine.frames[cells.ravel()], own
+        torn.mesh = torn.own_mesh = SurfaceMesh(points[cells.ravel()], own, mesh.cell, normals)
         clamped: Flags = np.asarray(shell.held[:, :_FIVE].all(axis=1))
         held = np.concatenate([clamped[ends].all(axis=1), np.zeros(middles, dtype=bool)])
-        return cls(shell, fine, ends, number, met == 1, held)
+        return cls(shell, fine, torn, ends, number, met == 1, held)
 
 
 def shapes_of_parts(cell: str) -> Array:
@@ -99,10 +104,11 @@ def areas_of(shell: Shell) -> Array:
 # --- what acts ---
 
 
-def on_new_nodes(cut: Cut, frames: Array) -> Array:
-    """Force and moment on each new node, components in space, shape (new, 6).
+def on_all_nodes(cut: Cut, frames: Array) -> Array:
+    """Force and moment on each node of the fine shell, components in space, shape (N, 6).
 
     Those of the mesh are in equilibrium: what their cells leave is what acts, supports included.
+    New nodes take their part of it from those beside them.
     """
     shell = cut.shell
     coarse = ShellAssembly([shell])
@@ -111,16 +117,27 @@ def on_new_nodes(cut: Cut, frames: Array) -> Array:
     coarse.reset_stress(rows)
     coarse.add_forces(rows, forces)
     acts = _global(frames, forces[coarse.order])
-    inner = np.ones(len(frames), dtype=bool)
+    new, edges = _on_new_nodes(cut, acts), len(cut.ends)
+    corners = shell.own_mesh.cells
+    for givers, taken in ((cut.ends, new[:edges]), (corners[: len(new) - edges], new[edges:])):
+        each = np.repeat(taken / givers.shape[1], givers.shape[1], axis=0)
+        np.subtract.at(acts, givers.ravel(), each)
+    return np.concatenate([acts, new])
+
+
+def _on_new_nodes(cut: Cut, acts: Array) -> Array:
+    """Shape (new, 6), of what acts on the nodes that there are, (n, 6)."""
+    shell, count = cut.shell, len(acts)
+    inner = np.ones(count, dtype=bool)
     inner[cut.ends[cut.border]] = False
-    carried = _carried(shell, len(frames))
+    carried = _carried(shell, count)
     per_area = np.where(inner[:, np.newaxis], acts / carried[:, np.newaxis], np.nan)
     per_area = _beyond(shell, per_area)
     rest = acts - per_area * carried[:, np.newaxis]
     density = [_least(per_area[cut.ends])]
-    if len(cut.fine.frames) > len(frames) + len(cut.ends):
+    if len(cut.fine.frames) > count + len(cut.ends):
         density.append(_least(per_area[shell.own_mesh.cells]))
-    fine = _carried(cut.fine, len(cut.fine.frames))[len(frames) :]
+    fine = _carried(cut.fine, len(cut.fine.frames))[count:]
     found = np.concatenate(density) * fine[:, np.newaxis]
     found[np.flatnonzero(cut.border)] += _on_borders(shell, cut.ends[cut.border], rest)
     return found
