@@ -1,4 +1,4 @@
-"""Hierarchical errors of shells: cells about each node in four of their kind, and their balance."""
+"""Hierarchical errors of shells: cells in four of their kind, and their balance."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def shell_hierarchical(
 ) -> list[ElementErrors]:
     """Errors from what the stress of the cells leaves unbalanced when each is cut in four.
 
-    About each node there is a small problem: it and the new nodes in the cells that meet there are
-    free, the rim is held (P. Morin, R. H. Nochetto & K. G. Siebert, Math. Comp. 72 (2003) 1067).
-    Forces are what acts less what the stress σ *of the uncut cells* balances, so that places of
-    the coarse mesh, which in fine cells would be stress that thin shells do not have, are not in
-    it. Each part of a cell takes the stress δ from the problem about its own corner. What acts on
-    new nodes is taken from the forces on the nodes that there are, per area within and per length
-    at borders, and a single force stays with its node. An element of first order loses half of its
-    error so, and ``η² = 4/3 ∫ δ·D⁻¹δ``.
+    Each cell has a small linear problem: its corners and all new nodes beside one of these are
+    free, the rim is held (problems on patches: I. Babuška & W. C. Rheinboldt, SIAM J. Numer. Anal.
+    15 (1978) 736). Forces are what acts less what the stress σ *of the uncut cells* balances, so
+    that places of the coarse mesh, which in fine cells would be stress that thin shells do not
+    have, are not in it. The cell takes its stress δ from there. What acts on new nodes is taken
+    from the forces on the nodes that there are, per area within and per length at borders, and a
+    single force stays with its node. An element of first order loses half of its error so, and
+    ``η² = 4/3 ∫ δ·D⁻¹δ``.
 
     Raises:
         ValueError: The cells have nodes besides their corners; the shell is not in that result, or
@@ -69,9 +69,10 @@ def _errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
     acts = _local(H, on_all_nodes(cut, frames))[:, :_FIVE]
     rest = np.einsum("Nba,Nb->Na", axes, acts)
     np.subtract.at(rest, cells, balanced)
-    flat = (len(areas), -1, *slopes.shape[3:])
-    missed = patches.stress(slopes.reshape(flat), works.reshape(flat), rest, free)
-    missed = missed.reshape(*areas.shape, 8)
+    m, g, *_ = slopes.shape
+    K = np.swapaxes(works.reshape(m, 8 * g, -1), 1, 2) @ slopes.reshape(m, 8 * g, -1)
+    moved = patches.solved(cells, K, rest, free)
+    missed = np.einsum("mgika,mka->mgi", slopes, moved)
     squares = _FINER * np.einsum("mgi,mgij,mgj->m", missed, strains, missed)
     energy = np.einsum("mgi,mij,mgj,mg->", own, stress.compliance, own, areas_of(shell))
     return ElementErrors(squares.reshape(-1, 4).sum(axis=1), float(energy))

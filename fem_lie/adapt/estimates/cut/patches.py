@@ -1,4 +1,4 @@
-"""Small problems: the cells about each node, cut in four, with their own nodes free."""
+"""Small problems: each cell with those that touch it, cut in four, with the nodes within free."""
 
 from __future__ import annotations
 
@@ -6,73 +6,86 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse.linalg
-from scipy.sparse import csc_matrix
+from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.adapt.estimates.cut.cut_shells import Cut
 
 _FIVE = 5
-# part of a cell from the problem about each of its corners
-_TAKEN = {
-    "triangle": np.vstack([np.eye(3), np.full((1, 3), 1.0 / 3.0)]),
-    "quadrilateral": np.eye(4),
-}
 
 
 class Patches(NamedTuple):
-    """One problem about each node of a shell: that node and the new ones on its side of the rim.
+    """One problem for each cell of a shell: its corners and all new nodes beside one of these.
 
     Attributes:
-        nodes: The nodes of all problems, one problem after the other, shape (r,).
-        places: In that list, of the nodes of each cell in the problem of each corner of its parent,
-            −1 for those that stay, shape (corners, 4 m, k).
-        shares: Of what is found there in each cell, shape (corners, 4 m).
+        patch: Of each node of all problems, sorted, shape (r,).
+        nodes: Which node of the cut shell it is, sorted within a problem, shape (r,).
+        count: Of the nodes of the cut shell.
     """
 
+    patch: Indices
     nodes: Indices
-    places: Indices
-    shares: Array
+    count: int
 
     @classmethod
     def of(cls, cut: Cut) -> Patches:
         """Those of a shell whose cells are cut."""
-        corners, cells = cut.shell.own_mesh.cells, cut.fine.own_mesh.cells
+        corners, (m, k) = cut.shell.own_mesh.cells, cut.shell.own_mesh.cells.shape
         n, N, edges = len(cut.shell.frames), len(cut.fine.frames), len(cut.ends)
-        m, k = corners.shape
         middles = np.arange(n + edges, N)
         about = [np.arange(n), cut.ends.ravel(), corners[: len(middles)].ravel()]
         nodes = [np.arange(n), np.repeat(n + np.arange(edges), 2), np.repeat(middles, k)]
-        keys = np.sort(np.concatenate(about) * N + np.concatenate(nodes))
-        wanted = np.repeat(corners.T, 4, axis=1)[..., np.newaxis] * N + cells
-        found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        places = np.where(keys[found] == wanted, found, -1)
-        return cls(keys % N, places, np.tile(_TAKEN[cut.shell.own_mesh.cell].T, m))
+        pairs = np.concatenate(about), np.concatenate(nodes)
+        beside = csr_matrix((np.ones(len(pairs[0])), pairs), shape=(n, N))
+        of_cells = csr_matrix((np.ones(m * k), (np.repeat(np.arange(m), k), corners.ravel())))
+        found = np.unique(np.ravel_multi_index((of_cells @ beside).nonzero(), (m, N)))
+        return cls(found // N, found % N, N)
 
-    def stress(self, stress: Array, works: Array, rest: Array, free: Flags) -> Array:
-        """Stress (4 m, s) that balances what is left, each cell's from the problem it belongs to.
+    def solved(self, cells: Indices, stiffness: Array, rest: Array, free: Flags) -> Array:
+        """Motions of the nodes of each fine cell in the problem of its parent, (4 m, k, 5).
 
         Args:
-            stress: Its derivatives in the motions of the nodes, shape (4 m, s, k, 5).
-            works: What these are to be multiplied with to give forces, of the same shape.
+            cells: Nodes of the fine cells, shape (4 m, k).
+            stiffness: Of these, shape (4 m, k 5, k 5).
             rest: Force that is missing at each node, shape (N, 5).
             free: In which it can move, shape (N, 5).
         """
-        m, s, k, _ = stress.shape
-        stress, works = stress.reshape(m, s, -1), works.reshape(m, s, -1)
-        K = np.swapaxes(works, 1, 2) @ stress
-        loose = free[self.nodes]
-        size = loose.size
-        numbers = np.where(loose, np.arange(size).reshape(loose.shape), -1)
-        numbers = np.concatenate([numbers, np.full((1, _FIVE), -1)])  # nodes that stay
-        rows = numbers[self.places].reshape(len(self.places), m, k * _FIVE)
-        i, j = np.broadcast_arrays(rows[..., np.newaxis], rows[:, :, np.newaxis])
-        known = (i >= 0) & (j >= 0)
-        fixed = np.flatnonzero(~loose.ravel())
-        values = np.concatenate([np.broadcast_to(K, i.shape)[known], np.ones(len(fixed))])
-        places = np.concatenate([i[known], fixed]), np.concatenate([j[known], fixed])
-        matrix = csc_matrix((values, places), shape=(size, size))
-        forces = np.where(loose, rest[self.nodes], 0.0).ravel()
-        solve = scipy.sparse.linalg.splu(matrix, permc_spec="MMD_AT_PLUS_A")
-        moved = np.append(solve.solve(forces), 0.0)[rows]  # (corners, 4 m, k 5)
-        taken = np.einsum("cm,cmi->mi", self.shares, moved)
-        return np.asarray((stress @ taken[..., np.newaxis])[..., 0])
+        K = _assembled(cells, stiffness, free)
+        keys = self.patch * self.count + self.nodes
+        starts, lengths = K.indptr[self.nodes], np.diff(K.indptr)[self.nodes]
+        row = np.repeat(np.arange(len(keys)), lengths)
+        first = np.repeat(np.cumsum(lengths) - lengths, lengths)
+        block = starts[row] + np.arange(len(row)) - first
+        column, known = self._found(self.patch[row] * self.count + K.indices[block], keys)
+        counts = np.bincount(row[known], minlength=len(keys))
+        matrix = bsr_matrix(
+            (K.data[block[known]], column[known], np.append(0, np.cumsum(counts))),
+            shape=(keys.size * _FIVE,) * 2,
+        )
+        forces = np.where(free, rest, 0.0)[self.nodes].ravel()
+        solve = scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A")
+        moved = solve.solve(forces).reshape(-1, _FIVE)
+        parents = np.arange(len(cells))[:, np.newaxis] // 4
+        place, inside = self._found(parents * self.count + cells, keys)
+        return np.where(inside[..., np.newaxis], moved[place], 0.0)
+
+    @staticmethod
+    def _found(wanted: Indices, keys: Indices) -> tuple[Indices, Flags]:
+        """Where keys are among all, sorted ones, and whether they are."""
+        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return place, np.asarray(keys[place] == wanted)
+
+
+def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
+    """Blocks of five by five, sorted; motions that are held have a one on the diagonal."""
+    size = free.size
+    rows = (_FIVE * cells[..., np.newaxis] + np.arange(_FIVE)).reshape(len(cells), -1)
+    loose = free.ravel()[rows]
+    values = stiffness * (loose[:, :, np.newaxis] & loose[:, np.newaxis])
+    i, j = np.broadcast_arrays(rows[..., np.newaxis], rows[:, np.newaxis])
+    held = np.flatnonzero(~free.ravel())
+    entries = np.concatenate([values.ravel(), np.ones(len(held))])
+    places = np.concatenate([i.ravel(), held]), np.concatenate([j.ravel(), held])
+    K = coo_matrix((entries, places), shape=(size, size)).tocsr().tobsr((_FIVE, _FIVE))
+    K.sort_indices()
+    return K
