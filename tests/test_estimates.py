@@ -7,7 +7,10 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import effectivity
+from demos import hemisphere
 from fem_lie import lie
+from fem_lie.adapt.estimates.cut.cut_shells import Cut
+from fem_lie.adapt.estimates.cut.patches import Patches
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 MATERIAL = fl.Material(1e6, 0.3, 1.0)
@@ -210,6 +213,52 @@ def test_halves_of_what_has_more_nodes():
     shell.clamp("a=0")
     with pytest.raises(ValueError, match="cells of degree 1, those of sheet are of degree 2"):
         errors(scene, fl.Hierarchical())
+    mesh, scene = fl.surface(lambda a, b: (a, b, 0.0), (1, 1)), fl.Scene()
+    shell = scene.add(fl.Shell(mesh, layer, name="sheet"))
+    shell.clamp("a=0")
+    with pytest.raises(ValueError, match="6 nodes or more, sheet has 4"):
+        errors(scene, fl.Hierarchical())
+
+
+@pytest.mark.parametrize("thickness", [0.04, 0.01])
+def test_cut_cells_of_thin_curved_shells(thickness):
+    """Places of nodes that are right for large cells are no stress in small ones."""
+    scene = hemisphere.pinched(thickness, hemisphere.quarter(8))
+    result = fl.follow_loads(scene, [0.1])
+    a, b = (
+        fl.space_error(result, scene.bodies[0], scene, estimate=e).total
+        for e in (fl.Recovery(), fl.Hierarchical())
+    )
+    assert 0.4 < b / a < 1.3
+
+
+def test_cut_cells_about_one_cell_are_solved_exactly():
+    """Four cells, cut: forces of the found motion are those that were missing, but at the rim."""
+    shell = fl.Shell(
+        fl.surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
+        fl.ShellSection.layer(0.1, MATERIAL),
+        name="sheet",
+    )
+    cut = Cut.of(shell)
+    cells, N = cut.fine.own_mesh.cells, len(cut.fine.frames)
+    random = np.random.default_rng(1)
+    A = random.normal(size=(len(cells), 20, 20))
+    stiffness = A @ np.swapaxes(A, 1, 2)
+    rest, free = random.normal(size=(N, 5)), random.random((N, 5)) < 0.8
+    found = Patches.of(cut).solved(cells, stiffness, rest, free)
+    corners = shell.own_mesh.cells[0]
+    K = np.zeros((N, 5, N, 5))
+    for nodes, block in zip(cells, stiffness.reshape(-1, 4, 5, 4, 5), strict=True):
+        K[np.ix_(nodes, range(5), nodes, range(5))] += block
+    own = np.zeros(N, dtype=bool)
+    own[corners] = True
+    edges = len(shell.frames) + np.flatnonzero(np.isin(cut.ends, corners).any(axis=1))
+    own[edges] = own[len(shell.frames) + len(cut.ends) :] = True
+    chosen = np.flatnonzero((own[:, np.newaxis] & free).ravel())
+    moved = np.zeros(5 * N)
+    K = K.reshape(5 * N, 5 * N)
+    moved[chosen] = np.linalg.solve(K[np.ix_(chosen, chosen)], rest.ravel()[chosen])
+    np.testing.assert_allclose(found[:4], moved.reshape(N, 5)[cells[:4]], rtol=1e-8, atol=1e-9)
 
 
 # --- in the loop, and bad input -------------------------------------------------------------------

@@ -28,19 +28,19 @@ _STEP = 1e-6  # in differences, of the length of an element and in rad
 
 @dataclass(frozen=True)
 class Hierarchical(ErrorEstimate):
-    """From a solution with more nodes, those that there are held.
+    """From solutions with more nodes, in each element or about it.
 
     Of beams with two nodes the element is cut in halves of its own kind. Its ends stay, and the
     node between is put where forces and moments balance with what acts along the line. The stress
     of an element is right in its middle to higher order, that of a half in the middle of the half:
     what the element misses is the slope from one to the other.
 
-    Shells of first degree have their cells cut in four, see
-    :func:`~fem_lie.adapt.estimates.shell_hierarchical.shell_hierarchical`: right for plates and
-    sheets, several times too large for thin shells that are curved.
+    Shells of first degree have their cells cut in four, and a small problem for each with the cells
+    that touch it, see
+    :func:`~fem_lie.adapt.estimates.shell_hierarchical.shell_hierarchical`.
 
-    It takes about forty times the forces of a beam, and of a shell a few factorisations with three
-    times the unknowns: to check the others by, not to refine with.
+    It takes about forty times the forces of a beam, and several hundred times those of a shell: to
+    check the others by, not to refine with.
 
     Example:
         >>> fl.Hierarchical()

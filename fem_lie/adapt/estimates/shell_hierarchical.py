@@ -41,13 +41,19 @@ def shell_hierarchical(
     ``η² = 4/3 ∫ δ·D⁻¹δ``.
 
     Raises:
-        ValueError: The cells have nodes besides their corners; the shell is not in that result, or
-            there is no such step.
+        ValueError: The cells have nodes besides their corners, or there are so few of them that a
+            problem would have no rim; the shell is not in that result, or there is no such step.
     """
     if shell.mesh.degree != 1:
         raise ValueError(
             f"hierarchical errors are for cells of degree 1, those of {shell.label} are of degree "
             f"{shell.mesh.degree}: take Recovery()"
+        )
+    corners = shell.own_mesh.cells.shape[1]
+    if len(shell.frames) < corners + 2:
+        raise ValueError(
+            f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
+            f"{len(shell.frames)}: take Recovery()"
         )
     nodes, cut = nodes_in(result.info, shell), Cut.of(shell)
     patches = Patches.of(cut)
