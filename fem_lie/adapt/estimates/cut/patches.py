@@ -56,7 +56,9 @@ class Patches(NamedTuple):
         row = np.repeat(np.arange(len(keys)), lengths)
         first = np.repeat(np.cumsum(lengths) - lengths, lengths)
         block = starts[row] + np.arange(len(row)) - first
-        column, known = self._found(self.patch[row] * self.count + K.indices[block], keys)
+        wanted = self.patch[row] * self.count + K.indices[block]
+        column = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        known = keys[column] == wanted  # others are on the rim
         counts = np.bincount(row[known], minlength=len(keys))
         matrix = bsr_matrix(
             (K.data[block[known]], column[known], np.append(0, np.cumsum(counts))),
@@ -66,14 +68,7 @@ class Patches(NamedTuple):
         solve = scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A")
         moved = solve.solve(forces).reshape(-1, _FIVE)
         parents = np.arange(len(cells))[:, np.newaxis] // 4
-        place, inside = self._found(parents * self.count + cells, keys)
-        return np.where(inside[..., np.newaxis], moved[place], 0.0)
-
-    @staticmethod
-    def _found(wanted: Indices, keys: Indices) -> tuple[Indices, Flags]:
-        """Where keys are among all, sorted ones, and whether they are."""
-        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        return place, np.asarray(keys[place] == wanted)
+        return np.asarray(moved[np.searchsorted(keys, parents * self.count + cells)])
 
 
 def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
