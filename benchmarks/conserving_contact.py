@@ -1,12 +1,12 @@
-"""Energy and momenta of conserving steps over impacts: bodies, beams, and lines along each other.
+"""Energy and momenta of conserving steps over impacts: bodies, beams, lines and skins of shells.
 
-    python -m benchmarks.conserving_contact [--cases box corners beams lines5 lines90]
-        [--friction 0.3] [--long]
+    python -m benchmarks.conserving_contact [--cases box corners beams lines5 lines90
+        ball sheets slab] [--friction 0.3] [--long]
 
 Nothing holds the bodies, so momentum and angular momentum stay, and energy but for what friction
 takes, which is told with the least that it takes in a step. Steps are given in periods of contact,
 2π √(m/k) with the mass that an impact moves. With ``--long`` the ball in the turning box makes 10⁵
-steps. Lines rub in no conserving scheme.
+steps. Lines and skins rub in no conserving scheme.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 import fem_lie as fl
 
 SECTION = fl.Section.circle(0.02, fl.Material(2e8, 0.3, 1000.0))
+LAYER = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
 Case = tuple[fl.Scene, fl.Contact]
 
 
@@ -79,14 +80,53 @@ def lines(k: float, angle: float, μ: float) -> Case:
     return scene_of(lower, upper, touch), touch
 
 
+def sheet(height: float, length: float, cells: int, slope: float = 0.0) -> fl.Shell:
+    """Square, about the vertical axis."""
+
+    def place(a: float, b: float) -> np.ndarray:
+        x, y = length * (a - 0.5), length * (b - 0.5)
+        return np.array([x, y, height + slope * (x + 0.5 * y)])
+
+    return fl.Shell(fl.surface(place, (cells, cells)), LAYER)
+
+
+def on_sheet(k: float, μ: float = 0.0) -> Case:
+    """A ball thrown aslant on a free sheet."""
+    one, lower = ball((0.1, 0.05, 0.115), (0.3, 0.2, -1)), sheet(0, 1, 6)
+    skin = fl.Skin(lower, smooth=False)
+    touch = fl.Contact(fl.Sphere(one.centre, 0.1), skin, fl.Penalty(k, friction=μ))
+    return scene_of(lower, one, touch), touch
+
+
+def sheets(k: float, μ: float = 0.0) -> Case:
+    """A sheet that comes down aslant on a wider one."""
+    lower, upper = sheet(0, 1, 5), sheet(0.045, 0.5, 4, 0.05)
+    upper.move((0.5, 0.2, -2))
+    a, b = fl.Skin(upper, smooth=False), fl.Skin(lower, smooth=False)
+    touch = fl.Contact(a, b, fl.Penalty(k, friction=μ))
+    return scene_of(lower, upper, touch), touch
+
+
+def slab(k: float, μ: float = 0.0) -> Case:
+    """A sheet that comes down aslant on the face of a body."""
+    table, upper = fl.RigidBody(3.0, np.diag([0.4, 0.6, 0.9])), sheet(0.035, 0.5, 4, 0.05)
+    upper.move((0.5, 0.2, -2))
+    face = fl.Plane(table.centre, (0, 0, 1))
+    touch = fl.Contact(face, fl.Skin(upper, smooth=False), fl.Penalty(k, friction=μ))
+    return scene_of(table, upper, touch), touch
+
+
 CASES: dict[str, tuple[Callable[..., Case], float, float, float]] = {
     "box": (box, 1e4, 0.75, 3.0),
     "corners": (corners, 1e4, 0.75, 3.0),
     "beams": (beams, 1e4, 0.2, 0.1),
     "lines90": (lambda k, μ=0.0: lines(k, 90.0, μ), 1e6, 0.2, 0.1),
     "lines5": (lambda k, μ=0.0: lines(k, 5.0, μ), 1e6, 0.2, 0.1),
+    "ball": (on_sheet, 1e4, 0.75, 0.3),
+    "sheets": (sheets, 1e6, 10.0, 0.2),
+    "slab": (slab, 1e6, 6.0, 0.2),
 }
-"""Scene, stiffness, mass that moves, duration."""
+"""Scene, stiffness, mass that moves, duration; of sheets both per area."""
 
 
 def run(

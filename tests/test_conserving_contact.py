@@ -5,7 +5,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import elastic_bar
-from benchmarks.conserving_contact import CASES
+from benchmarks.conserving_contact import CASES, scene_of, sheet
 
 
 def run(name, periods, count, scheme=None):
@@ -18,7 +18,15 @@ def run(name, periods, count, scheme=None):
 
 @pytest.mark.parametrize(
     ("name", "periods", "count"),
-    [("box", 0.9, 40), ("corners", 0.2, 30), ("beams", 0.2, 10), ("lines90", 0.2, 8)],
+    [
+        ("box", 0.9, 40),
+        ("corners", 0.2, 30),
+        ("beams", 0.2, 10),
+        ("lines90", 0.2, 8),
+        ("ball", 0.2, 6),
+        ("sheets", 0.2, 10),
+        ("slab", 0.2, 10),
+    ],
 )
 def test_energy_and_momenta_stay_over_impacts(name, periods, count):
     result, touch = run(name, periods, count)
@@ -28,6 +36,19 @@ def test_energy_and_momenta_stay_over_impacts(name, periods, count):
     assert result.energy_error < 5e-12
     assert result.momentum_error < 1e-13
     assert result.angular_momentum_error < 1e-13
+
+
+def test_skins_that_conserving_steps_refuse():
+    lower, upper = sheet(0, 1, 1), sheet(0.1, 1, 1)
+    for smooth, law, message in (
+        (True, fl.Penalty(1e6), "have no shells with six parameters"),
+        (False, fl.Penalty(1e6, friction=0.3), "have no shells with six parameters"),
+        (False, fl.Penalty(1e6, damping=1e3), "have no contacts by penalty with damping"),
+    ):
+        skins = fl.Skin(lower, smooth=smooth), fl.Skin(upper, smooth=smooth)
+        scene = scene_of(lower, upper, fl.Contact(*skins, law))
+        with pytest.raises(ValueError, match=message):
+            fl.EnergyMomentum().run(scene, duration=1e-2, step=1e-3, progress=False)
 
 
 def test_decaying_steps_never_gain_energy():

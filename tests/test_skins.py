@@ -45,11 +45,14 @@ def resultants(H: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-@pytest.mark.parametrize("start", [0.0, 0.13, 0.4])
-def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start):
+@pytest.mark.parametrize(
+    ("start", "smooth"), [(0.0, True), (0.13, True), (0.4, True), (0.13, False)]
+)
+def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth):
     """Force is that of the overlap on the whole area, and pushes neither aside nor round."""
     one, two = plate(0.998 * THICK, (3, 3), start, 0.5, cell), plate(0, (7, 5), cell=cell)
-    H, out = forces_of(fl.Contact(fl.Skin(one), fl.Skin(two), fl.Penalty(K)))
+    a, b = fl.Skin(one, smooth=smooth), fl.Skin(two, smooth=smooth)
+    H, out = forces_of(fl.Contact(a, b, fl.Penalty(K)))
     F, M = resultants(H, out)
     n, wanted = len(one.frames), K * 0.002 * THICK * 0.25
     np.testing.assert_allclose(F[:n].sum(axis=0), [0, 0, -wanted], atol=1e-9 * wanted)
@@ -107,6 +110,20 @@ def test_a_sheet_that_comes_round_touches_itself_and_else_does_not():
         np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-12 * max(size, 1.0))
 
 
+def test_a_bilinear_skin_turns_no_node():
+    """A ball on a cell whose corners are in no plane: forces alone, through its places."""
+    shell = arch(3)
+    ball = fl.RigidBody(1.0, np.eye(3), (0.03, 0.02, 1.1))
+    skin = fl.Skin(shell, smooth=False)
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.centre, 0.1), skin, fl.Penalty(K)))
+    F, M = resultants(H, out)
+    size = np.abs(F).max()
+    assert size > 0.0
+    assert np.all(out[:, 3:] == 0.0)
+    np.testing.assert_allclose(F.sum(axis=0), 0, atol=1e-12 * size)
+    np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-12 * size)
+
+
 def test_what_skins_refuse():
     one, two = plate(0, (2, 2)), plate(THICK, (2, 2))
     ball = fl.RigidBody(1.0, np.eye(3), (0.5, 0.5, 1))
@@ -118,6 +135,8 @@ def test_what_skins_refuse():
         fl.Skin(one, -0.1)
     with pytest.raises(ValueError, match="Skin: gauss"):
         fl.Skin(one, gauss=0)
+    with pytest.raises(TypeError, match="Skin: smooth"):
+        fl.Skin(one, smooth=1)
     for a, b, how, message in (
         (skin, fl.Skin(two), fl.Impact(), "touch by Penalty, not by Impact"),
         (skin, fl.Line(beam, 0.01), law, "touch skins, balls and planes, not lines"),
@@ -132,8 +151,14 @@ def test_what_skins_refuse():
     scene = fl.Scene()
     scene.add(five)
     scene.add(ball)
-    with pytest.raises(ValueError, match="needs nodes that turn about all axes"):
-        scene.add(fl.Contact(fl.Skin(five), fl.Sphere(ball.centre, 0.1), law))
+    round_one = fl.Sphere(ball.centre, 0.1)
+    for how in (
+        fl.Contact(fl.Skin(five), round_one, law),
+        fl.Contact(fl.Skin(five, smooth=False), round_one, fl.Penalty(K, friction=0.2)),
+    ):
+        with pytest.raises(ValueError, match="needs nodes that turn about all axes"):
+            scene.add(how)
+    scene.add(fl.Contact(fl.Skin(five, smooth=False), round_one, law))
 
 
 # --- friction ---

@@ -225,13 +225,16 @@ def sheet(cell: str, place, **options) -> fl.Shell:
     return fl.Shell(mesh, fl.ShellSection.layer(0.3, MATERIAL), formulation=element)
 
 
-def skin_on_skin(cell: str = "quadrilateral", degree: int = 1, **law) -> fl.Scene:
+def skin_on_skin(
+    cell: str = "quadrilateral", degree: int = 1, smooth: bool = True, **law
+) -> fl.Scene:
     """A sheet above a wider one, as thick as they are apart."""
     scene = fl.Scene(gravity=(0, 0, 0))
     upper = scene.add(sheet(cell, lambda a, b: np.array([a, b, 1.0 + 0.05 * a * b])))
     wide = sheet(cell, lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]), degree=degree)
     lower = scene.add(wide)
-    scene.add(fl.Contact(fl.Skin(upper, 1.1), fl.Skin(lower, 0.9), fl.Penalty(50.0, **law)))
+    skins = fl.Skin(upper, 1.1, smooth=smooth), fl.Skin(lower, 0.9, smooth=smooth)
+    scene.add(fl.Contact(*skins, fl.Penalty(50.0, **law)))
     return scene
 
 
@@ -244,14 +247,14 @@ def skin_on_edge() -> fl.Scene:
     return scene
 
 
-def ball_on_skin() -> fl.Scene:
+def ball_on_skin(smooth: bool = True) -> fl.Scene:
     """Two balls, one above a triangle."""
     scene = fl.Scene(gravity=(0, 0, 0))
     ball = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.2, 0.1, 1.0)))
     wide = sheet("triangle", lambda a, b: np.array([5 * a - 2.2, 5 * b - 2.1, 0.05 * a]))
     lower = scene.add(wide)
     balls = fl.Vertices([ball.centre, ball.at((0.5, 0.4, 1.05))], 0.5)
-    scene.add(fl.Contact(fl.Skin(lower, 0.9), balls, fl.Penalty(50.0)))
+    scene.add(fl.Contact(fl.Skin(lower, 0.9, smooth=smooth), balls, fl.Penalty(50.0)))
     return scene
 
 
@@ -377,8 +380,11 @@ TERMS: dict[str, Case] = {
     "triangles on triangles": Case(lambda: skin_on_skin("triangle"), TOUCH),
     "skin on quadratic cells": Case(lambda: skin_on_skin(degree=2), TOUCH),
     "skin on quadratic triangles": Case(lambda: skin_on_skin("triangle", 2), TOUCH),
+    "bilinear skin on a skin": Case(lambda: skin_on_skin(smooth=False), TOUCH),
+    "bilinear skin of triangles": Case(lambda: skin_on_skin("triangle", smooth=False), TOUCH),
     "skin on an edge": Case(skin_on_edge, TOUCH),
     "balls on a skin": Case(ball_on_skin, TOUCH),
+    "balls on a bilinear skin": Case(lambda: ball_on_skin(smooth=False), TOUCH),
     "skin on a plane": Case(skin_on_plane, TOUCH),
     "skin that damps on a skin": Case(lambda: skin_on_skin(damping=0.3), TOUCH),
     "line that damps on a bar": Case(lambda: line_on_bar(damping=0.3), TOUCH),

@@ -285,8 +285,10 @@ class Contact:
     @property
     def holds(self) -> list[tuple[Body, HeldRotation]]:
         """Nodes that its forces turn about all axes."""
-        what = f"the smooth surface of {self.label}"
-        shells = dict.fromkeys(each.shell for each in self._skins)
+        what = f"the surface of {self.label}"
+        # tractions act on faces, with levers that are not along directors
+        turned = (each for each in self._skins if each.smooth or self.rubs)
+        shells = dict.fromkeys(each.shell for each in turned)
         return [
             (shell, HeldRotation(node, self, what))
             for shell in shells

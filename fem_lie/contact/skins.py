@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
 from scipy.sparse.csgraph import dijkstra
 
-from fem_lie._arrays import Array, Indices, instance, positive, whole
+from fem_lie._arrays import Array, Indices, flag, instance, positive, whole
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.contact.sides.meeting import Balls, Sides
@@ -50,13 +50,17 @@ class Skin(Surface):
     """Both faces of a shell and what is round about its edges.
 
     Forces are per area of the unloaded middle surface, of the first of two skins; that should be
-    the finer one. A skin given twice touches itself. The shell has six parameters then, for
-    tangents turn with frames.
+    the finer one. A skin given twice touches itself.
+
+    A smooth one has tangents that turn with frames, so its shell has six parameters. One that is
+    not has bilinear patches between places of nodes, with kinks across edges: the shell may have
+    five unless it rubs, and conserving schemes take it.
 
     Attributes:
         shell: Of quadrilaterals or triangles.
         thickness: Default: that of its sections.
         gauss: Points along each axis of a patch, where forces are; of triangles as exact.
+        smooth: Whether patches have tangents.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -73,6 +77,7 @@ class Skin(Surface):
     shell: Shell
     thickness: float | None = None
     gauss: int = 2
+    smooth: bool = True
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` for what is no shell, thickness or number."""
@@ -80,6 +85,7 @@ class Skin(Surface):
         if self.thickness is not None:
             positive(self.thickness, "Skin: thickness")
         whole(self.gauss, "Skin: gauss")
+        flag(self.smooth, "Skin: smooth")
 
     @property
     def points(self) -> Sequence[Point]:
@@ -118,8 +124,10 @@ class Skin(Surface):
             at_corners,
             at_edges,
             np.zeros((m, NET, 3)),
+            not self.smooth,
         )
-        found.tangents[:, :k] = _tangents(self.shell.frames, own)
+        if self.smooth:
+            found.tangents[:, :k] = _tangents(self.shell.frames, own)
         set_nets(self.shell.frames, found)
         known = nodes(self.shell)
         return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
@@ -132,7 +140,7 @@ class Skin(Surface):
         found, areas, W = empty_side(m * g), np.empty((m, g)), np.zeros((ROWS, NET))
         fixed = np.zeros((m * g, MOST_NODES))
         for q in range(g):
-            set_shapes(triangle, float(at[q, 0]), float(at[q, 1]), W)
+            set_shapes(triangle, patches.straight, float(at[q, 0]), float(at[q, 1]), W)
             found.weights[q::g] = W[0, :MOST_NODES]
             for k in range(3 if triangle else 4):
                 fixed[q::g, k] = linear(triangle, k, float(at[q, 0]), float(at[q, 1]))

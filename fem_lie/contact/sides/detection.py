@@ -137,22 +137,31 @@ _ON, _HALVINGS = 1e-2, 40
 
 @uncounted
 def _side_of(
-    X: Array, N: Array, i: int, j: int, part: float, triangle: bool, net: Array, W: Array, C: Array
+    X: Array,
+    N: Array,
+    i: int,
+    j: int,
+    part: float,
+    triangle: bool,
+    straight: bool,
+    net: Array,
+    W: Array,
+    C: Array,
 ) -> tuple[float, float]:
     """Height of a place over the nearest one on a patch in a part of a step; squared distance."""
     P = combined(1.0 - part, load_row(X[0], i), part, load_row(X[1], i))
     for k in range(NET):
         for r in range(3):
             net[k, r] = (1.0 - part) * N[0, j, k, r] + part * N[1, j, k, r]
-    at = nearest_on(triangle, net, P, W, C)
-    set_shapes(triangle, at.u, at.v, W)
+    at = nearest_on(triangle, straight, net, P, W, C)
+    set_shapes(triangle, straight, at.u, at.v, W)
     across = cross(combination(net, W, BY_U), combination(net, W, BY_V))
     return dot(across, minus(P, combination(net, W, VALUE))), at.square
 
 
 @compiled
 def first_crossing(
-    X: Array, radii: tuple[Array, Array], N: Array, triangle: bool, pairs: Indices
+    X: Array, radii: tuple[Array, Array], N: Array, triangle: bool, straight: bool, pairs: Indices
 ) -> int:
     """The first pair whose place goes through the middle surface of its patch, or −1.
 
@@ -161,19 +170,20 @@ def first_crossing(
         radii: Of places (n,) and of patches (m,).
         N: Nets of patches, likewise, shape (2, m, 12, 3).
         triangle: Whether these are triangles.
+        straight: Whether they have no tangents.
         pairs: Places and patches, shape (·, 2).
     """
     net, W, C = np.empty((NET, 3)), np.empty((ROWS, NET)), np.empty((4, 3))
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
-        first = _side_of(X, N, i, j, 0.0, triangle, net, W, C)[0]
-        last = _side_of(X, N, i, j, 1.0, triangle, net, W, C)[0]
+        first = _side_of(X, N, i, j, 0.0, triangle, straight, net, W, C)[0]
+        last = _side_of(X, N, i, j, 1.0, triangle, straight, net, W, C)[0]
         if first == 0.0 or first * last > 0.0:
             continue
         low, high, on = 0.0, 1.0, _ON * (radii[0][i] + radii[1][j])
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            height, square = _side_of(X, N, i, j, middle, triangle, net, W, C)
+            height, square = _side_of(X, N, i, j, middle, triangle, straight, net, W, C)
             if square < on * on:
                 return e
             if first * height > 0.0:

@@ -195,7 +195,7 @@ def _set_facing(
             found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
             triangle = b.nodes[j, 3] < 0
             if not _far(b.nets[j], triangle, P, reach):
-                at = nearest_on(triangle, b.nets[j], P, W, C)
+                at = nearest_on(triangle, b.straight, b.nets[j], P, W, C)
                 found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
                 found[q, _EDGE], found[q, _END] = at.edge, at.end
         seen = (False, False)
@@ -204,7 +204,7 @@ def _set_facing(
             if q < 0 or found[q, _SQUARE] >= reach * reach:
                 break
             j = near[first + q, 1]
-            set_shapes(b.nodes[j, 3] < 0, found[q, _U], found[q, _V], W)
+            set_shapes(b.nodes[j, 3] < 0, b.straight, found[q, _U], found[q, _V], W)
             if stations:
                 face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
                 if seen[face]:

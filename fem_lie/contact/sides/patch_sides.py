@@ -106,7 +106,7 @@ class Facing(Sides):
         reach = np.concatenate([self._a.radii, self._middles.radii])
         pairs = self.near.within(at, reach + 0.5 * np.concatenate([ways, turned]))
         triangle = bool((self._b.nodes[:, 3] < 0).all())
-        e = first_crossing(X, (self._a.radii, self._b.radii), N, triangle, pairs)
+        e = first_crossing(X, (self._a.radii, self._b.radii), N, triangle, self._b.straight, pairs)
         if e < 0:
             return None
         i, j = pairs[e]
@@ -121,7 +121,7 @@ def middles_of(patches: Patches) -> Side:
     triangle = bool((patches.nodes[:, 3] < 0).all())
     k, u = (3, 1.0 / 3.0) if triangle else (4, 0.5)
     found, W = empty_side(len(patches.nodes)), np.zeros((ROWS, NET))
-    set_shapes(triangle, u, u, W)
+    set_shapes(triangle, patches.straight, u, u, W)
     found.nodes[:] = patches.nodes
     found.weights[:] = W[VALUE, :MOST_NODES]
     parts = W[VALUE, MOST_NODES:].reshape(MOST_NODES, 2, 1)

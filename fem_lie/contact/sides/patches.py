@@ -6,6 +6,9 @@ as they do the tangent planes at corners. Of quadrilaterals it is Ferguson's pat
 which is smooth across edges of regular meshes, of triangles Bézier's, whose middle makes it exact
 for parabolas.
 
+One without tangents is linear in places alone, ``Q = Σ Lₖ xₖ`` with bilinear ``L``: straight edges,
+and kinks across these.
+
 J. Ferguson, Multivariable curve interpolation, J. ACM 11 (1964) 221; A. Vlachos et al., Curved PN
 triangles, I3D 2001.
 """
@@ -50,6 +53,7 @@ class Patches(NamedTuple):
         at_corners: How many patches have that corner, shape (m, 4).
         at_edges: And that edge, in the order of :func:`edge_ends`, shape (m, 4).
         nets: At present, shape (m, 12, 3).
+        straight: Whether places alone make them; tangents are zero.
     """
 
     nodes: Indices
@@ -59,6 +63,7 @@ class Patches(NamedTuple):
     at_corners: Indices
     at_edges: Indices
     nets: Array
+    straight: bool
 
 
 class Nearest(NamedTuple):
@@ -156,15 +161,6 @@ def _set_triangle(u: float, v: float, W: Array) -> None:
             W[BY_VV, n] = B[2] - 2.0 * B[4] + B[0]
 
 
-@uncounted
-def set_shapes(triangle: bool, u: float, v: float, W: Array) -> None:
-    """Shape functions of a patch and their derivatives, shape (9, 12)."""
-    if triangle:
-        _set_triangle(u, v, W)
-    else:
-        _set_quadrilateral(u, v, W)
-
-
 @inlined_uncounted
 def linear(triangle: bool, k: int, u: float, v: float) -> float:
     """Weight of a corner where a patch is flat: what moves with it there, and does not drill."""
@@ -173,6 +169,29 @@ def linear(triangle: bool, k: int, u: float, v: float) -> float:
             return 1.0 - u - v
         return u if k == 1 else v
     return (u if k % 2 else 1.0 - u) * (v if k // 2 else 1.0 - v)
+
+
+@uncounted
+def _set_straight(triangle: bool, u: float, v: float, W: Array) -> None:
+    """Likewise, of a patch without tangents, whose functions are zero."""
+    W[:] = 0.0
+    for k in range(3 if triangle else MOST_NODES):
+        W[VALUE, k] = linear(triangle, k, u, v)
+        W[BY_U, k] = linear(triangle, k, 1.0, v) - linear(triangle, k, 0.0, v)
+        W[BY_V, k] = linear(triangle, k, u, 1.0) - linear(triangle, k, u, 0.0)
+        if not triangle:
+            W[BY_UV, k] = 1.0 if k == 0 or k == 3 else -1.0
+
+
+@uncounted
+def set_shapes(triangle: bool, straight: bool, u: float, v: float, W: Array) -> None:
+    """Shape functions of a patch and their derivatives, shape (9, 12)."""
+    if straight:
+        _set_straight(triangle, u, v, W)
+    elif triangle:
+        _set_triangle(u, v, W)
+    else:
+        _set_quadrilateral(u, v, W)
 
 
 @inlined_uncounted
@@ -221,12 +240,16 @@ def _edge_start(triangle: bool, edge: int) -> tuple[float, float]:
 
 
 @uncounted
-def _set_edge(triangle: bool, net: Array, edge: int, C: Array) -> None:
+def _set_edge(triangle: bool, straight: bool, net: Array, edge: int, C: Array) -> None:
     """An edge as a cubic, shape (4, 3)."""
     p, q = edge_ends(triangle, edge)
     store_row(C, 0, load_row(net, p))
     store_row(C, 1, load_row(net, q))
-    if triangle:
+    if straight:
+        chord = minus(load_row(net, q), load_row(net, p))
+        store_row(C, 2, chord)
+        store_row(C, 3, chord)
+    elif triangle:
         store_row(C, 2, load_row(net, MOST_NODES + 2 * p))
         store_row(C, 3, scaled(-1.0, load_row(net, MOST_NODES + 2 * q + 1)))
     else:
@@ -236,12 +259,12 @@ def _set_edge(triangle: bool, net: Array, edge: int, C: Array) -> None:
 
 
 @uncounted
-def _within(triangle: bool, net: Array, P: Vector, W: Array) -> Nearest:
+def _within(triangle: bool, straight: bool, net: Array, P: Vector, W: Array) -> Nearest:
     """The nearest place in the inside, or none: an infinite distance."""
     u = v = 1.0 / 3.0 if triangle else 0.5
     none = Nearest(np.inf, 0.0, 0.0, -1, -1)
     for _ in range(_TURNS):
-        set_shapes(triangle, u, v, W)
+        set_shapes(triangle, straight, u, v, W)
         apart = minus(P, combination(net, W, VALUE))
         tu, tv = combination(net, W, BY_U), combination(net, W, BY_V)
         f, g = dot(apart, tu), dot(apart, tv)
@@ -261,7 +284,7 @@ def _within(triangle: bool, net: Array, P: Vector, W: Array) -> Nearest:
         if longest < _ZERO:
             break
     inside = u >= 0.0 and v >= 0.0 and (u + v <= 1.0 if triangle else (u <= 1.0 and v <= 1.0))
-    set_shapes(triangle, u, v, W)
+    set_shapes(triangle, straight, u, v, W)
     apart = minus(P, combination(net, W, VALUE))
     a, b, c = bends_at(net, W, apart)
     if not inside or a <= 0.0 or a * c - b * b <= 0.0:
@@ -270,13 +293,15 @@ def _within(triangle: bool, net: Array, P: Vector, W: Array) -> Nearest:
 
 
 @uncounted
-def nearest_on(triangle: bool, net: Array, P: Vector, W: Array, C: Array) -> Nearest:
+def nearest_on(
+    triangle: bool, straight: bool, net: Array, P: Vector, W: Array, C: Array
+) -> Nearest:
     """The place on a patch (12, 3) that is nearest to ``P``; ``W`` (9, 12), ``C`` (4, 3): room."""
-    found = _within(triangle, net, P, W)
+    found = _within(triangle, straight, net, P, W)
     if found.square < np.inf:
         return found
     for edge in range(3 if triangle else 4):
-        _set_edge(triangle, net, edge, C)
+        _set_edge(triangle, straight, net, edge, C)
         s = project(C, P)
         apart = minus(P, at(C, s))
         square = dot(apart, apart)
