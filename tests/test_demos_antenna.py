@@ -74,7 +74,7 @@ def test_a_ring_with_nets_begins_to_fold():
         ({"bays": 12, "driven": 5}, "a divisor driven"),
         ({"bays": 8, "driven": 8}, "would be slack"),
         ({"bays": 12, "driven": 12, "slack": 0.1}, "would be slack"),
-        ({"policy": "never"}, "auto, nni4, full"),
+        ({"policy": "never"}, "auto, secants, nni4, full"),
     ],
 )
 def test_bad_options_are_refused(parameters, message):
