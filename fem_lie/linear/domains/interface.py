@@ -36,6 +36,10 @@ bars on two domains is given up. With more, soft modes are lifted, too. As the m
 bars and shells lies so far below what stretches them that none would do: 1e-9 of the largest made a
 static shell take 13.6, 27.5, 98 and 18.5 iterations in the same run, and 1e-7 the net 30."""
 
+SOFTEST = 1e-5
+"""Least diagonal that is scaled to one, over the largest: threads that hang loose have none, and
+with 1e-8 statics of their net was given up."""
+
 TOLERANCE = 1e-8
 """Of an iteration, of the preconditioned residual over that at its start."""
 
@@ -265,7 +269,7 @@ class Interface:
 def _positive(S: Array) -> Array:
     """With no eigenvalue below :data:`FLOOR`: a domain that floats has zeros."""
     diagonal = np.abs(S.diagonal())
-    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scale = np.sqrt(np.maximum(diagonal, SOFTEST * diagonal.max(initial=np.finfo(float).tiny)))
     scales = np.outer(scale, scale)
     values, vectors = np.linalg.eigh(S / scales)
     least = FLOOR * np.abs(values).max(initial=0.0)
