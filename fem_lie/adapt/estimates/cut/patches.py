@@ -20,12 +20,12 @@ class Patches(NamedTuple):
     Attributes:
         patch: Of each node of all problems, sorted, shape (r,).
         nodes: Which node of the cut shell it is, sorted within a problem, shape (r,).
-        count: Of the nodes of the cut shell.
+        total: Number of nodes of the cut shell.
     """
 
     patch: Indices
     nodes: Indices
-    count: int
+    total: int
 
     @classmethod
     def of(cls, cut: Cut) -> Patches:
@@ -51,12 +51,12 @@ class Patches(NamedTuple):
             free: In which it can move, shape (N, 5).
         """
         K = _assembled(cells, stiffness, free)
-        keys = self.patch * self.count + self.nodes
+        keys = self.patch * self.total + self.nodes
         starts, lengths = K.indptr[self.nodes], np.diff(K.indptr)[self.nodes]
         row = np.repeat(np.arange(len(keys)), lengths)
         first = np.repeat(np.cumsum(lengths) - lengths, lengths)
         block = starts[row] + np.arange(len(row)) - first
-        wanted = self.patch[row] * self.count + K.indices[block]
+        wanted = self.patch[row] * self.total + K.indices[block]
         column = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         known = keys[column] == wanted  # others are on the rim
         counts = np.bincount(row[known], minlength=len(keys))
@@ -68,7 +68,7 @@ class Patches(NamedTuple):
         solve = scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A")
         moved = solve.solve(forces).reshape(-1, _FIVE)
         parents = np.arange(len(cells))[:, np.newaxis] // 4
-        return np.asarray(moved[np.searchsorted(keys, parents * self.count + cells)])
+        return np.asarray(moved[np.searchsorted(keys, parents * self.total + cells)])
 
 
 def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
