@@ -10,11 +10,13 @@ MATERIAL = fl.Material(1e7, 0.3, 1000.0)
 LAYER = fl.ShellSection.layer(THICK, MATERIAL)
 
 
-def plate(z, cells, start=0.0, length=1.0, cell="quadrilateral") -> fl.Shell:
+def plate(z, cells, start=0.0, length=1.0, cell="quadrilateral", degree=1) -> fl.Shell:
     def place(a, b):
         return np.array([start + length * a, start + length * b, z])
 
-    return fl.Shell(fl.surface(place, cells, cell=cell), LAYER)
+    element = fl.Displacement() if degree == 2 else None
+    mesh = fl.surface(place, cells, cell=cell, degree=degree)
+    return fl.Shell(mesh, LAYER, formulation=element)
 
 
 def arch(cells: int, radius: float = 1.0) -> fl.Shell:
@@ -45,12 +47,14 @@ def resultants(H: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+@pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize(
     ("start", "smooth"), [(0.0, True), (0.13, True), (0.4, True), (0.13, False)]
 )
-def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth):
+def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth, degree):
     """Force is that of the overlap on the whole area, and pushes neither aside nor round."""
-    one, two = plate(0.998 * THICK, (3, 3), start, 0.5, cell), plate(0, (7, 5), cell=cell)
+    one = plate(0.998 * THICK, (3, 3), start, 0.5, cell, degree)
+    two = plate(0, (7, 5), cell=cell, degree=degree)
     a, b = fl.Skin(one, smooth=smooth), fl.Skin(two, smooth=smooth)
     H, out = forces_of(fl.Contact(a, b, fl.Penalty(K)))
     F, M = resultants(H, out)
