@@ -118,6 +118,19 @@ def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     np.testing.assert_allclose(fl.reduced_frequencies(held, normal, 4), full, rtol=1e-8)
 
 
+def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
+    """Eight square cells between three interfaces: Lanczos vectors once ended before the sixth."""
+    rubber = fl.Material(E=5e6, nu=0.3, density=1100.0)
+    scene, section = fl.Scene(), fl.Section.rectangle(0.05, 0.05, rubber)
+    body = scene.add(fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=8))
+    basis = fl.craig_bampton(scene, [body.node(4), body.start, body.end], 6)
+    rest = BesideRest(scene, None)
+    X = rest.vectors(basis.shapes[18:])
+    np.testing.assert_allclose(X @ rest.pencil.M @ X.T, np.eye(6), atol=1e-10)
+    k = np.diag(X @ rest.pencil.K @ X.T)
+    np.testing.assert_allclose(k[0::2], k[1::2], rtol=1e-8)
+
+
 def test_reduced_frequencies_of_a_free_body():
     scene, body = rod(clamped=False)
     basis = fl.craig_bampton(scene, [body.start, body.end], 8)

@@ -9,14 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from fem_lie._arrays import instance, whole
+from fem_lie._arrays import Array, instance, whole
 from fem_lie.bodies.body import Point
 from fem_lie.reduce.basis import Basis
 from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
+
+_DENSE = 100  # unknowns
 
 
 def craig_bampton(
@@ -67,11 +71,19 @@ def interface_modes(found: BesideRest, interfaces: Sequence[Point], modes: int) 
     if len(outer):
         vectors[: len(outer), inner] = -solve.solve(K[inner][:, outer].toarray()).T
     if modes:
-        _, shapes = scipy.sparse.linalg.eigsh(
-            within, modes, M=M[inner][:, inner], sigma=0.0, v0=np.ones(len(inner))
-        )
-        vectors[len(outer) :, inner] = shapes.T
+        vectors[len(outer) :, inner] = _slowest(within, M[inner][:, inner], modes)
     return Basis(found.body, found.shapes(vectors))
+
+
+def _slowest(K: sp.csc_array, M: sp.csc_array, modes: int) -> Array:
+    """Vibrations of the least frequencies, (modes, f), with unit mass."""
+    size = K.shape[0]
+    if size > _DENSE:
+        shapes = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
+    else:  # Lanczos vectors of few unknowns may end before all modes are found
+        some = (0, modes - 1)
+        shapes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
+    return np.asarray(shapes.T)
 
 
 def _nodes(rest: BesideRest, interfaces: Sequence[Point]) -> list[int]:

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.term import Ends, Pairs, Term, add_at
-from fem_lie.lie.kinds import floating, inertia
+from fem_lie.lie.kinds import floating_tangents, inertia
 from fem_lie.lie.kinds.floating import Floating
 from fem_lie.lie.kinds.inertia import Inertia, PlainMotion
 from fem_lie.lie.motions import add_turnings
@@ -269,7 +269,7 @@ class Tangent:
         inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
         if len(self._place_bodies[0]):
             bodies, place = self._bodies.plain, self._place_bodies
-            floating.tangents(motion, kinds, bodies, place, factors, parts)
+            floating_tangents.tangents(motion, kinds, bodies, place, factors, parts)
 
     def add_terms(
         self, H: Array, kept: Sequence[Array], wanted: Wanted = every, ends: Ends | None = None

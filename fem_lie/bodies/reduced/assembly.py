@@ -35,7 +35,7 @@ class ReducedAssembly(CellTerm, BodyTerm):
         cells = np.arange(count * k).reshape(count, k)
         super().__init__(cells, np.arange(count * k), np.arange(count))
         rows = [np.zeros((count, 12 * k))]
-        rows += [np.array([getattr(body, name).ravel() for body in bodies]) for name in _DATA]
+        rows += [np.array(each) for each in zip(*map(_packed, bodies), strict=True)]
         self._values = np.hstack(rows)
         self._sizes, nowhere = np.array([k, others, m], dtype=np.float64), np.zeros((count, 1))
         self._energy, self._forces, self._matrix = (
@@ -55,4 +55,7 @@ class ReducedAssembly(CellTerm, BodyTerm):
         """Nothing is carried."""
 
 
-_DATA = ("within", "stiffness", "quadratic")
+def _packed(body: ReducedData) -> tuple[Array, Array, Array]:
+    """As :mod:`.kernels` wants them."""
+    last_first = body.quadratic.transpose(2, 0, 1)
+    return body.within.ravel(), body.stiffness.ravel(), last_first.ravel()

@@ -3,7 +3,7 @@
 The cell is all nodes of the body; coordinates ``z`` are those of
 :mod:`fem_lie.lie.kinds.floating`, and ``e_a = z_a + ½ Q_abc z_b z_c``. Constants are the number of
 nodes, of other interfaces and of coordinates; data behind the rows of the nodes are places and
-directors of these interfaces, 12 each, ``K`` and ``Q``, which is symmetric in its last two.
+directors of these interfaces, 12 each, ``K`` and ``Q``, the last number of it first.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numba
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import callback, compiled
+from fem_lie._jit import callback, compiled, uncounted
+from fem_lie._jit.stack import blocks_at, matrix_at, stack
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.kinds.floating_coordinates import coordinates, spread
 from fem_lie.lie.kinds.forces import pull, pull_derivative, push
@@ -24,7 +25,7 @@ _STEP = 1e-30
 
 
 class _Cell(NamedTuple):
-    """Rows of the nodes (k, 4, 3), interfaces (i, 4, 3), ``K`` (m, m) and ``Q`` (m, m, m)."""
+    """Rows of nodes (k, 4, 3), interfaces (i, 4, 3), ``K`` (m, m), ``Q_abc`` at ``[c, a, b]``."""
 
     q: Array
     interfaces: Array
@@ -45,44 +46,40 @@ def _cell(w: Pointer, c: Pointer) -> _Cell:
     return _Cell(q, interfaces, K, Q)
 
 
-@compiled
-def _strained(cell: _Cell) -> tuple[Array, Array, Array]:
-    """Strains ``e`` (m,), their derivative (m, m) and stresses ``K e``."""
-    m = cell.K.shape[0]
-    z, e, J = np.zeros(m), np.zeros(m), np.eye(m)
+@uncounted
+def _strain(cell: _Cell, J: Array, some: Array) -> None:
+    """Set the derivative of strains ``J`` (m, m), and ``z``, ``e``, stresses ``K e`` (3, m)."""
+    m, (z, e, s) = cell.K.shape[0], (some[0], some[1], some[2])
     coordinates(cell.q, cell.interfaces, z)
+    J[:] = 0.0
+    for c in range(m):
+        of_one, amplitude = cell.Q[c], z[c]
+        for a in range(m):
+            for b in range(m):
+                J[a, b] += of_one[a, b] * amplitude
     for a in range(m):
+        e[a], s[a] = z[a], 0.0
         for b in range(m):
-            for c in range(m):
-                J[a, b] += cell.Q[a, b, c] * z[c]
             e[a] += 0.5 * J[a, b] * z[b]
-        e[a] += 0.5 * z[a]
-    return e, J, _times(cell.K, e)
+        J[a, a] += 1.0
+    _add_times(cell.K, e, s)
 
 
-@compiled
-def _times(A: Array, x: Array) -> Array:
-    """The product ``A x``."""
-    found = np.zeros(A.shape[0])
+@uncounted
+def _add_times(A: Array, x: Array, out: Array) -> None:
+    """Add ``x A``, sums along rows, which are vectorised."""
     for a in range(A.shape[0]):
+        row, amplitude = A[a], x[a]
         for b in range(A.shape[1]):
-            found[a] += A[a, b] * x[b]
-    return found
+            out[b] += row[b] * amplitude
 
 
 @compiled
 def _stiffness(cell: _Cell, J: Array, s: Array) -> Array:
     """Second derivative of the energy, ``Jᵀ K J + s_a Q_abc``."""
-    m = cell.K.shape[0]
-    KJ, found = np.zeros((m, m)), np.zeros((m, m))
-    for a in range(m):
-        for b in range(m):
-            for c in range(m):
-                KJ[a, c] += cell.K[a, b] * J[b, c]
-    for a in range(m):
-        for b in range(m):
-            for c in range(m):
-                found[b, c] += J[a, b] * KJ[a, c] + s[a] * cell.Q[a, b, c]
+    found = J.T @ (cell.K @ J)
+    for c in range(len(s)):
+        _add_times(cell.Q[c], s, found[c])
     return found
 
 
@@ -97,10 +94,12 @@ def energy_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
     """The energy."""
-    e, _, s = _strained(_cell(w, c))
-    value = numba.carray(A, (1,))
-    for a in range(e.shape[0]):
-        value[0] += 0.5 * e[a] * s[a]
+    cell = _cell(w, c)
+    m, value = cell.K.shape[0], numba.carray(A, (1,))
+    some = matrix_at(stack(3 * m), 3, m)
+    _strain(cell, matrix_at(stack(m * m), m, m), some)
+    for a in range(m):
+        value[0] += 0.5 * some[1, a] * some[2, a]
 
 
 @callback(UFCX_SIGNATURE)
@@ -110,10 +109,14 @@ def force_kernel(
     """Forces on the nodes, in their axes."""
     cell = _cell(w, c)
     q, interfaces = cell.q, cell.interfaces
-    _, J, s = _strained(cell)
-    f, out = np.zeros_like(q), numba.carray(A, (q.shape[0], 6))
-    spread(_times(J.T, s), q, interfaces, f)
-    for i in range(q.shape[0]):
+    k, m = q.shape[0], cell.K.shape[0]
+    J, some = matrix_at(stack(m * m), m, m), matrix_at(stack(4 * m), 4, m)
+    f, out = blocks_at(stack(12 * k), k, 4, 3), numba.carray(A, (k, 6))
+    _strain(cell, J, some[:3])
+    f[:], some[3] = 0.0, 0.0
+    _add_times(J, some[2], some[3])
+    spread(some[3], q, interfaces, f)
+    for i in range(k):
         pull(_kind(i, interfaces.shape[0]), q[i], f[i], 1.0, out[i])
 
 
@@ -125,8 +128,10 @@ def matrix_kernel(
     cell = _cell(w, c)
     q, interfaces = cell.q, cell.interfaces
     k, others, m = q.shape[0], interfaces.shape[0], cell.K.shape[0]
-    _, J, s = _strained(cell)
-    g, H = _times(J.T, s), _stiffness(cell, J, s)
+    J, some = np.empty((m, m)), np.zeros((4, m))
+    _strain(cell, J, some[:3])
+    g, H = some[3], _stiffness(cell, J, some[2])
+    _add_times(J, some[2], g)
     out = numba.carray(A, (k, 6, k, 6))
     f, unit, pushed, own = np.zeros_like(q), np.empty(6), np.empty((4, 3)), np.empty(6)
     spread(g, q, interfaces, f)
@@ -142,7 +147,7 @@ def matrix_kernel(
             moved[j] = q[j] + 1j * _STEP * pushed
             coordinates(moved, interfaces, z)
             changed[:] = 0.0
-            spread(g + 1j * _times(H, z.imag.copy()), moved, interfaces, changed)
+            spread(g + 1j * (H @ z.imag.copy()), moved, interfaces, changed)
             for i in range(k):
                 own[:] = 0.0
                 pull(_kind(i, others), q[i], changed[i].imag / _STEP, 1.0, own)

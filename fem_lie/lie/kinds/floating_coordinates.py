@@ -19,14 +19,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, uncounted
 from fem_lie.lie.kinds.forces import push
 
 Rows: TypeAlias = npt.NDArray[Any]
 """Real, or complex for derivatives."""
 
 
-@compiled
+@uncounted
 def add_products(d: Rows, q: Rows, interfaces: Array, factor: float, out: Rows) -> None:
     """Add ``factor`` times the products in ``z`` of directors ``d`` (4, 3) and rows (k, 4, 3)."""
     for i in range(interfaces.shape[0]):
@@ -43,7 +43,7 @@ def add_products(d: Rows, q: Rows, interfaces: Array, factor: float, out: Rows) 
             out[6 * i + 5] += 0.5 * factor * (D[0] * c1 - D[1] * c0)
 
 
-@compiled
+@uncounted
 def add_amplitudes(q: Rows, others: int, out: Rows) -> None:
     """Add those in rows (k, 4, 3) of a body with so many other interfaces, to ``out`` (m,)."""
     first = 6 * others
@@ -51,7 +51,7 @@ def add_amplitudes(q: Rows, others: int, out: Rows) -> None:
         out[first + a] += q[1 + others + a // 6, 1 + (a % 6) // 3, a % 3]
 
 
-@compiled
+@uncounted
 def coordinates(q: Rows, interfaces: Array, z: Rows) -> None:
     """Set ``z`` (m,) at rows (k, 4, 3) of a body's nodes."""
     z[:] = 0.0
@@ -62,7 +62,7 @@ def coordinates(q: Rows, interfaces: Array, z: Rows) -> None:
     add_amplitudes(q, interfaces.shape[0], z)
 
 
-@compiled
+@uncounted
 def spread(g: Rows, q: Rows, interfaces: Array, f: Rows) -> None:
     """Add what forces ``g`` (m,) on coordinates are on rows, to ``f`` (k, 4, 3)."""
     others = interfaces.shape[0]
