@@ -128,6 +128,19 @@ def test_a_bilinear_skin_turns_no_node():
     np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-12 * size)
 
 
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
+    shell = plate(0, (1, 1), cell=cell)
+    ball = fl.RigidBody(1.0, np.eye(3), (1.1, 0.3, 0))
+    skin = fl.Skin(shell, smooth=False)
+    H, out = forces_of(fl.Contact(fl.Sphere(ball.centre, 0.1), skin, fl.Penalty(K)))
+    F, M = resultants(H, out)
+    wanted = K * 0.5 * THICK
+    np.testing.assert_allclose(F[0], [-wanted, 0, 0], atol=1e-9 * wanted)
+    np.testing.assert_allclose(F.sum(axis=0), 0, atol=1e-9 * wanted)
+    np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-9 * wanted)
+
+
 def test_what_skins_refuse():
     one, two = plate(0, (2, 2)), plate(THICK, (2, 2))
     ball = fl.RigidBody(1.0, np.eye(3), (0.5, 0.5, 1))
