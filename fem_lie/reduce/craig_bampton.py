@@ -20,7 +20,7 @@ from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 
-_DENSE = 100  # unknowns
+_DENSE = 400  # unknowns
 
 
 def craig_bampton(
@@ -80,7 +80,7 @@ def _slowest(K: sp.csc_array, M: sp.csc_array, modes: int) -> Array:
     size = K.shape[0]
     if size > _DENSE:
         shapes = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
-    else:  # Lanczos vectors of few unknowns may end before all modes are found
+    else:  # Lanczos vectors may end early, or miss one of several equal frequencies
         some = (0, modes - 1)
         shapes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
     return np.asarray(shapes.T)
