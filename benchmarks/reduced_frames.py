@@ -41,9 +41,9 @@ def pieces(
     """A straight rod in so many reduced bodies; ``last``: the end of all is an interface, too."""
     found, count = [], CELLS // parts
     for p in range(parts):
-        ends = [whole.frames[n, 0] for n in (count * p, count * (p + 1))]
+        start, end = (whole.frames[n, 0] for n in (count * p, count * (p + 1)))
         up = whole.frames[0, 3]
-        rod = fl.Beam.straight(*ends, section, cells=count, up=up, name=f"rod {p}")
+        rod = fl.Beam.straight(start, end, section, cells=count, up=up, name=f"rod {p}")
         points = [rod.node(count // 2), rod.start, rod.end]
         found.append(part_of(rod, points[: 3 if last or p + 1 < parts else 2], modes))
     return found
