@@ -507,6 +507,7 @@ def test_tangent_depends_on_what_it_is_given_alone(name):
 def test_pairs_have_all_that_moves_the_forces(name):
     """When one node moves, forces change at those alone that are paired with it."""
     model = Model(name)
+    model.forces(model.H)  # which find out who is near whom
     rows, columns = model.term.pairs
     assert rows.max(initial=0) < model.count
     assert columns.max(initial=0) < model.count
