@@ -18,6 +18,8 @@ BESIDE = 2
 
 _MOST = 0.5
 """Part by which forces may be changed to do the work that is wanted of them."""
+_DIGITS = 1e-11
+"""Part of what is stored that is round-off, which may wait likewise."""
 _LITTLE = 1e-2
 """Part of what is stored: forces that do less work take back less of what earlier steps left."""
 
@@ -154,7 +156,11 @@ class Pushes:
         # by digits of places, and where places follow
         missing = self.ahead - self.energy - work
         little = _LITTLE * (self.ahead + self.energy)
-        part = _part(missing, work) + _part_of_earlier(self.debt + leak, work, little)
+        earlier = self.debt + leak
+        if abs(missing) <= _DIGITS * (self.ahead + self.energy):
+            part = _part_of_earlier(earlier + missing, work, little)
+        else:
+            part = _part(missing, work) + _part_of_earlier(earlier, work, little)
         out *= 1.0 + part
         self._owed = self.debt + missing - part * work
 
