@@ -22,6 +22,7 @@ def run(name, periods, count, scheme=None):
         ("box", 0.9, 40),
         ("corners", 0.2, 30),
         ("beams", 0.2, 10),
+        ("beams", 2.0, 6),  # whose increments fall slowly
         ("lines90", 0.2, 8),
         ("ball", 0.2, 6),
         ("sheets", 0.2, 10),

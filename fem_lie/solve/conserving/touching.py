@@ -23,7 +23,7 @@ from fem_lie.solve.conserving.step.records import State, solution_of
 _NOISE = {1e-15: 1, 1e-9: 8}
 """Increments, in lengths of the model, that are round-off after so many that fell no more."""
 _FALLS = 0.8
-"""Ratio of increments that is no progress any more."""
+"""Increments above this part of one before are no progress."""
 _TURNS = 3
 """Increments that fell no more, after which half of a correction is made."""
 _MOST = 0.05
@@ -99,14 +99,14 @@ class Touching(RunState):
             increment = corrections.size_of(self.model.measure, x)
             numbers[corrections.INCREMENT] = increment
             counters[corrections.TOTAL] += 1
-            stalls = stalls + 1 if increment > _FALLS * least else 0
+            # from where they last fell: what falls slowly, but steadily, is no round-off
+            stalls, least = (0, increment) if increment <= _FALLS * least else (stalls + 1, least)
             settled = (increment < size and stalls >= wait for size, wait in _NOISE.items())
             if increment == 0.0 or any(settled):
                 self._accept_touching(iteration)
                 return True
             if not np.isfinite(increment):
                 break
-            least = min(least, increment)
             # contacts that stick and slip in turns are met half-way
             x *= min(1.0 if stalls < _TURNS else 0.5, _MOST / max(increment, _MOST))
             nodes.packed_correct(*tables)
