@@ -36,10 +36,10 @@ bars on two domains is given up. With more, soft modes are lifted, too. As the m
 bars and shells lies so far below what stretches them that none would do: 1e-9 of the largest made a
 static shell take 13.6, 27.5, 98 and 18.5 iterations in the same run, and 1e-7 the net 30."""
 
-SOFTEST = 1e-4
-"""Least diagonal that is scaled to one, over the largest: with 1e-5 statics of a net of cables was
-given up on 16 domains, and with 1e-8 on 4. The antenna on 16 took 33 iterations with 1e-3, 16.7
-with this, 13 with 1e-5."""
+SOFTEST = 1e-5
+"""Least diagonal that is scaled to one, over the largest, if PETSc's option ``interface_softest``
+does not say so. The antenna on 16 took 14.2 iterations with this and 35.2 with 1e-4; statics of a
+net of cables was given up on 16, and took 10.0 with 1e-4."""
 
 TOLERANCE = 1e-8
 """Of an iteration, of the preconditioned residual over that at its start."""
@@ -109,9 +109,15 @@ class Interface:
             own: The scaled matrix of which it is a part.
             prefix: Of PETSc's options; those of the iteration have ``interface_`` after it.
             way: Of :data:`WAYS`.
+
+        Raises:
+            ValueError: The option ``softest`` is not in (0, 1].
         """
         self._part, self._own, self._way = part, own, WAYS[way]
         self._prefix = f"{prefix}interface_"
+        self._softest = PETSc.Options(self._prefix).getReal("softest", SOFTEST)
+        if not 0.0 < self._softest <= 1.0:
+            raise ValueError(f"{self._prefix}softest must be in (0, 1], got {self._softest}")
         self.ksp: PETSc.KSP | None = None
         self._dual: Dual | None = None
         numbers = PETSc.LGMap().create(part.at.astype(np.int32), comm=PETSc.COMM_WORLD)
@@ -133,7 +139,7 @@ class Interface:
         world.Allreduce(MPI.IN_PLACE, both, op=MPI.MAX)
         of_motion = both[0] > SYMMETRIC * both[1]
         self._drop()
-        self._P = self._summed(_positive(symmetric), symmetric=True)
+        self._P = self._summed(_positive(symmetric, self._softest), symmetric=True)
         self._P.setNearNullSpace(self._rigid_motions())
         self._A = self._summed(S if of_motion else symmetric, symmetric=not of_motion)
         self._b, self._x = self._A.createVecs()
@@ -267,10 +273,10 @@ class Interface:
             _log.info("%s has not converged: %d iterations", self._way.name, took)
 
 
-def _positive(S: Array) -> Array:
+def _positive(S: Array, softest: float) -> Array:
     """With no eigenvalue below :data:`FLOOR`: a domain that floats has zeros."""
     diagonal = np.abs(S.diagonal())
-    scale = np.sqrt(np.maximum(diagonal, SOFTEST * diagonal.max(initial=np.finfo(float).tiny)))
+    scale = np.sqrt(np.maximum(diagonal, softest * diagonal.max(initial=np.finfo(float).tiny)))
     scales = np.outer(scale, scale)
     values, vectors = np.linalg.eigh(S / scales)
     least = FLOOR * np.abs(values).max(initial=0.0)
