@@ -26,11 +26,9 @@ solver.
 from __future__ import annotations
 
 import argparse
-import gc
 import logging
 import re
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
@@ -42,6 +40,7 @@ from petsc4py import PETSc
 import numpy as np
 
 import fem_lie as fl
+from benchmarks.domains import coarse, megabytes
 from fem_lie.linear.domains.interface import Interface
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
@@ -49,7 +48,6 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
 BAR, THREAD = fl.Section.circle(0.01, STEEL), fl.Section.circle(1e-3, STEEL)
 MESH, STRETCH, STEPS, ELEMENTS, CELLS = 0.25, 1.001, 2, 6, 8
-PAGES_PER_MB = 256
 PREFIXES = "fem_lie_statics_", "fem_lie_dynamics_"
 
 
@@ -212,26 +210,6 @@ def timed(watch: Watched) -> None:
         watch.seconds[1] += process_time() - start
 
     Interface.setUp, Interface.apply = set_up, apply
-
-
-def coarse(ksp: PETSc.KSP) -> str:
-    """How many primal unknowns there are, as PETSc tells it."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = MPI.COMM_WORLD.bcast(f"{folder}/view.txt")
-        viewer = PETSc.Viewer().createASCII(path, comm=PETSc.COMM_WORLD)
-        ksp.view(viewer)
-        viewer.flush()
-        viewer.destroy()
-        MPI.COMM_WORLD.barrier()
-        found = re.search(r"coarse (\d+)", Path(path).read_text())
-        MPI.COMM_WORLD.barrier()
-    return found.group(1) if found else "–"
-
-
-def megabytes() -> float:
-    """Resident memory of this rank."""
-    gc.collect()
-    return int(Path("/proc/self/statm").read_text().split()[1]) / PAGES_PER_MB
 
 
 def row(name: str, watch: Watched) -> str:

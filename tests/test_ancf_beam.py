@@ -7,6 +7,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.gradients.assembly import GradientAssembly
 from fem_lie.lie import kinds
+from tests.body_alone import BodyAlone
 
 STEEL = fl.Material(1e3, 0.3, 2.0)
 SECTION = fl.Section.rectangle(0.2, 0.3, STEEL)
@@ -22,40 +23,12 @@ def bowed(s):
     return np.array([s, 0.3 * s * s, 0.2 * s**3])
 
 
-class Alone:
+class Alone(BodyAlone):
     """A beam by itself."""
 
     def __init__(self, cells=2, element=None, section=SECTION):
-        self.body = fl.AncfBeam.curve(bowed, section, cells=cells, formulation=element)
-        self.term, self.kinds = GradientAssembly([self.body]), self.body.node_kinds
-        self.count = len(self.kinds)
-        self.rng = np.random.default_rng(1)
-
-    def follow(self, H, h):
-        out = np.empty_like(H)
-        kinds.follow_all(self.kinds, H, h, out)
-        return out
-
-    def deformed(self, size=0.1):
-        return self.follow(self.body.frames, size * self.rng.normal(size=(self.count, 6)))
-
-    def forces(self, H):
-        out = np.zeros((self.count, 6))
-        self.term.add_forces(H, out)
-        return out
-
-    def matrix(self, H):
-        self.term.reset_stress(H)
-        K, (rows, columns) = np.zeros((self.count, 6, self.count, 6)), self.term.pairs
-        K[rows, :, columns] = self.term.tangent(H, np.empty((0, 6)))
-        return K.reshape(6 * self.count, -1)
-
-    def turned(self, H, motion):
-        """Moved rigidly, the axes as the body turns them then."""
-        moved = H @ motion[1:]
-        moved[:, 0] += motion[0]
-        self.body.follower()(moved)
-        return moved
+        body = fl.AncfBeam.curve(bowed, section, cells=cells, formulation=element)
+        super().__init__(body, GradientAssembly([body]))
 
 
 @every_element

@@ -10,7 +10,7 @@ from benchmarks import sharp_gradients as sharp
 from fem_lie import lie
 from fem_lie.elements.thin_shells import hermite
 from fem_lie.elements.thin_shells.pressure import ThinPushes
-from fem_lie.lie import kinds
+from tests.body_alone import BodyAlone
 
 STEEL = fl.Material(1e3, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)
@@ -192,40 +192,15 @@ def test_cells_that_meet_differ_by_one_level():
 # --- shells on such meshes ---
 
 
-class Shell:
+class Shell(BodyAlone):
     """A thin shell by itself, with corners that hang."""
 
+    size = 0.003
+
     def __init__(self, function=wavy, section=UNSYMMETRIC):
-        self.body = fl.ThinShell(cut_anyhow(function, (2, 2), 3), section)
-        assert (self.body.sizes[:, 3] > 0).sum() > 5
-        self.term, self.kinds = fl.ThinShell.assemble([self.body]), self.body.node_kinds
-        self.count = len(self.kinds)
-
-    def follow(self, H, h):
-        out = np.empty_like(H)
-        kinds.follow_all(self.kinds, H, h, out)
-        return out
-
-    def deformed(self, size=0.003):
-        rng = np.random.default_rng(1)
-        return self.follow(self.body.frames, size * rng.normal(size=(self.count, 6)))
-
-    def forces(self, H):
-        out = np.zeros((self.count, 6))
-        self.term.add_forces(H, out)
-        return out
-
-    def matrix(self, H):
-        self.term.reset_stress(H)
-        K, (rows, columns) = np.zeros((self.count, 6, self.count, 6)), self.term.pairs
-        K[rows, :, columns] = self.term.tangent(H, np.empty((0, 6)))
-        return K.reshape(6 * self.count, -1)
-
-    def turned(self, H, motion):
-        moved = H @ motion[1:]
-        moved[:, 0] += motion[0]
-        self.body.follower()(moved)
-        return moved
+        body = fl.ThinShell(cut_anyhow(function, (2, 2), 3), section)
+        assert (body.sizes[:, 3] > 0).sum() > 5
+        super().__init__(body, fl.ThinShell.assemble([body]))
 
 
 def test_forces_are_the_gradient_of_the_energy():

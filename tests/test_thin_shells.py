@@ -7,6 +7,7 @@ import fem_lie as fl
 from fem_lie import lie
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.lie import kinds
+from tests.body_alone import BodyAlone
 
 STEEL = fl.Material(1e3, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, STEEL)
@@ -31,42 +32,15 @@ def flat(a, b):
     return np.array([2.0 * a, b, 0.0])
 
 
-class Shell:
+class Shell(BodyAlone):
     """A thin shell by itself."""
+
+    size = 0.03
 
     def __init__(self, function=wavy, cells=(2, 2), element=None, section=UNSYMMETRIC):
         make = fl.AncfShell if isinstance(element, fl.AncfPlate) else fl.ThinShell
-        self.body = make(fl.smooth_patch(function, cells), section, formulation=element)
-        self.term, self.kinds = make.assemble([self.body]), self.body.node_kinds
-        self.count = len(self.kinds)
-        self.rng = np.random.default_rng(1)
-
-    def follow(self, H, h):
-        out = np.empty_like(H)
-        kinds.follow_all(self.kinds, H, h, out)
-        return out
-
-    def deformed(self, size=0.03):
-        return self.follow(self.body.frames, size * self.rng.normal(size=(self.count, 6)))
-
-    def forces(self, H):
-        out = np.zeros((self.count, 6))
-        self.term.add_forces(H, out)
-        return out
-
-    def matrix(self, H):
-        self.term.reset_stress(H)
-        K, (rows, columns) = np.zeros((self.count, 6, self.count, 6)), self.term.pairs
-        K[rows, :, columns] = self.term.tangent(H, np.empty((0, 6)))
-        return K.reshape(6 * self.count, -1)
-
-    def turned(self, H, motion):
-        """Moved rigidly, the axes as the body turns them then."""
-        moved = H @ motion[1:]
-        moved[:, 0] += motion[0]
-        # row 3 of the second nodes is no vector: the body sets it
-        self.body.follower()(moved)
-        return moved
+        body = make(fl.smooth_patch(function, cells), section, formulation=element)
+        super().__init__(body, make.assemble([body]))
 
 
 @every_element
