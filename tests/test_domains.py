@@ -10,6 +10,7 @@ from ranks import on_ranks
 
 import fem_lie as fl
 from fem_lie.linear.domains.division import Links, divided
+from fem_lie.linear.domains.interface import Interface
 from fem_lie.system.equations import Equations, Instant, Plan
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -212,3 +213,12 @@ def test_refuses_other_names_and_one_rank(given, message):
         fl.GeneralisedAlpha(petsc_options_prefix="test_domains_").run(
             joined_beams(), duration=2e-3, step=1e-3
         )
+
+
+@pytest.mark.parametrize("given", [0.0, -1e-3, 2.0])
+def test_the_least_diagonal_is_a_part_of_the_largest(given):
+    options = PETSc.Options("given_interface_")
+    options["softest"] = given
+    with pytest.raises(ValueError, match=r"given_interface_softest must be in \(0, 1\], got"):
+        Interface(None, None, "given_", "bddc")
+    options.delValue("softest")
