@@ -100,7 +100,7 @@ def pinched_cylinder(mesh: fl.SurfaceMesh) -> fl.Scene:
 
 def plate_mesh() -> fl.SurfaceMesh:
     """Triangles a quarter of a side long."""
-    return fl.read_gmsh_surface(MESHES / "l_plate.geo")
+    return fl.read_gmsh_surface(fl.run_gmsh_script(MESHES / "l_plate.geo"))
 
 
 PAD = fl.PointDisplacement("cylinder.00", (0, 0, -1))

@@ -75,7 +75,9 @@ def solve(
 
     Of sections that deform, and of edges, there are none.
     """
-    mesh = fl.read_gmsh(HERE.parent / "meshes" / "bend45.geo", {"cells": elements})
+    mesh = fl.read_gmsh(
+        fl.run_gmsh_script(HERE.parent / "meshes" / "bend45.geo", {"cells": elements})
+    )
     EA, GA, EI = 1e7, 5e6, 1e7 / 12
     square = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # for the picture only
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI], outline=square)

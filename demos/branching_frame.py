@@ -39,7 +39,9 @@ JOINTS = [
 
 def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.Point]:
     """The scene and the end of the outrigger; of one mesh, or of parts with ``joints``."""
-    mesh = fl.read_gmsh(HERE.parent / "meshes" / "frame.geo", {"cells": elements})
+    mesh = fl.read_gmsh(
+        fl.run_gmsh_script(HERE.parent / "meshes" / "frame.geo", {"cells": elements})
+    )
     scene = fl.Scene(gravity=(0, 0, -9.81))
     if joints:
         parts = {

@@ -53,7 +53,7 @@ def quarter(
     if formulation in PATCHES:
         return PATCHES[formulation](place, (mesh, mesh))
     if gmsh:
-        return fl.read_gmsh_surface(MODEL, parameters={"cells": mesh})
+        return fl.read_gmsh_surface(fl.run_gmsh_script(MODEL, {"cells": mesh}))
     return fl.surface(place, (mesh, mesh))
 
 

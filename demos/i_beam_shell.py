@@ -54,7 +54,9 @@ FORCES = {"strong": (0.0, 0.0, 1e4), "weak": (0.0, 1e4, 0.0)}
 def of_shells(along: int, length: float, force: tuple[float, ...], torque: float = 0.0) -> fl.Scene:
     """Cantilever of shells with a rigid plate at its end."""
     mesh = fl.read_gmsh_surface(
-        HERE.parent / "meshes" / "i_beam.geo", {"along": along, "length": length}
+        fl.run_gmsh_script(
+            HERE.parent / "meshes" / "i_beam.geo", {"along": along, "length": length}
+        )
     )
     thickness = {"flanges": FLANGE, "web": WEB}
     layers = {name: fl.ShellSection.layer(t, STEEL) for name, t in thickness.items()}

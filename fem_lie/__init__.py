@@ -108,6 +108,7 @@ from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.curves import Spline, curve, polyline, straight
 from fem_lie.mesh.gmsh_lines import read_curve
+from fem_lie.mesh.gmsh_session import run_gmsh_script
 from fem_lie.mesh.grids import surface
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh, read_gmsh_surface, surface_from_dolfinx
@@ -458,6 +459,7 @@ __all__ = [
     "resultant_colours",
     "resultant_series",
     "resultants",
+    "run_gmsh_script",
     "sampled_statics",
     "save_reduced",
     "section_forces",

@@ -63,7 +63,7 @@ CLASSICAL = METAL.E * T**2 / sqrt(3 * (1 - METAL.nu**2))
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "panel.geo"
     file.write_text(PANEL)
-    mesh = fl.read_gmsh_surface(file, parameters={"width": SIZE, "length": SIZE})
+    mesh = fl.read_gmsh_surface(fl.run_gmsh_script(file, {"width": SIZE, "length": SIZE}))
 
 
 def outward(x: np.ndarray) -> np.ndarray:

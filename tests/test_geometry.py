@@ -254,7 +254,7 @@ def test_a_fork_with_one_tangent_is_one_node():
 
 def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     """Kinks at the corners, a branch in the middle: one node more for each further direction."""
-    mesh = fl.read_gmsh(FRAME, {"cells": 3})
+    mesh = fl.read_gmsh(fl.run_gmsh_script(FRAME, {"cells": 3}))
     sections = {"columns": SECTION, "girder": _scaled(2), "outrigger": _scaled(3)}
     beam = fl.Beam(mesh, sections, up={"outrigger": (0, 0, 1)})
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from fem_lie import _compat, lie
 from fem_lie.mesh.curves import curve, straight
+from fem_lie.mesh.gmsh_session import run_gmsh_script
 from fem_lie.mesh.lines import KINK_ANGLE, LineMesh
 from fem_lie.mesh.reading import from_dolfinx, read_gmsh
 
@@ -159,7 +160,7 @@ def test_a_part_keeps_its_names():
 
 
 def test_bend_from_its_geo_file_has_exact_tangents_and_names():
-    mesh = read_gmsh(BEND, {"cells": 6})
+    mesh = read_gmsh(run_gmsh_script(BEND, {"cells": 6}))
     assert len(mesh.cells) == 6 and mesh.group("arc").tolist() == list(range(6))
     np.testing.assert_allclose(mesh.points[mesh.named("clamp")], [[0, 0, 0]], atol=1e-12)
     np.testing.assert_allclose(
@@ -172,13 +173,13 @@ def test_bend_from_its_geo_file_has_exact_tangents_and_names():
 
 
 def test_the_default_of_a_parameter_stands_after_another_was_given():
-    assert len(read_gmsh(BEND, {"cells": 3}).cells) == 3
-    assert len(read_gmsh(BEND).cells) == 8
+    assert len(read_gmsh(run_gmsh_script(BEND, {"cells": 3})).cells) == 3
+    assert len(read_gmsh(run_gmsh_script(BEND)).cells) == 8
     assert not gmsh.isInitialized()
 
 
 def test_a_msh_file_gives_the_same_line(tmp_path):
-    geo, msh = read_gmsh(BEND), _written(BEND, tmp_path)
+    geo, msh = read_gmsh(run_gmsh_script(BEND)), _written(BEND, tmp_path)
     np.testing.assert_array_equal(msh.cells, geo.cells)
     assert msh.groups.keys() == geo.groups.keys() and msh.named("tip") == geo.named("tip")
     # 16 digits in the file, chords of a tenth of the radius
@@ -187,7 +188,7 @@ def test_a_msh_file_gives_the_same_line(tmp_path):
 
 def test_a_branching_frame_is_the_same_in_its_msh_file(tmp_path):
     """Several groups and points; cells of each group head the same way in both files."""
-    geo, msh = read_gmsh(SPACE_FRAME), _written(SPACE_FRAME, tmp_path)
+    geo, msh = read_gmsh(run_gmsh_script(SPACE_FRAME)), _written(SPACE_FRAME, tmp_path)
     assert set(geo.groups) == {"columns", "girder", "outrigger"}
     assert len(geo.named_points) == 6 and geo.named_points.keys() == msh.named_points.keys()
     np.testing.assert_array_equal(geo.branching_points, geo.named("middle"))
@@ -236,7 +237,7 @@ def frame_file(tmp_path):
 
 
 def test_a_frame_has_a_kink_shared_groups_and_no_orphans(frame_file):
-    mesh = read_gmsh(frame_file)
+    mesh = read_gmsh(run_gmsh_script(frame_file))
     assert mesh.points.shape == (9, 3), "the curve outside of groups is left out"
     assert set(mesh.groups) == {"column", "girder", "frame"} and len(mesh.group("frame")) == 8
     np.testing.assert_allclose(mesh.tangents[mesh.group("column")], [[[0, 0, 1]] * 2] * 4)
@@ -260,7 +261,7 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
         gmsh.model.occ.synchronize()
         gmsh.model.mesh.generate(1)
         mine = read_gmsh()
-        assert len(read_gmsh(frame_file, {"count": 2}).cells) == 4
+        assert len(read_gmsh(run_gmsh_script(frame_file, {"count": 2})).cells) == 4
         assert gmsh.model.getCurrent() == "mine" and gmsh.model.list() == ["", "mine"]
         np.testing.assert_array_equal(read_gmsh().points, mine.points)
     finally:
@@ -325,8 +326,10 @@ LINE = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
         (lambda: LineMesh.from_cells(LINE, [[0, 1], [1, 2]], groups={"g": [2]}), "cells of 'g'"),
         (lambda: LineMesh.from_cells(LINE, [[0, 1], [1, 2]], kink_angle=20), "kink_angle.*got 20"),
         (lambda: LineMesh(LINE, [[0, 1], [1, 2]], np.ones((2, 2, 3))), "unit vectors"),
-        (lambda: read_gmsh(BEND, {"cell": 3}), "no parameter 'cell'; it has: cells, radius"),
-        (lambda: read_gmsh(parameters={"cells": 3}), "need a .geo file"),
+        (
+            lambda: read_gmsh(run_gmsh_script(BEND, {"cell": 3})),
+            "no parameter 'cell'; it has: cells, radius",
+        ),
     ],
 )
 def test_bad_input_is_named(call, message):
@@ -336,16 +339,16 @@ def test_bad_input_is_named(call, message):
 
 def test_bad_gmsh_files_are_named(tmp_path, frame_file):
     with pytest.raises(FileNotFoundError, match=r"no mesh file .*missing\.geo"):
-        read_gmsh(tmp_path / "missing.geo")
+        read_gmsh(run_gmsh_script(tmp_path / "missing.geo"))
     with pytest.raises(ValueError, match=r"sets 'fixed' itself"):
-        read_gmsh(frame_file, {"fixed": 2})
+        read_gmsh(run_gmsh_script(frame_file, {"fixed": 2}))
     (tmp_path / "broken.geo").write_text("Point(1) = {0, 0;\n")
     with pytest.raises(ValueError, match=r"gmsh cannot read .*broken\.geo.*syntax error"):
-        read_gmsh(tmp_path / "broken.geo")
+        read_gmsh(run_gmsh_script(tmp_path / "broken.geo"))
     (tmp_path / "empty.geo").write_text("Point(1) = {0, 0, 0};\n")
     with pytest.raises(ValueError, match="has no line cells"):
-        read_gmsh(tmp_path / "empty.geo")
+        read_gmsh(run_gmsh_script(tmp_path / "empty.geo"))
     (tmp_path / "quadratic.geo").write_text(FRAME + "Mesh.ElementOrder = 2;\n")
     with pytest.raises(ValueError, match="curve 1 has cells of type 'Line 3'"):
-        read_gmsh(tmp_path / "quadratic.geo")
+        read_gmsh(run_gmsh_script(tmp_path / "quadratic.geo"))
     assert not gmsh.isInitialized()

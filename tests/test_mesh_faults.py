@@ -241,7 +241,7 @@ def written(tmp_path, text: str, dim: int | None = None):
     path = tmp_path / "model.geo"
     path.write_text(text)
     if dim is None:
-        return path
+        return fl.run_gmsh_script(path)
     gmsh.initialize(["gmsh", "-v", "0"], readConfigFiles=False)
     try:
         gmsh.open(str(path))

@@ -92,7 +92,7 @@ Physical Point("corner") = {1};
 )
 def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, cell):
     (tmp_path / "roof.geo").write_text(GEO + command)
-    mesh = fl.read_gmsh_surface(tmp_path / "roof.geo", {"size": 0.2})
+    mesh = fl.read_gmsh_surface(fl.run_gmsh_script(tmp_path / "roof.geo", {"size": 0.2}))
     assert mesh.cell == cell
     assert len(mesh.group("roof")) == len(mesh.cells)
     np.testing.assert_allclose(mesh.points[mesh.nodes("start"), 1], 0.0, atol=1e-12)
@@ -466,4 +466,4 @@ def test_mixed_gmsh_mesh_is_refused(tmp_path):
         "Transfinite Surface{1}; Recombine Surface{1};\n"
     )
     with pytest.raises(ValueError, match=r"got .*Triangle.* and .*Quadri"):
-        fl.read_gmsh_surface(path)
+        fl.read_gmsh_surface(fl.run_gmsh_script(path))

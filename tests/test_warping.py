@@ -379,25 +379,25 @@ def test_section_from_gmsh(tmp_path):
         "Coherence; MeshSize{:} = 0.15;\n"
         'Physical Surface("lower") = {1}; Physical Surface("upper") = {2};\n'
     )
-    mesh = fl.SectionMesh.from_gmsh(file)
+    mesh = fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file))
     materials = {"lower": STEEL, "upper": RUBBERY}
     read, own = fl.Warping(mesh, materials), LAYERS.warping(materials)
     like(read.section().stiffness, own.section().stiffness)
     np.testing.assert_allclose(read.section().inertia, own.section().inertia, atol=1e-8)
-    thin = fl.SectionMesh.from_gmsh(file, {"h": 0.2})
+    thin = fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file, {"h": 0.2}))
     assert fl.Warping(thin, materials).properties.E < read.properties.E
     with pytest.raises(ValueError, match="no parameter 'k'"):
-        fl.SectionMesh.from_gmsh(file, {"k": 0.2})
+        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(file, {"k": 0.2}))
     with pytest.raises(FileNotFoundError, match=r"nothing\.geo"):
-        fl.SectionMesh.from_gmsh(tmp_path / "nothing.geo")
+        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(tmp_path / "nothing.geo"))
     apart = tmp_path / "apart.geo"
     apart.write_text(file.read_text().replace("{-0.5, h,", "{0.7, h,"))
     with pytest.raises(ValueError, match="connected, got 2 pieces"):
-        fl.SectionMesh.from_gmsh(apart)
+        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(apart))
     line = tmp_path / "line.geo"
     line.write_text("Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};")
     with pytest.raises(ValueError, match="no surface cells"):
-        fl.SectionMesh.from_gmsh(line)
+        fl.SectionMesh.from_gmsh(fl.run_gmsh_script(line))
 
 
 def dolfinx_mesh(cell):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,14 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, whole_number
 from fem_lie.mesh.curves import Spline
-from fem_lie.mesh.gmsh_session import chosen_entities, logged, named_points, opened, physical
+from fem_lie.mesh.gmsh_session import (
+    GmshScript,
+    chosen_entities,
+    logged,
+    named_points,
+    opened,
+    physical,
+)
 from fem_lie.mesh.tangents import circle_tangents, flipped
 
 _log = logging.getLogger(__name__)
@@ -41,46 +47,42 @@ class RawLines:
     named_points: dict[str, Indices]
 
 
-def read_lines(
-    path: str | os.PathLike[str], parameters: Mapping[str, float] | None, kink_angle: float
-) -> RawLines:
+def read_lines(path: str | os.PathLike[str] | GmshScript, kink_angle: float) -> RawLines:
     """Lines of a file, in a model of its own that is removed afterwards.
 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, a parameter is not in it, or it has no lines.
     """
-    with opened(path, parameters) as (gmsh, file):
+    with opened(path) as (gmsh, file):
         if gmsh.model.mesh.getNodes()[0].size == 0:
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(1))
         return model_lines(str(file), kink_angle)
 
 
 def read_curve(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | GmshScript,
     cells: int,
     *,
     curve: int | None = None,
-    parameters: Mapping[str, float] | None = None,
 ) -> Spline:
-    """A curve of a CAD file, rational ones (NURBS) too: STEP, IGES, BREP or ``.geo``.
+    """A curve of a CAD file (STEP, IGES, BREP) or of a script, rational ones (NURBS) too.
 
     gmsh evaluates it, so that places and slopes are those of the curve itself. Between them the
     cubic follows it to fourth order; with the knots of a cubic spline among ``u`` it is the curve.
 
     Args:
-        path: The file.
+        path: The file, or a script (:func:`~fem_lie.run_gmsh_script`).
         cells: Equal parts of the curve's parameter.
         curve: gmsh's number of the curve; default: the only one.
-        parameters: Numbers of a ``.geo`` file.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, there is no such curve or several and no number, or there
-            are no cells.
+        ValueError: The file is neither CAD nor a mesh, gmsh cannot read it, there is no such curve
+            or several and no number, or there are no cells.
     """
     count = whole_number(cells) + 1
-    with opened(path, parameters) as (gmsh, file):
+    with opened(path) as (gmsh, file):
         known = [tag for _, tag in gmsh.model.getEntities(1)]
         wanted = known[0] if curve is None and len(known) == 1 else curve
         if wanted not in known:

@@ -1,11 +1,18 @@
-"""One session of gmsh: models that are open or in files, named groups and points in them."""
+"""One session of gmsh: models that are open or in files, named groups and points in them.
+
+gmsh takes a file that it does not recognise for a script, and a script can run any command of the
+system. So the first bytes decide here what a file is, and gmsh never has to guess.
+"""
 
 from __future__ import annotations
 
 import logging
 import os
+import re
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,22 +27,104 @@ _ENTITIES = {
     2: ("surfaces", "volumes"),
     3: ("volumes", "bodies"),
 }
+_MESH = b"$MeshFormat"
+_CAD = {
+    "step": re.compile(rb"\s*ISO-10303-21"),
+    "brep": re.compile(rb"\s*(DBRep_DrawableShape|CASCADE Topology)"),
+    "iges": re.compile(rb"[^\r\n]{72}S *0*1\s"),
+}
+"""How files of CAD begin, by gmsh's name of their format."""
+_BEGINNING = 100  # bytes, beyond the first line of an IGES file
+
+
+@dataclass(frozen=True)
+class GmshScript:
+    """A script of gmsh (``.geo``), which the function that reads it runs.
+
+    Attributes:
+        path: The script.
+        parameters: Numbers that replace those of ``DefineConstant`` in the script.
+    """
+
+    path: Path
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+
+def run_gmsh_script(
+    path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None
+) -> GmshScript:
+    """The model that a script of gmsh (``.geo``) builds, for a function that reads a model.
+
+    ``fl.read_gmsh(fl.run_gmsh_script("frame.geo", {"cells": 4}))`` runs the script and meshes its
+    curves. A script can run any command of the system: run only those that you trust.
+
+    Args:
+        path: The script.
+        parameters: Numbers that replace those of ``DefineConstant`` in the script.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+    """
+    return GmshScript(_existing(path), dict(parameters or {}))
 
 
 @contextmanager
-def opened(
-    path: str | os.PathLike[str], parameters: Mapping[str, float] | None
-) -> Iterator[tuple[Any, Path]]:
-    """Gmsh with a file in a model of its own, which is removed afterwards; and the file."""
-    file = Path(path)
-    if not file.is_file():
-        raise FileNotFoundError(f"no mesh file {str(file)!r}")
-    with session() as gmsh:
-        if parameters:
-            _check_parameters(gmsh, file, parameters)
-        with model(gmsh):
-            _merge(gmsh, file, parameters or {})
+def opened(source: str | os.PathLike[str] | GmshScript) -> Iterator[tuple[Any, Path]]:
+    """Gmsh with a file in a model of its own, which is removed afterwards; and the file.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: The file is neither a mesh of gmsh nor CAD, gmsh cannot read it, or a script
+            has no such parameter.
+    """
+    if isinstance(source, GmshScript):
+        with session() as gmsh:
+            _check_parameters(gmsh, source)
+            with model(gmsh):
+                _run(gmsh, source)
+                yield gmsh, source.path
+    else:
+        file = _existing(source)
+        form = _format(file)
+        with session() as gmsh, model(gmsh):
+            _read(gmsh, file, form)
             yield gmsh, file
+
+
+def _existing(path: str | os.PathLike[str]) -> Path:
+    if not (file := Path(path)).is_file():
+        raise FileNotFoundError(f"no mesh file {str(file)!r}")
+    return file
+
+
+def _format(file: Path) -> str:
+    """``msh``, or gmsh's name of a format of CAD, by the first bytes of a file."""
+    with file.open("rb") as opened_file:
+        beginning = opened_file.read(_BEGINNING)
+    if beginning.startswith(_MESH):
+        return "msh"
+    for name, pattern in _CAD.items():
+        if pattern.match(beginning):
+            return name
+    raise ValueError(
+        f"{str(file)!r} is neither a mesh of gmsh, which begins with {_MESH.decode()}, nor STEP, "
+        f"IGES or BREP: it begins with {beginning[:20]!r}. If it is a script of gmsh (.geo) that "
+        "you trust, for it can run any command, pass fl.run_gmsh_script(path) instead of the path"
+    )
+
+
+def _read(gmsh: Any, file: Path, form: str) -> None:
+    """Read a mesh or CAD, never a script."""
+    if form != "msh":
+        shapes = gmsh.model.occ.importShapes
+        logged(gmsh, file, lambda: shapes(str(file), highestDimOnly=False, format=form))
+        gmsh.model.occ.synchronize()
+        return
+    # gmsh would look at the ending of the file's own name, and run a script "NAME.opt" beside it
+    with tempfile.TemporaryDirectory() as folder:
+        alias = Path(folder) / "mesh.msh"
+        alias.symlink_to(file.resolve())
+        logged(gmsh, file, lambda: gmsh.merge(str(alias)))
 
 
 @contextmanager
@@ -75,12 +164,12 @@ def model(gmsh: Any) -> Iterator[None]:
             gmsh.model.setCurrent(current)
 
 
-def _merge(gmsh: Any, file: Path, parameters: Mapping[str, float]) -> None:
+def _run(gmsh: Any, script: GmshScript) -> None:
     gmsh.parser.clear()
-    for name, value in parameters.items():
+    for name, value in script.parameters.items():
         gmsh.parser.setNumber(name, [float(value)])
     # "open" would forget the numbers
-    logged(gmsh, file, lambda: gmsh.merge(str(file)))
+    logged(gmsh, script.path, lambda: gmsh.merge(str(script.path)))
 
 
 def logged(gmsh: Any, file: Path, call: Any) -> None:
@@ -98,16 +187,19 @@ def logged(gmsh: Any, file: Path, call: Any) -> None:
         raise ValueError(f"gmsh cannot read {str(file)!r}: " + "; ".join(errors))
 
 
-def _check_parameters(gmsh: Any, file: Path, parameters: Mapping[str, float]) -> None:
+def _check_parameters(gmsh: Any, script: GmshScript) -> None:
+    file, parameters = script.path, script.parameters
+    if not parameters:
+        return
     with model(gmsh):
-        _merge(gmsh, file, {})
+        _run(gmsh, GmshScript(file))
         known = set(gmsh.parser.getNames())
     for name in parameters:
         if name not in known:
             listed = ", ".join(sorted(known)) or "none"
             raise ValueError(f"{str(file)!r} has no parameter {name!r}; it has: {listed}")
     with model(gmsh):
-        _merge(gmsh, file, parameters)
+        _run(gmsh, script)
         for name, value in parameters.items():
             if gmsh.parser.getNumber(name)[0] != float(value):
                 raise ValueError(

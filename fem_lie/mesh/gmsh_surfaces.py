@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.mesh.gmsh_session import chosen_entities, logged, named_points, opened, physical
+from fem_lie.mesh.gmsh_session import (
+    GmshScript,
+    chosen_entities,
+    logged,
+    named_points,
+    opened,
+    physical,
+)
 
 _LINES = {1: 2, 8: 3}  # nodes of gmsh's lines of order 1 and 2
 
@@ -38,14 +45,14 @@ class RawShell:
     named_points: dict[str, Indices]
 
 
-def read_shell(path: str | os.PathLike[str], parameters: Mapping[str, float] | None) -> RawShell:
+def read_shell(path: str | os.PathLike[str] | GmshScript) -> RawShell:
     """Surfaces of a file, meshed if it has no mesh.
 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, a parameter is not in it, or it has no usable cells.
     """
-    with opened(path, parameters) as (gmsh, file):
+    with opened(path) as (gmsh, file):
         if not len(gmsh.model.mesh.getElements(2)[0]):
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
         return model_shell(str(file))

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Indices, instance
+from fem_lie.mesh.gmsh_session import GmshScript
 from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
 from fem_lie.mesh.sides import turn, turned_round
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -22,8 +23,7 @@ _log = logging.getLogger(__name__)
 
 
 def read_gmsh(
-    path: str | os.PathLike[str] | None = None,
-    parameters: Mapping[str, float] | None = None,
+    path: str | os.PathLike[str] | GmshScript | None = None,
     *,
     kink_angle: float = KINK_ANGLE,
 ) -> LineMesh:
@@ -31,31 +31,30 @@ def read_gmsh(
 
     Physical groups of curves become groups of cells, those of points named points; a group without
     a name is called by its number. Curves outside of groups count only if no curve is in one and
-    they are no edges of surfaces; the log says what is left out. A ``.geo`` file is meshed here;
-    its tangents are those of the CAD curves. A ``.msh`` file has no CAD any more: where one of its
-    curves turns from cell to cell it is taken as smooth, with tangents of circles through
-    successive points, and where two curves meet there is a corner unless their tangents agree to a
-    degree.
+    they are no edges of surfaces; the log says what is left out. CAD and scripts are meshed
+    here; their tangents are those of the CAD curves. A ``.msh`` file has no CAD any more: where
+    one of its curves turns from cell to cell it is taken as smooth, with tangents of circles
+    through successive points, and where two curves meet there is a corner unless their tangents
+    agree to a degree.
 
     Args:
-        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
-        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+        path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
+            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
+            it is.
         kink_angle: Largest angle, rad, by which a curve without CAD turns at a point and is smooth.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, a parameter is not in it, it has no lines, lines of higher
-            order, or anything that the class refuses.
+        ValueError: The file is neither a mesh nor CAD, gmsh cannot read it, it has no lines,
+            lines of higher order, or anything that the class refuses.
     """
     from fem_lie.mesh.gmsh_lines import model_lines, read_lines
 
-    if path is None and parameters:
-        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
     check_kink_angle(kink_angle)
     if path is None:
         raw = model_lines("the gmsh model", kink_angle)
     else:
-        raw = read_lines(path, parameters, kink_angle)
+        raw = read_lines(path, kink_angle)
     return LineMesh.from_cells(
         raw.points,
         raw.cells,
@@ -132,30 +131,29 @@ def from_dolfinx(
 
 
 def read_gmsh_surface(
-    path: str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None
+    path: str | os.PathLike[str] | GmshScript | None = None,
 ) -> SurfaceMesh:
     """Surfaces of a gmsh file or model, with the names of its physical groups.
 
     Physical groups of surfaces become groups of cells, those of curves named curves, those of
     points named points; a group without a name is called by its number. Surfaces outside of groups
     count only if no surface is in one and they are no faces of volumes; the log says what is left
-    out. A ``.geo`` file is meshed here; its normals are those of the
+    out. CAD and scripts are meshed here; their normals are those of the
     CAD surfaces. A ``.msh`` file has no surfaces any more; normals come from its cells.
 
     Args:
-        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
-        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+        path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
+            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
+            it is.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, a parameter is not in it, it has no surface cells or those
-            of several kinds, or anything that the class refuses.
+        ValueError: The file is neither a mesh nor CAD, gmsh cannot read it, it has no surface
+            cells or those of several kinds, or anything that the class refuses.
     """
     from fem_lie.mesh.gmsh_surfaces import model_shell, read_shell
 
-    if path is None and parameters:
-        raise ValueError("parameters need a .geo file to be read, got parameters but no path")
-    raw = model_shell("the gmsh model") if path is None else read_shell(path, parameters)
+    raw = model_shell("the gmsh model") if path is None else read_shell(path)
     return SurfaceMesh.from_cells(
         raw.points,
         raw.cells,

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_lie import _compat
 from fem_lie._arrays import Indices
-from fem_lie.mesh.gmsh_session import chosen_entities, logged, opened, physical
+from fem_lie.mesh.gmsh_session import GmshScript, chosen_entities, logged, opened, physical
 from fem_lie.mesh.gmsh_surfaces import coordinates_of
 from fem_lie.mesh.reading import tagged
 from fem_lie.mesh.volumes.volume_mesh import VolumeMesh, entities_at
@@ -26,29 +26,28 @@ _CELLS = {
 
 
 def read_gmsh_volume(
-    path: str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None
+    path: str | os.PathLike[str] | GmshScript | None = None,
 ) -> VolumeMesh:
     """Volumes of a gmsh file or model, with the names of its physical groups.
 
     Physical groups of volumes become groups of cells, those of surfaces faces, those of curves
     curves and those of points named points; a group without a name is called by its number. Volumes
-    outside of groups count only if no volume is in one; the log says what is left out. A ``.geo``
-    file is meshed here.
+    outside of groups count only if no volume is in one; the log says what is left out. CAD and
+    scripts are meshed here.
 
     Args:
-        path: ``.geo`` or ``.msh`` file; default: the current model of a running gmsh, as it is.
-        parameters: Numbers that replace those of ``DefineConstant`` in a ``.geo`` file.
+        path: ``.msh`` or CAD file (STEP, IGES, BREP), or a script
+            (:func:`~fem_lie.run_gmsh_script`); default: the current model of a running gmsh, as
+            it is.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, a parameter is not in it, it has no volumes or cells of
-            several kinds, or anything that the class refuses.
+        ValueError: The file is neither a mesh nor CAD, gmsh cannot read it, it has no volumes
+            or cells of several kinds, or anything that the class refuses.
     """
     if path is None:
-        if parameters:
-            raise ValueError("parameters need a .geo file to be read, got parameters but no path")
         return _model_volume("the gmsh model")
-    with opened(path, parameters) as (gmsh, file):
+    with opened(path) as (gmsh, file):
         if not len(gmsh.model.mesh.getElements(3)[0]):
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(3))
         return _model_volume(str(file))

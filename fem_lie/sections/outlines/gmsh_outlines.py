@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.mesh.gmsh_session import logged, model, opened, physical, session
+from fem_lie.mesh.gmsh_session import GmshScript, logged, model, opened, physical, session
 from fem_lie.mesh.gmsh_surfaces import cell_block, coordinates_of
 from fem_lie.sections.outlines.cell_sizes import GROWTH, CellSizes
 from fem_lie.sections.outlines.outline import Loop, Part
@@ -64,16 +64,14 @@ def mesh_parts(parts: Mapping[str, Part], sizes: CellSizes) -> RawSurface:
         return _cells(gmsh, owner, "the section")
 
 
-def read_surface(
-    path: str | os.PathLike[str], parameters: Mapping[str, float] | None
-) -> RawSurface:
+def read_surface(path: str | os.PathLike[str] | GmshScript) -> RawSurface:
     """Surface cells of a file, meshed if it has no mesh; groups of surfaces are regions.
 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: gmsh cannot read it, or it has no usable cells.
     """
-    with opened(path, parameters) as (gmsh, file):
+    with opened(path) as (gmsh, file):
         if not len(gmsh.model.mesh.getElements(2)[0]):
             logged(gmsh, file, lambda: gmsh.model.mesh.generate(2))
         groups = physical(gmsh, 2)

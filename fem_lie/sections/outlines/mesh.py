@@ -13,6 +13,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Indices, indices_of, points_of
+from fem_lie.mesh.gmsh_session import GmshScript
 from fem_lie.mesh.shapes import cell_normals
 
 if TYPE_CHECKING:
@@ -68,24 +69,23 @@ class SectionMesh:
             )
 
     @classmethod
-    def from_gmsh(
-        cls, path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None
-    ) -> SectionMesh:
+    def from_gmsh(cls, path: str | os.PathLike[str] | GmshScript) -> SectionMesh:
         """Surface cells of a gmsh file in a plane x₃ = const., with (y, z) = (x₁, x₂).
 
         Args:
-            path: ``.msh`` file, used as it is, or ``.geo`` file, meshed with the sizes it has.
-                Named groups of surfaces are the regions; without any all is one region.
-            parameters: Values of ``DefineConstant`` numbers of a ``.geo`` file.
+            path: ``.msh`` file, used as it is, or a script
+                (:func:`~fem_lie.run_gmsh_script`), meshed with the sizes it has. Named groups of
+                surfaces are the regions; without any all is one region.
 
         Raises:
             FileNotFoundError: There is no such file.
-            ValueError: gmsh cannot read it, cells are not triangles of degree 1 or 2 or
-                quadrilaterals of degree 1, they do not lie in such a plane or are not connected.
+            ValueError: It is neither a mesh nor CAD, gmsh cannot read it, cells are not
+                triangles of degree 1 or 2 or quadrilaterals of degree 1, they do not lie in such a
+                plane or are not connected.
         """
         from fem_lie.sections.outlines.gmsh_outlines import read_surface
 
-        raw = read_surface(path, parameters)
+        raw = read_surface(path)
         return cls(raw.points, raw.cells, raw.regions, raw.names, raw.cell, raw.degree)
 
     @classmethod
