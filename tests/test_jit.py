@@ -156,7 +156,7 @@ def test_unwritable_cache_folder_is_a_warning(run, tmp_path):
 
 
 def test_oldest_folders_of_a_file_are_removed(run, tmp_path):
-    base = tmp_path / "cache" / "fem_lie" / "machine-code"
+    base = tmp_path / "cache" / "fem_lie" / "compiled"
     others = [f"caller_of-{0:016x}", "caller-of-old-times"]
     names = [f"caller-{k:016x}" for k in range(25)]
     for age, name in enumerate(reversed([*others, *names]), start=1):
@@ -222,3 +222,90 @@ def test_machine_code_is_made_of_entrances_alone(run, tmp_path):
     for name, data in kept.items():
         assert (b"\x7fELF" in data) == ("-inner" not in name), name
     assert any("-inner" in name for name in kept)
+
+
+def files_of(cache, ending):
+    """Files of the cache with this ending; those of sources have none."""
+    found = [path for path in cache.rglob(f"*{ending}") if path.is_file()]
+    assert found
+    return [path for path in found if path.suffix == ending]
+
+
+DAMAGES = {
+    "cut": lambda data: data[: len(data) // 2],
+    "empty": lambda data: b"",
+    "flipped": lambda data: data[:-1] + bytes([data[-1] ^ 1]),
+}
+
+
+@pytest.mark.parametrize("ending", [".nbi", ".nbc", ""], ids=["index", "code", "source"])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_files_of_the_cache_are_replaced(run, tmp_path, damage, ending):
+    run(3.0)
+    files = files_of(tmp_path / "cache", ending)
+    for path in files:
+        path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    values, _, log = run(3.0)
+    assert values == [4.0, 5.0]
+    assert "is damaged; it is replaced" in log
+    assert run(3.0) == ([4.0, 5.0], 2, "")
+
+
+def test_code_of_another_signature_is_not_taken(run, tmp_path):
+    """As two processes can leave it that write at the same time."""
+    run(3.0)
+    files = files_of(tmp_path / "cache", ".nbc")
+    of_caller, of_callback = (
+        next(path for path in files if path.name.startswith(f"caller.{name}-only"))
+        for name in ("caller", "called_back")
+    )
+    of_caller.write_bytes(of_callback.read_bytes())
+    assert run(3.0)[:2] == ([4.0, 5.0], 1)
+    assert run(3.0) == ([4.0, 5.0], 2, "")
+
+
+@pytest.mark.parametrize("largest", [0, 3000])
+def test_a_full_disk_is_the_end_of_the_cache_alone(run, tmp_path, largest):
+    """As seen by a process that cannot write longer files than this, in bytes."""
+    before = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({largest}, {largest}))"
+    caller = tmp_path / "small" / "caller.py"
+    text = caller.read_text()
+    caller.write_text(f"{before}\n{text}")
+    values, hits, log = run(3.0)
+    assert (values, hits) == ([4.0, 5.0], 0)
+    assert log.count("compiled code cannot be cached") == 1 and "File too large" in log
+    caller.write_text(text)
+    assert run(3.0)[:2] == ([4.0, 5.0], 0)
+    assert run(3.0)[:2] == ([4.0, 5.0], 2)
+
+
+@pytest.mark.parametrize(
+    ("inside", "mode"),
+    [("fem_lie", 0o770), ("fem_lie/compiled", 0o707), ("fem_lie/compiled", 0o1777)],
+)
+def test_a_folder_that_others_can_write_is_not_used(run, tmp_path, inside, mode):
+    run(3.0)
+    folder = tmp_path / "cache" / inside
+    folder.chmod(mode)
+    values, hits, log = run(3.0)
+    assert (values, hits) == ([4.0, 5.0], 0)
+    assert log.count(f"mode {mode:o}; remove it") == 1
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
+@pytest.mark.parametrize("inside", ["fem_lie", "fem_lie/compiled"])
+def test_a_folder_of_somebody_else_is_not_used(run, tmp_path, inside):
+    run(3.0)
+    os.chown(tmp_path / "cache" / inside, 12345, -1)
+    values, hits, log = run(3.0)
+    assert (values, hits) == ([4.0, 5.0], 0)
+    assert log.count("belongs to user 12345") == 1
+
+
+def test_new_folders_are_for_their_owner_alone(run, tmp_path):
+    umask = os.umask(0)
+    try:
+        run(3.0)
+    finally:
+        os.umask(umask)
+    assert run(3.0)[:2] == ([4.0, 5.0], 2)

@@ -18,6 +18,7 @@ from numba.core.sigutils import normalize_signature
 from fem_lie._jit.libraries import (
     CalledByAddress,
     EntranceCache,
+    SafeCache,
     set_environments,
     without_machine_code,
 )
@@ -187,6 +188,10 @@ class _Dispatcher(CPUDispatcher):
 class _ForCallers(_Dispatcher):
     """What compiled functions call."""
 
+    def enable_caching(self) -> None:
+        """Keep what callers take in."""
+        self._cache = SafeCache(self.py_func)
+
     def compile(self, sig: Any) -> Any:
         """Compile what callers take in."""
         with global_compiler_lock, without_machine_code(self.targetctx.codegen()):
@@ -225,8 +230,10 @@ class _CalledFromPython(_Dispatcher):
         """What compiled functions call."""
         options = _OPTIONS | self.options
         with own_cache(self.function, for_callers=True) as cached:
-            inner = numba.njit(cache=cached, no_cpython_wrapper=True, **options)(self.function)
-        inner.__class__, inner.level = _ForCallers, self.level_for_callers
+            inner = numba.njit(no_cpython_wrapper=True, **options)(self.function)
+            inner.__class__, inner.level = _ForCallers, self.level_for_callers
+            if cached:
+                inner.enable_caching()
         return inner
 
     @property

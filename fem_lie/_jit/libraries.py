@@ -8,7 +8,8 @@ each has one half, and nothing is set up that is not wanted.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import logging
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,6 +19,34 @@ from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
 from numba.core.runtime import rtsys
+
+from fem_lie._jit.checked_files import CheckedFiles
+
+_log = logging.getLogger(__name__)
+
+
+class SafeCache(FunctionCache):
+    """A cache whose files have checksums, and without which a run goes on."""
+
+    _failed = False  # of all caches of this process: said once
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """Find where the code of a function is kept."""
+        super().__init__(function)
+        locator = self._impl.locator
+        self._cache_file = CheckedFiles(
+            locator.get_cache_path(), self._impl.filename_base, locator.get_source_stamp()
+        )
+
+    @contextmanager
+    def _guard_against_spurious_io_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            if not SafeCache._failed:
+                SafeCache._failed = True
+                _log.warning("compiled code cannot be cached (%s): the next start compiles", error)
+
 
 # --- what is called from Python or by address -----------------------------------------------------
 
@@ -48,7 +77,7 @@ class _MachineCode(CompileResultCacheImpl):
         return super().rebuild(target_context, function)
 
 
-class EntranceCache(FunctionCache):
+class EntranceCache(SafeCache):
     """Of a function that nothing compiled calls."""
 
     _impl_class = _MachineCode

@@ -17,6 +17,7 @@ import logging
 import os
 import re
 import shutil
+import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -27,6 +28,8 @@ from typing import Any
 
 import numba
 from numba.core.caching import CacheImpl, _CacheLocator
+
+from fem_lie._jit.checked_files import read_checked, write_checked
 
 PACKAGE = Path(__file__).parents[1]
 _KEEP_FOLDERS, _KEEP_SOURCES = 12, 2000  # of each file, of all
@@ -43,9 +46,7 @@ class _ByContent(_CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _ByContent:
-        locator = cls(py_func, py_file)
-        locator.ensure_cache_path()
-        return locator
+        return cls(py_func, py_file)
 
     def get_cache_path(self) -> str:
         return str(self._folder)
@@ -89,11 +90,12 @@ def _folder_of(file: Path) -> Path:
         digest.update(f"{source.name} {_code(source.read_bytes())}".encode())
     name = _name_of(file)
     folder = FOLDER / f"{name}-{digest.hexdigest()[:16]}"
-    if folder.is_dir():
-        os.utime(folder)
-    else:
-        folder.mkdir(parents=True, exist_ok=True)
-        _keep_last(FOLDER.glob(f"{name}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
+    with suppress(OSError):  # a full disk: numba makes the folder when it writes into it
+        if folder.is_dir():
+            os.utime(folder)
+        else:
+            folder.mkdir(parents=True, exist_ok=True)
+            _keep_last(FOLDER.glob(f"{name}-{'[0-9a-f]' * 16}"), _KEEP_FOLDERS)
     return folder
 
 
@@ -118,18 +120,17 @@ def _code(source: bytes) -> str:
     """Fingerprint of a file without its comments and docstrings; kept, as it takes a while."""
     assert FOLDER is not None
     kept = FOLDER / "sources" / hashlib.sha256(sys.version.encode() + source).hexdigest()[:32]
-    with suppress(FileNotFoundError):
-        return kept.read_text()
+    if (known := read_checked(kept)) is not None:
+        return known.decode()
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(body := getattr(node, "body", None), list):
             body[:] = [statement for statement in body if not _is_text(statement)]
     code = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
-    kept.parent.mkdir(exist_ok=True)
-    _keep_last(kept.parent.glob("*"), _KEEP_SOURCES)
-    with tempfile.NamedTemporaryFile("w", dir=FOLDER, delete=False) as file:
-        file.write(code)
-    os.replace(file.name, kept)
+    with suppress(OSError):  # a full disk: it is computed again by the next process
+        kept.parent.mkdir(exist_ok=True)
+        _keep_last(kept.parent.glob("*"), _KEEP_SOURCES)
+        write_checked(kept, code.encode())
     return code
 
 
@@ -183,17 +184,35 @@ def _prepare_base() -> Path | None:
     """Return the writable folder of all machine code, or None after a warning."""
     try:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fem_lie"
-        base /= "machine-code"
-        base.mkdir(parents=True, exist_ok=True)
+        base /= "compiled"  # not the folder of versions whose files have no checksums
+        for folder in (base.parent, base):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            _check_owner(folder)
         tempfile.TemporaryFile(dir=base).close()
     except (OSError, RuntimeError) as error:
         logging.getLogger(__name__).warning(
             "compiled code cannot be cached (%s): every start compiles anew, which takes a while; "
-            "set XDG_CACHE_HOME to a writable folder",
+            "set XDG_CACHE_HOME to a folder that you own and nobody else can write",
             error,
         )
         return None
     return base
+
+
+def _check_owner(folder: Path) -> None:
+    """Refuse a folder into which somebody else can write: what is in it is executed.
+
+    Raises:
+        PermissionError: Somebody else owns it or can write into it.
+    """
+    status = folder.stat()
+    mode = stat.S_IMODE(status.st_mode)
+    if status.st_uid != os.geteuid() or mode & (stat.S_IWGRP | stat.S_IWOTH):
+        raise PermissionError(
+            f"user {os.geteuid()} has to be the only one who can write into {folder}, from which "
+            f"code is executed, but it belongs to user {status.st_uid} and has mode {mode:o}; "
+            "remove it"
+        )
 
 
 FOLDER = _prepare_base()

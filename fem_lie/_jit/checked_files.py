@@ -1,0 +1,83 @@
+"""Files of the cache with a checksum: what was cut, emptied or altered is never executed."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import pickle
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import IndexDataCacheFile
+
+_log = logging.getLogger(__name__)
+_SIZE = 16  # bytes of a checksum
+
+
+def _checksum(data: bytes) -> bytes:
+    return hashlib.blake2b(data, digest_size=_SIZE).digest()
+
+
+def write_checked(path: Path, data: bytes) -> None:
+    """Write a file that appears under its name only when it is whole.
+
+    Raises:
+        OSError: The disk is full, or there is another reason.
+    """
+    descriptor, unfinished = tempfile.mkstemp(dir=path.parent)
+    try:
+        with open(descriptor, "wb") as file:
+            file.write(_checksum(data) + data)
+        os.replace(unfinished, path)
+    except OSError:
+        with suppress(OSError):
+            os.unlink(unfinished)
+        raise
+
+
+def read_checked(path: Path) -> bytes | None:
+    """What :func:`write_checked` has written; ``None`` if it is not there or is damaged."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    checksum, data = content[:_SIZE], content[_SIZE:]
+    if checksum != _checksum(data):
+        _log.warning("%s is damaged; it is replaced", path)
+        return None
+    return data
+
+
+class CheckedFiles(IndexDataCacheFile):
+    """The index and the data of one function in numba's cache, each with a checksum.
+
+    Processes that write at the same time can leave an index that names the data of another
+    signature: so the data say which signature they are for.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write what is compiled for a signature."""
+        super().save(key, (key, data))
+
+    def load(self, key: Any) -> Any:
+        """What is compiled for a signature, or ``None``."""
+        saved_for, data = super().load(key) or (None, None)
+        return data if saved_for == key else None
+
+    def _load_index(self) -> dict[Any, str]:
+        data = read_checked(Path(self._index_path))
+        stamp, overloads = (None, {}) if data is None else pickle.loads(data)
+        return overloads if stamp == self._source_stamp else {}
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        write_checked(Path(self._index_path), self._dump((self._source_stamp, overloads)))
+
+    def _load_data(self, name: str) -> Any:
+        data = read_checked(Path(self._data_path(name)))
+        return None if data is None else pickle.loads(data)
+
+    def _save_data(self, name: str, data: Any) -> None:
+        write_checked(Path(self._data_path(name)), self._dump(data))
