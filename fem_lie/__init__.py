@@ -75,6 +75,7 @@ from fem_lie.elements.solids.materials import (
     SaintVenantKirchhoff,
     SolidMaterial,
 )
+from fem_lie.elements.solids.small_changes import det_minus_one, expm1, log1p
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frame_map import FrameMap
@@ -429,10 +430,12 @@ __all__ = [
     "contact_forces",
     "craig_bampton",
     "curve",
+    "det_minus_one",
     "director_strains",
     "ecsw",
     "estimate_error",
     "expand",
+    "expm1",
     "follow_loads",
     "follow_path",
     "from_dolfinx",
@@ -445,6 +448,7 @@ __all__ = [
     "load_basis",
     "load_reduced",
     "local_frame_forms",
+    "log1p",
     "merged_motion",
     "pod",
     "polyline",

@@ -15,6 +15,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fem_lie._arrays import instance, number, positive
+from fem_lie.elements.solids.small_changes import det_minus_one, log1p
 
 _SMALL = 1e-3  # strain
 
@@ -120,10 +121,10 @@ class NeoHooke(_Isotropic):
     """``W = ½ μ (tr C − 3 − 2 ln J) + ½ λ (ln J)²``: large strains, ``J = √det C``."""
 
     def energy(self, C: Expr, *parameters: Expr) -> Expr:
-        """See the base class."""
+        """Energy per unloaded volume, of changes of ``C``: no digits cancel at small strains."""
         λ, μ = parameters
-        log = 0.5 * ufl.ln(ufl.det(C))
-        return 0.5 * μ * (ufl.tr(C) - 3.0 - 2.0 * log) + 0.5 * λ * log**2
+        log = 0.5 * log1p(det_minus_one(C))
+        return 0.5 * μ * (ufl.tr(C - ufl.Identity(3)) - 2.0 * log) + 0.5 * λ * log**2
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,10 @@ class Hyperelastic(SolidMaterial):
 
     Attributes:
         function: Energy per unloaded volume as a UFL function of ``C``, and of ``parameters`` if
-            there are any; it must vanish, and have no slope, at ``C = 1``.
+            there are any; it must vanish, and have no slope, at ``C = 1``. Where it is a difference
+            of larger numbers, as ``tr C − 3 − ln det C``, it is round-off at small strains, and
+            energy is conserved no better; :func:`~fem_lie.log1p`, :func:`~fem_lie.expm1` and
+            :func:`~fem_lie.det_minus_one` have all digits there.
         density: Mass per unloaded volume, or ``None``.
         parameters: Numbers for the function; groups of cells of one solid may differ in these.
 

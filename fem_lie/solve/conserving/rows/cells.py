@@ -260,7 +260,8 @@ def _add_all(
                 square += weight * dot(s, s)
                 noise += sqrt(dot(push, push) * dot(arm, arm))
                 ρ2 += weight * dot(arm, arm) / count
-        factor = factor_beside(energies, e, factors, (made, square, noise, ρ2))
+        known = (made, square, noise, ρ2, cells.cancels[e])
+        factor = factor_beside(energies, e, factors, known)
         squares += square
         for a in range(count):
             i = cells.nodes[begin + a]

@@ -30,7 +30,7 @@ def factor_beside(
     energies: Energies,
     e: int,
     factors: tuple[float, float, float],
-    found: tuple[float, float, float, float],
+    known: tuple[float, float, float, float, float],
 ) -> float:
     """Factor of ``M s`` by which a cell's work is the change of its energy; notes the work.
 
@@ -38,11 +38,11 @@ def factor_beside(
         energies: Of all cells, with that at the end of this one.
         e: The cell.
         factors: As of :func:`add_elastic`.
-        found: Work of the mean forces, ``|s|²``, what round-off of forces goes by, and the cell's
-            size squared.
+        known: Work of the mean forces, ``|s|²``, what round-off of forces goes by, the cell's size
+            squared, and the error of its energy where that is a difference of larger numbers.
     """
-    (_, typical, unknown), (made, square, noise, ρ2) = factors, found
-    noise = ROUND_OFF * noise + unknown
+    (_, typical, unknown), (made, square, noise, ρ2, cancels) = factors, known
+    noise = ROUND_OFF * noise + unknown + cancels
     debt = energies.start[e] - energies.account[e]
     missing = beyond(energies.end[e] - energies.start[e] - made, KNOWN * noise)
     missing += debt if abs(debt) > noise else 0.0

@@ -45,6 +45,8 @@ class CellTable(NamedTuple):
         weights: Of both halves of each place where increments are measured, zero for what a node
             has not, shape (places, 2).
         sees: What of space the energy sees, shape (M,).
+        cancels: Error of the energy of each cell where it is a difference of larger numbers, beyond
+            what round-off of positions explains, and nil elsewhere, shape (M,).
     """
 
     calls: Indices
@@ -53,6 +55,7 @@ class CellTable(NamedTuple):
     kinds: Indices
     weights: Array
     sees: Indices
+    cancels: Array
 
 
 @inlined

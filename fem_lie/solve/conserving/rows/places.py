@@ -158,7 +158,8 @@ def _add_all(
             reach = dot(arm, arm)
             noise += sqrt(dot(push, push) * reach)
             ρ2 += reach / count
-        factor = factor_beside(energies, e, factors, (made, square, noise, ρ2))
+        known = (made, square, noise, ρ2, cells.cancels[e])
+        factor = factor_beside(energies, e, factors, known)
         squares += square
         beside = factor + factors[0]
         for a in range(count):

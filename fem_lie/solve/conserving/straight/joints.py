@@ -117,6 +117,7 @@ class Joints:
             self.kinds[grips.nodes],
             np.zeros((len(grips.nodes), 2)),
             np.zeros(grips.count, dtype=np.int64),
+            np.zeros(grips.count),
         )
         weigh_cells(cells, frames, np.zeros_like(frames))
         located, J = grips.locate(frames)

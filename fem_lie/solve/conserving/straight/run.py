@@ -18,6 +18,7 @@ from fem_lie.solve.conserving.step.dissipation import LENGTH
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight.acceptance import accept
 from fem_lie.solve.conserving.straight.any_state import AnyState
+from fem_lie.solve.conserving.straight.records import ENERGY
 from fem_lie.solve.motion.convergence import ROUND_OFF, estimate, failure
 from fem_lie.solve.motion.policies import Decisions, EveryIteration, Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -37,6 +38,8 @@ HALVINGS = 6
 """Of a step that has no solution in full."""
 _SAME = 1e-9
 """Of the step, by which its size differs from itself."""
+_CANCELLED = 1e-13
+"""Of the largest energy of a run, errors of energies that are reported."""
 _SHARE = 0.25
 """Of the cost of a matrix, what a step that converges may go on for instead."""
 
@@ -251,6 +254,15 @@ class StraightRun(AnyState):
             _log.warning(
                 "%d of %d steps were made in parts, where no solution was found in full",
                 *(self._divided, self.index),
+            )
+        cancels, most = self.model.cells.cancels, float(self.s.told[ENERGY])
+        error = float(np.linalg.norm(cancels))
+        if error > _CANCELLED * most:
+            _log.warning(
+                "energies of %d cells are differences of larger numbers, and known to %.1e of %.1e "
+                "only: energy is conserved no better. Write the law with fem_lie.log1p, expm1 and "
+                "det_minus_one, which keep all digits of small strains",
+                *(np.count_nonzero(cancels), error, most),
             )
         return history.result(self._factorisations, history.seconds, divided=self._divided)
 

@@ -111,6 +111,7 @@ def _cells(equations: Equations) -> CellTable:
         equations.tables.kinds[forces.nodes],
         np.zeros((places, 2)),
         np.zeros(count, dtype=np.int64),
+        np.zeros(count),
     )
     start = equations.start.frames
     measure_cells(cells, start, np.zeros_like(start))
