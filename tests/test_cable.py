@@ -492,7 +492,8 @@ def test_between_the_times_that_were_kept():
     """Places, slopes with their lengths and velocities of every second state, from the others."""
     result = free_flight(1e-3)
     names = ("times", "frames", "velocities", "iterations")
-    found = between({name: getattr(result, name)[::2] for name in names}, result.times[1:-1:2])
+    rows = {name: getattr(result, name)[::2] for name in names}
+    found = between(rows, result.info.node_kinds, result.times[1:-1:2])
     wanted = result.frames[1:-1:2]
     np.testing.assert_allclose(found["frames"][:, :, 0], wanted[:, :, 0], atol=1e-4)
     lengths = [np.linalg.norm(frames[:, :, 1], axis=-1) for frames in (found["frames"], wanted)]

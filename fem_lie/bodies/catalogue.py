@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.points import require_node
+from fem_lie.lie.kinds import NodeKind
 
 if TYPE_CHECKING:
     from fem_lie.bodies.body import Body, Point
@@ -38,6 +39,9 @@ class BodyInfo:
         points: Node of each named point.
         faces: Corners of cells that are surfaces, shape (m, 3 or 4); none if there are none.
         thickness: Of those, shape (m,).
+        node_kinds: Node type of each node, see :mod:`fem_lie.lie.kinds`, shape (n,); a frame whose
+            axes its body sets, as of an edge of a discrete rod, counts as a position. ``None`` if
+            a file of results was written before these were recorded.
     """
 
     name: str
@@ -49,6 +53,7 @@ class BodyInfo:
     points: Mapping[str, int] = field(default_factory=dict)
     faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
     thickness: Array = field(default_factory=lambda: np.empty(0))
+    node_kinds: Indices | None = None
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -63,7 +68,17 @@ class BodyInfo:
             points={key: int(nodes[node]) for key, node in body.point_names.items()},
             faces=nodes[body.faces],
             thickness=body.thickness,
+            node_kinds=_recorded_kinds(body),
         )
+
+
+def _recorded_kinds(body: Body) -> Indices:
+    """Node types, of which frames are only those whose axes follow from their velocities."""
+    kinds = body.node_kinds
+    if body.follower() is None:
+        return kinds
+    set_by_body = (kinds == NodeKind.FRAME) & body.held[:, 3:].any(axis=1)
+    return np.where(set_by_body, int(NodeKind.POINT), kinds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +145,23 @@ class SceneInfo:
         parts = zip(bodies, ends, strict=True)
         infos = [BodyInfo.of(body, np.arange(end - len(body.frames), end)) for body, end in parts]
         return cls(tuple(infos))
+
+    @property
+    def node_kinds(self) -> Indices:
+        """Node type of each node of the system, shape (N,).
+
+        Raises:
+            ValueError: They are not known; the message names a body.
+        """
+        found = np.empty(sum(len(body.nodes) for body in self.bodies), dtype=np.int64)
+        for body in self.bodies:
+            if body.node_kinds is None:
+                raise ValueError(
+                    f"the node types of {body.kind} {body.name!r} are not recorded: its file of "
+                    "results was written by an earlier version of fem_lie; run the scene again"
+                )
+            found[body.nodes] = body.node_kinds
+        return found
 
     def body(self, name: str) -> BodyInfo:
         """The body with this name.

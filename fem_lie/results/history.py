@@ -155,18 +155,20 @@ class Result(Balanced, StateSeries):
     def resampled(self, times: npt.ArrayLike) -> Result:
         """The same motion at other times, for plots, or to compare runs with different steps.
 
-        Frames and velocities by cubics on SE(3) between the kept times, of fourth order in what
-        lies between these; forces, energies and momenta linearly.
+        Frames and velocities are interpolated by cubics on SE(3) between the recorded times, and
+        positions and velocities of nodes that are no frames by cubics in space: both are of fourth
+        order in the distance of these times. Position gradients and the axes of such nodes,
+        forces, energies and momenta are of second order.
 
         Args:
             times: Shape (K,), within those that were kept; no turn between two by π or more.
 
         Raises:
-            ValueError: Times that are not within.
+            ValueError: Times that are not within, or a file that does not say what nodes are.
             AttributeError: There are no velocities.
         """
         rows = self._kept | {"velocities": self.velocities}
-        return Result(**vars(self) | resampled(rows, times))
+        return Result(**vars(self) | resampled(rows, self.info.node_kinds, times))
 
     @property
     def _kept(self) -> dict[str, Array]:

@@ -59,6 +59,7 @@ class Window:
         shapes = {name: shape for name, shape in shapes.items() if name not in INVARIANTS}
         self.filled, self._kept, self._wanted, self._store = filled, (*kept,), wanted, store
         self._passes = wanted is not None or store is not None
+        self._kinds = info.node_kinds
         if store is not None:
             store.open(info, kept, rows if wanted is None else len(wanted))
         used = {name: shape for name, shape in shapes.items() if is_kept(name, filled)}
@@ -157,7 +158,8 @@ class Window:
         reached = reached + slack if last else reached - slack
         to = int(np.searchsorted(self._wanted, reached, side="right"))
         if to > self._gone:
-            self._put(between(rows, self._wanted[self._gone : to]), to - self._gone)
+            at = self._wanted[self._gone : to]
+            self._put(between(rows, self._kinds, at), to - self._gone)
         for values in rows.values():
             values[0] = values[-1]
         self.row = 1

@@ -1,0 +1,190 @@
+"""States between the recorded ones: laws that hold for every type of node."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie import lie
+from fem_lie.lie.kinds import AMPLITUDE, SLOPE
+from fem_lie.results.resampling import between
+
+STEEL = fl.Material(2e11, 0.3, 7800.0)
+SPIN, CENTRE = np.array([0.8, -0.5, 1.1]), np.array([0.5, 0.1, 0.0])
+STEP, KEPT = 0.01, 8
+
+
+def arc(s):
+    return s, 0.3 * s * (1 - s), 0.0
+
+
+def bar() -> fl.Section:
+    return fl.Section.rectangle(0.05, 0.04, STEEL)
+
+
+def wire() -> fl.Section:
+    return fl.Section.circle(0.02, STEEL)
+
+
+def plate(cells):
+    return fl.smooth_patch(lambda a, b: (a, 0.4 * b, 0.1 * a * a), cells)
+
+
+def reduced():
+    scene = fl.Scene()
+    full = scene.add(fl.Beam(fl.curve(arc, 4), bar(), up=(0, 0, 1), name="full"))
+    return fl.reduced_body(scene, [full.start, full.end], 3, name="body")
+
+
+def solid():
+    mesh = fl.block(lambda a, b, c: (a, 0.2 * b, 0.2 * c), (2, 1, 1), cell="hexahedron")
+    return fl.Solid(mesh, fl.NeoHooke(2e11, 0.3, 7800.0), name="body")
+
+
+BODIES = {
+    "beam": lambda: fl.Beam(fl.curve(arc, 3), bar(), up=(0, 0, 1), name="body"),
+    "discrete rod": lambda: fl.Rod(
+        fl.curve(arc, 4), bar(), up=(0, 0, 1), formulation=fl.DiscreteRod(), name="body"
+    ),
+    "cable": lambda: fl.Cable.straight((0, 0, 0), (1, 0.2, 0), wire(), cells=2, name="body"),
+    "discrete cable": lambda: fl.Cable(
+        fl.straight((0, 0, 0), (1, 0.2, 0), 1),
+        wire(),
+        formulation=fl.DiscreteCable(),
+        name="body",
+    ),
+    "thin shell": lambda: fl.ThinShell(
+        plate((2, 2)), fl.ShellSection.layer(0.03, STEEL), name="body"
+    ),
+    "gradient shell": lambda: fl.AncfShell(
+        plate((2, 2)), fl.ShellSection.layer(0.03, STEEL), name="body"
+    ),
+    "gradient beam": lambda: fl.AncfBeam(fl.curve(arc, 2), bar(), up=(0, 0, 1), name="body"),
+    "solid": solid,
+    "reduced": reduced,
+    "rigid": lambda: fl.RigidBody(2.0, (0.1, 0.2, 0.3), (0.2, 0.3, 0.1), name="body"),
+}
+
+
+def scene_of(name: str) -> fl.Scene:
+    """A stiff body that turns freely about a point near it: it hardly deforms."""
+    scene = fl.Scene()
+    scene.add(BODIES[name]()).turn(tuple(SPIN), about=tuple(CENTRE))
+    return scene
+
+
+def thinned(result: fl.Result, every: int) -> fl.Result:
+    rows = {
+        field.name: value[::every]
+        for field in fields(result)
+        if isinstance(value := getattr(result, field.name), np.ndarray)
+    }
+    return replace(result, **rows)
+
+
+def points_of(result: fl.Result) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities of all nodes that move, global components."""
+    x, rows = result.frames[..., 0, :], result.frames[..., 1:, :]
+    moves = np.abs(result.velocities[0, :, :3]).max(axis=-1) > 1e-3
+    v = np.einsum("tni,tnij->tnj", result.velocities[..., :3], rows)
+    return x[:, moves], v[:, moves]
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_motion_between_recorded_states_is_that_of_all_steps(name):
+    """The cubic's error is (ωΔ)⁴/384, its rate's (ωΔ)³/72, and ẋ − v of a step (ωh)²/12."""
+    scheme = fl.GeneralisedAlpha(tolerance=1e-10, radius=0.5)
+    # waves of the sudden start die out in the first interval
+    every = scheme.run(scene_of(name), duration=3 * KEPT * STEP, step=STEP)
+    times = every.times[KEPT:]
+    found, every = thinned(every, KEPT).resampled(times), every.resampled(times)
+    speed, size = np.linalg.norm(SPIN), 1.5
+    angle, own = speed * KEPT * STEP, (speed * STEP) ** 2 / 12
+    (x, v), (wanted, rates) = points_of(found), points_of(every)
+    np.testing.assert_allclose(x, wanted, atol=(angle**4 / 384 + angle * own) * size)
+    np.testing.assert_allclose(v, rates, atol=(angle**3 / 72 + 4 * own) * size * speed)
+    # steady rotation of axes and gradients: an angular acceleration is at most ω²
+    wanted = every.frames[:, :, 1:]
+    scale = np.abs(wanted).max()
+    np.testing.assert_allclose(found.frames[:, :, 1:], wanted, atol=angle**2 / 8 * scale)
+    assert np.abs(found.velocities[..., 3:] - every.velocities[..., 3:]).max() < 2e-2 * speed
+
+
+@pytest.mark.parametrize("name", ["thin shell", "solid", "reduced", "discrete rod"])
+def test_states_at_asked_times_are_those_between_all_steps(name, tmp_path):
+    scheme, times = fl.GeneralisedAlpha(), [0.0, 0.013, 0.055, 0.06]
+    every = scheme.run(scene_of(name), duration=0.06, step=STEP)
+    kept = scheme.run(scene_of(name), duration=0.06, step=STEP, save_at=times)
+    every.save(tmp_path / "every.h5")
+    for found in (every, fl.Result.load(tmp_path / "every.h5")):
+        same = found.resampled(times)
+        np.testing.assert_array_equal(kept.frames, same.frames)
+        np.testing.assert_array_equal(kept.velocities, same.velocities)
+
+
+def test_rates_of_a_stretched_gradient_are_those_of_its_position():
+    """A steady motion of a node whose gradient has another length at each time."""
+    times, velocity = np.array([0.0, 0.5, 1.5]), np.array([0.3, -1.0, 2.0])
+    spin = np.array([0.4, 0.3, -0.2])
+    length = np.array([1.5, 0.7, 2.2])
+    frames, rates = np.empty((3, 1, 4, 3)), np.empty((3, 1, 6))
+    for k, t in enumerate(times):
+        R = lie.so3_exp(spin * t)
+        frames[k, 0, 0], frames[k, 0, 1:] = velocity * t, R.T
+        rates[k, 0] = [*(velocity @ R), *spin]
+        frames[k, 0, 1] *= length[k]
+        rates[k, 0, 0] /= length[k]
+    rows = {"times": times, "frames": frames, "velocities": rates, "iterations": np.arange(3)}
+    at = np.array([0.1, 0.25, 0.7, 1.2])
+    found = between(rows, np.array([SLOPE]), at)
+    stretch = np.linalg.norm(found["frames"][:, 0, 1], axis=-1)
+    np.testing.assert_allclose(stretch, np.interp(at, times, length), rtol=1e-12)
+    moved = np.einsum("ki,kij->kj", found["velocities"][:, 0, :3], found["frames"][:, 0, 1:])
+    np.testing.assert_allclose(moved, np.tile(velocity, (4, 1)), atol=2e-3)
+    np.testing.assert_allclose(found["velocities"][:, 0, 3:], np.tile(spin, (4, 1)), atol=2e-3)
+
+
+def test_modal_coordinates_are_interpolated_by_cubics():
+    times = np.array([0.0, 0.5, 2.0])
+    c = np.random.default_rng(0).normal(size=(4, 6))
+
+    def cubic(t):
+        return np.polynomial.polynomial.polyval(t, c).T
+
+    def rate(t):
+        return np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(c)).T
+
+    def rows_of(t):
+        frames = np.zeros((len(t), 1, 4, 3))
+        frames[:, 0, 1:3] = cubic(t).reshape(-1, 2, 3)
+        return {"times": t, "frames": frames, "velocities": rate(t)[:, np.newaxis]}
+
+    at = np.array([0.2, 0.9, 1.7])
+    found = between(rows_of(times) | {"iterations": np.arange(3)}, np.array([AMPLITUDE]), at)
+    wanted = rows_of(at)
+    for name in ("frames", "velocities"):
+        np.testing.assert_allclose(found[name], wanted[name], atol=1e-12)
+
+
+def test_at_a_jump_the_later_side_counts_and_before_it_the_earlier_one():
+    """A force that jumps from −1 N to 5 N on a clamped body: so does the reaction."""
+
+    def force(t: float) -> float:
+        return -1.0 if t < 0.05 else 5.0
+
+    def scene() -> fl.Scene:
+        scene = fl.Scene()
+        body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), name="body"))
+        scene.add(fl.Clamp(body.centre))
+        scene.add(fl.PointLoad(body.centre, (1.0, 0, 0), history=force))
+        return scene
+
+    choice, jump = fl.ConstantStep(0.02, events=(0.05,)), 0.05
+    result = fl.GeneralisedAlpha().run(scene(), duration=0.1, step=choice)
+    assert (result.times == jump).sum() == 2
+    times = [jump - 1e-3, jump, jump + 1e-3]
+    kept = fl.GeneralisedAlpha().run(scene(), duration=0.1, step=choice, save_at=times)
+    for found in (result.resampled(times), kept):
+        x = found.reactions[:, 0, 0]
+        np.testing.assert_allclose(x, [1.0, -5.0, -5.0], rtol=1e-9)
