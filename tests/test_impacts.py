@@ -7,6 +7,7 @@ from scipy.integrate import quad, solve_ivp
 import fem_lie as fl
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.sweeps import dense_of, past_of
+from fem_lie.contact.impact.velocities import time_of
 
 GRAVITY, RADIUS = 9.81, 0.1
 FLOOR = fl.Plane(fl.ground(), (0, 0, 1))
@@ -72,6 +73,30 @@ def test_a_ball_bounces_as_the_closed_form(restitution, step, error):
     assert result.momentum_error < 1e-13
     assert result.contacts.impact_loss.min() > -1e-13
     assert result.contacts.penetration.max() < 1e-13
+
+
+@pytest.mark.parametrize("curvature", [0.0, 1e-18, 1e-15, 1e-12, 1e-8, 1e-4, 0.3, 2.0, 40.0])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_gap_is_zero_at_the_time_of_its_impact_and_open_before(curvature, sign):
+    """Steadily, accelerated, slowed down, and thrown up first; times are right to round-off."""
+    rng = np.random.default_rng(0)
+    bend = sign * curvature
+    for g0 in rng.uniform(0.01, 1.0, 50):
+        moved = -(g0 + bend) - rng.uniform(0.0, 1.0)
+        g1 = g0 + moved + bend
+        assert g1 <= 0.0
+        τ = time_of(g0, moved, g1)
+        assert 0.0 < τ <= 1.0
+        # what round-off of the three numbers is, and with it of the curvature
+        size = g0 + abs(moved) + curvature
+        assert abs(g0 + τ * (moved + τ * bend)) < 1e-15 * 8 * size
+        before = np.linspace(0.0, τ, 100, endpoint=False)
+        assert (g0 + before * (moved + before * bend) > -1e-15 * size).all()
+
+
+def test_a_gap_that_only_just_closes_does_so_at_the_end_of_the_step():
+    assert time_of(1.0, -2.0, 0.0) == pytest.approx(1.0, abs=1e-7)
+    assert time_of(1.0, 0.0, 0.0) == 1.0
 
 
 def test_balls_that_meet_change_velocities():

@@ -17,10 +17,12 @@ _REACH = 4.0
 
 @inlined_uncounted
 def time_of(g0: float, moved: float, g1: float) -> float:
-    """Part of a step up to ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1."""
+    """Part of a step up to ``g₀ + moved τ + (g₁ − g₀ − moved) τ² = 0``, at most 1.
+
+    The root is the one without cancellation, so that a gap that closes steadily is no special case:
+    the other root is then infinite.
+    """
     bend = g1 - g0 - moved
-    if abs(bend) < 1e-14 * abs(moved):
-        return min(-g0 / moved, 1.0)
     root = np.sqrt(max(moved * moved - 4.0 * bend * g0, 0.0))
     half = -0.5 * (moved + (root if moved >= 0.0 else -root))
     found = 1.0
