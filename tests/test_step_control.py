@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.motion.step_control import Control
+from fem_lie.solve.motion.step_control import AIM, Control
 
 ORDER = 2
 
@@ -40,6 +40,22 @@ def test_what_was_before_a_rejection_does_not_count():
     assert chosen.level == -4
     chosen.accept(0.6)
     assert chosen.level == -4
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_after_a_change_the_error_is_expected_that_the_order_gives(order):
+    """A shorter step stays if the error falls as ``h^order``; with another order it does not.
+
+    The level stays where ``(θ/e)^I (p/e)^P ≥ 1``, with ``I = 2 P`` and the expected error ``p``.
+    """
+    expected = 2.0 ** (-0.5 * order)
+    limit = AIM ** (2 / 3) * expected ** (1 / 3)
+    for error, level in ((0.99 * limit, -1), (1.01 * limit, -2)):
+        chosen = Control(1e-3, 1e-3, 1e-3, (1.0,), 1.0, 1e-9, order)
+        chosen.accept(1.0)
+        assert chosen.level == -1
+        chosen.accept(error)
+        assert chosen.level == level
 
 
 @pytest.mark.parametrize(("error", "fall"), [(1.1, 1), (8.0, 4), (1e9, 8)])
