@@ -1,5 +1,7 @@
 """Laws and published values of shell elements, and the load-capped arc length that they need."""
 
+import re
+
 import numpy as np
 import pytest
 from dolfinx import fem
@@ -26,6 +28,7 @@ from shell_models import (
     strip,
 )
 
+import fem_lie as fl
 from fem_lie.elements.shells import element as shell
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.measures import MITC3_PLUS, MITC6
@@ -411,3 +414,21 @@ def test_arc_length_says_where_it_gave_up():
 def test_arc_length_wants_increasing_levels(levels):
     with pytest.raises(ValueError, match="positive and increase"):
         ArcLength().follow(Truss(0.5), levels)
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("element", [fl.HellingerReissner, fl.HuWashizu, fl.Displacement])
+def test_an_element_that_refuses_cells_names_those_that_take_them(element, cell, degree):
+    mesh = fl.surface(lambda a, b: (a, b, 0.0), (1, 1), cell=cell, degree=degree)
+    section = fl.ShellSection.layer(0.1, fl.Material(1e6, 0.3, 1.0))
+    try:
+        fl.Shell(mesh, section, formulation=element())
+    except ValueError as error:
+        advised = re.findall(r"(\w+)\(\)", str(error))
+        assert advised
+        assert element.__name__ not in advised
+        for name in advised:
+            fl.Shell(mesh, section, formulation=getattr(fl, name)())
+    else:
+        assert (cell, degree) in element().defaults()

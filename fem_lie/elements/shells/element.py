@@ -74,8 +74,10 @@ class ShellFormulation(ABC):
             found = self.defaults().get((cell, degree))
             if found is None:
                 known = ", ".join(f"{c}s of degree {d}" for c, d in self.defaults())
+                given = f"{cell}s of degree {degree}"
                 raise ValueError(
-                    f"{type(self).__name__} is for {known}; the mesh has {cell}s of degree {degree}"
+                    f"{type(self).__name__} is for {known}; the mesh has {given}, for which there "
+                    f"is {_elements_for(cell, degree)}: give it as formulation="
                 )
             return found
         if (self.measures.cell, self.measures.degree) != (basix.CellType[cell], degree):
@@ -158,6 +160,13 @@ class Displacement(_OfAnyLaw):
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """Energy, forces and tangent with the law at strains of the nodes."""
         return displacement(cells, self.law_for(cells, stiffness))
+
+
+def _elements_for(cell: str, degree: int) -> str:
+    """The elements with strain measures for these cells, for messages."""
+    elements = HellingerReissner(), HuWashizu(), Displacement()
+    found = [f"{type(e).__name__}()" for e in elements if (cell, degree) in e.defaults()]
+    return " or ".join(found) or "none"
 
 
 def _group(forms: LocalFrameForms, number: int) -> Expr:
