@@ -1,6 +1,7 @@
 """Error in space: what is estimated is the error, and meshes are refined where it is."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -377,6 +378,45 @@ def test_estimates_are_multiplied_by_what_was_missed(values, estimates, factor):
         for value, estimate in zip(values, estimates, strict=True)
     )
     assert _calibration(before, now) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("drilling", [False, True])
+def test_unknowns_are_those_of_the_nodes(drilling):
+    """Five or six of a shell's node, six of a frame, three of a position."""
+
+    def build(mesh):
+        scene = sheet(mesh)
+        if drilling:
+            scene.add(fl.PointLoad(scene.bodies[0].points("a=1")[0], moment=(0.0, 0.0, 1e-6)))
+        ends = [(0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (2.0, 0.0, 1.0)]
+        section = fl.Section.circle(0.1, fl.Material(1e6, 0.3, 1.0))
+        net = scene.add(fl.Net(ends, [[0, 1], [1, 2]], section, name="net"))
+        for node in range(3):
+            net.pin(net.node(node))
+        box = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (5.0, 0.0, 0.0), name="box"))
+        scene.add(fl.Clamp(box.centre))
+        return scene
+
+    mesh = square(2)
+    found = fl.adapt(build, mesh, tolerance=0.9, body="sheet")
+    assert found.mesh is mesh
+    positions = 3 * len(build(mesh).bodies[1].frames)
+    assert found.unknowns[0] == (5 + drilling) * len(mesh.points) + positions + 6
+
+
+def test_a_mesh_that_is_fine_enough_is_never_cut(monkeypatch):
+    """Not even into no cells at all, to find out whether it could be."""
+
+    def cut(*_args, **_options):
+        raise AssertionError("a mesh was refined")
+
+    monkeypatch.setattr(import_module("fem_lie.adapt.loop"), "refine", cut)
+    mesh = square(2)
+    assert fl.adapt(sheet, mesh, tolerance=0.9).mesh is mesh
+    for degree in ({"degree": 2}, {"degree": 2, "cell": "quadrilateral"}):
+        curved = fl.surface(lambda a, b: (a, b, 0.0), (2, 2), **degree)
+        with pytest.raises(ValueError, match="cells of degree 1 can be refined"):
+            fl.adapt(sheet, curved, tolerance=0.9)
 
 
 def test_too_many_unknowns_end_it_with_what_there_is():

@@ -29,12 +29,14 @@ import numpy as np
 from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie.adapt.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adapt.goals import Goal, GoalError, goal_error
-from fem_lie.adapt.refinement import Onto, Refinable, refine
+from fem_lie.adapt.refinement import Onto, Refinable, check_refinable, refine
 from fem_lie.adapt.sizes import Sizes, order_of
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.body import Body
 from fem_lie.bodies.thin_shells.hierarchy import SplineMesh
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.lie.kinds import TRAITS, NodeKind
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -61,7 +63,9 @@ class Adapted(Generic[Refinable]):
         scene: On it.
         result: Its equilibrium.
         error: The estimate for it.
-        unknowns: Six for each node of each mesh, shape (k,).
+        unknowns: Of the scene on each mesh, those that are held included, shape (k,): six of a
+            frame, five of a node of a shell without drilling rotation, three of a position; none
+            of a node that follows another one of its body.
         relative: Estimated relative error on each mesh, shape (k,), with the calibration.
         values: The goal on each mesh, as computed, shape (k,); nan without one.
         calibration: By what the estimate of a goal is multiplied on each mesh, shape (k,), see
@@ -164,7 +168,6 @@ def adapt(
     if goal is not None and estimate is not None:
         raise ValueError(f"a goal is estimated by recovered stress: leave out {estimate!r}")
     whole(most, "most")
-    refine(mesh, np.arange(0), onto=onto)
     first = mesh
     history: list[tuple[int, float, float, float]] = []
     meshes: list[Refinable] = []
@@ -173,7 +176,7 @@ def adapt(
         scene = build(mesh)
         require_scene(scene)
         chosen = named_body(scene, body, mesh)
-        count = 6 * sum(len(b.frames) for b in scene.bodies)
+        count = sum(_unknowns(b, drilling=scene.drills(b)) for b in scene.bodies)
         if count > most:
             raise ConvergenceError(
                 f"an error of {tolerance:g} needs more than {most} unknowns"
@@ -208,6 +211,15 @@ def adapt(
         else:
             aim = max(_AIM * tolerance, fall * found.relative[-1])
             mesh = _anew(first, found, aim, order_of(chosen), onto)
+
+
+def _unknowns(body: Body, *, drilling: bool) -> int:
+    """How many unknowns the nodes of a body have in a scene, those that are held included."""
+    count = np.array([TRAITS[NodeKind(kind)].unknowns for kind in body.node_kinds])
+    there = (np.arange(6) < count[:, np.newaxis]) & ~body.absent
+    there[:, 5] &= drilling
+    leads = body.leaders == np.arange(len(body.frames))
+    return int(there[leads].sum())
 
 
 def _anew(
@@ -249,11 +261,10 @@ def _check(
     onto: object,
 ) -> None:
     instance(build, Callable, "build", "a function from a mesh to a Scene")
-    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
+    check_refinable(mesh, onto)
     positive(tolerance, "tolerance")
     instance(goal, Goal | None, "goal", "a PointDisplacement, a Frequency, a CriticalLoad or None")
     instance(solve, Callable | None, "solve", "a function from a Scene to its equilibrium, or None")
-    instance(onto, Callable | None, "onto", "a function of a place, or None")
     if not 0.0 < positive(part, "part") <= 1.0:
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
 

@@ -46,21 +46,31 @@ def refine(mesh: Refinable, cells: npt.ArrayLike, *, onto: Onto | None = None) -
         ValueError: There is no such cell, the mesh is a surface of second degree, or ``onto`` is
             given for smooth patches.
     """
-    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
-    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    check_refinable(mesh, onto)
     marked = np.unique(indices_of(np.atleast_1d(cells), len(mesh.cells), "cells"))
     if isinstance(mesh, SplineMesh):
-        if onto is not None:
-            raise ValueError("a SplineMesh stays on its own surface when it is cut: leave out onto")
         return mesh.cut(marked)
     if isinstance(mesh, LineMesh):
         return _refined_lines(mesh, marked, onto)
-    if mesh.degree != 1:
-        raise ValueError(f"cells of degree 1 can be refined, got {mesh.cell}s of {mesh.degree}")
     if not len(marked):
         return mesh
     refined = _refined_triangles if mesh.cell == "triangle" else _refined_quadrilaterals
     return refined(mesh, marked, onto)
+
+
+def check_refinable(mesh: object, onto: object) -> None:
+    """Whether :func:`refine` takes a mesh and a true line or surface; nothing is refined.
+
+    Raises:
+        ValueError: The mesh is a surface of second degree, or ``onto`` is given for smooth patches.
+        TypeError: One of them is something else.
+    """
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
+    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    if isinstance(mesh, SplineMesh) and onto is not None:
+        raise ValueError("a SplineMesh stays on its own surface when it is cut: leave out onto")
+    if isinstance(mesh, SurfaceMesh) and mesh.degree != 1:
+        raise ValueError(f"cells of degree 1 can be refined, got {mesh.cell}s of {mesh.degree}")
 
 
 # --- lines ---

@@ -24,7 +24,7 @@ from fem_lie._arrays import Array, Indices, instance, positive, whole
 from fem_lie.adapt.estimates.estimate import ErrorEstimate
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
-from fem_lie.adapt.refinement import Followed, Onto, refine
+from fem_lie.adapt.refinement import Followed, Onto, check_refinable
 from fem_lie.adapt.sizes import Sizes, order_of
 from fem_lie.adapt.space_error import SpaceError, space_error
 from fem_lie.linear.direct import ConvergenceError
@@ -228,6 +228,6 @@ def _check(
     instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
     positive(tolerance, "tolerance")
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
-    refine(mesh, np.arange(0), onto=onto)
+    check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
         raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")

@@ -26,7 +26,7 @@ from fem_lie.adapt.estimates.recovery import fields_of
 from fem_lie.adapt.following.stretches import AdaptedMotion, Stretch, steps_of
 from fem_lie.adapt.following.transfer import Transferred, transfer
 from fem_lie.adapt.loop import named_body
-from fem_lie.adapt.refinement import Followed, Onto, refine
+from fem_lie.adapt.refinement import Followed, Onto, check_refinable
 from fem_lie.adapt.sizes import Sizes, order_of
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
@@ -102,7 +102,7 @@ def adapt_motion(
         raise ValueError(f"ahead must not be negative, got {ahead!r}")
     if not number(least, "least") >= 0.0:
         raise ValueError(f"least must not be negative, got {least!r}")
-    refine(mesh, np.arange(0), onto=onto)
+    check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
         raise ValueError(f"states are carried over triangles of degree 1, got {mesh.cell}s")
     allowed = sqrt(share) * tolerance, sqrt(1.0 - share) * tolerance
