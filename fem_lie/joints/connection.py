@@ -20,6 +20,11 @@ from fem_lie.joints.equations.relative_motion import relative_motion
 
 History = Callable[[float], float]
 
+
+class LostBranchError(ArithmeticError):
+    """A step rotates a joint so far that its angles or axes are not those that are meant."""
+
+
 NO_ANGLE = np.zeros((2, 12))
 """Of pairs of frames whose angle is not used."""
 
@@ -131,6 +136,11 @@ class Connection(ABC):
     def spring(self) -> tuple[float, float, float] | None:
         """Stiffness, damping and rest value of the term without constraint."""
         return None
+
+    @property
+    def preloaded(self) -> bool:
+        """Whether its spring has a rest value that may differ from its value at the start."""
+        return False
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Relative coordinates between two frames that results report."""

@@ -67,6 +67,11 @@ class Spring(Connection):
         rest = self.coordinate.start() if self.rest is None else self.rest
         return float(self.stiffness), float(self.damping), float(rest)
 
+    @property
+    def preloaded(self) -> bool:
+        """Whether a rest value is given."""
+        return self.rest is not None and float(self.stiffness) > 0.0
+
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The coordinate."""
         return (self.coordinate,)

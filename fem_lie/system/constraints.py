@@ -78,6 +78,7 @@ class Connections:
         self.of_velocities = sum(each.m for each in self.sets if each.of_velocities)
         base = np.concatenate([each.initial(frames) for each in self.sets])
         self._targets = Targets(self.items, self.owner, base)
+        self._preload = 1.0
         self.set_time(0.0)
 
     @property
@@ -216,6 +217,29 @@ class Connections:
         """See :meth:`~.constraint_sets.targets.Targets.rates`."""
         return self._targets.rates(time, step)
 
+    def follow(self, H: Array, h: Array) -> None:
+        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.follow`."""
+        for each in self.sets:
+            each.follow(H, h)
+
+    def check_branch(self, H: Array) -> None:
+        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.check_branch`."""
+        for each in self.sets:
+            each.check_branch(H)
+
+    @property
+    def preloaded(self) -> bool:
+        """Whether there are springs with a rest value of their own."""
+        return any(each.preloaded for each in self.sets)
+
+    def preload(self, H: Array, part: float) -> None:
+        """See :meth:`~.constraint_sets.constraint_set.ConstraintSet.preload`."""
+        if part != self._preload:
+            self._preload = part
+            for each in self.sets:
+                if each.preloaded:
+                    each.preload(H, part)
+
     def accept(self, H: Array) -> None:
         """Remember what frames do not tell of an accepted state: angles, places on beams.
 
@@ -237,6 +261,8 @@ class Connections:
             parts, np.split(values, np.cumsum([len(p) for p in parts])[:-1]), strict=True
         ):
             part[:] = value
+        for each in self.sets:
+            each.mark()
 
     def remember(self, values: Array | None) -> None:
         """Set :attr:`memory` to that of a run that this one goes on from, if there is one.

@@ -8,7 +8,7 @@ wanted length.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +17,8 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, direction, number, positive
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
+
+_ACROSS = 1e-10  # component of a displacement over its largest: less is round-off
 
 
 class Control(Protocol):
@@ -68,7 +70,8 @@ class Arc:
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
         """Derivative of the length along ``(u, d)``."""
-        return self.inner(moved, change, u, d) / self.norm(moved, change)
+        length = self.norm(moved, change)
+        return self.inner(moved, change, u, d) / length if length else self.norm(u, d)
 
 
 @dataclass(frozen=True)
@@ -84,8 +87,11 @@ class Along:
     unit: float
 
     def rate(self, u: Array, sign: float) -> float:
-        """Change of the load factor per displacement along the pattern."""
-        return self.unit / float(np.sum(self.pattern * u))
+        """Change of the load factor per displacement along the pattern; infinite across it."""
+        along = float(np.sum(self.pattern * u))
+        if abs(along) <= _ACROSS * float(np.abs(u).max(initial=0.0)):
+            return inf
+        return self.unit / along
 
     def distance(self, moved: Array, change: float) -> float:
         """Displacement along the pattern; the load does not matter."""

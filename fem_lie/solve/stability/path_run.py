@@ -13,12 +13,11 @@ from math import acos, inf, sqrt
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
 from fem_lie.solve.stability.path_options import PathEnds
-from fem_lie.solve.stability.path_step import LostError, Walker
+from fem_lie.solve.stability.path_step import FoldedStepError, LostError, Walker
 
 _SCALE = 0.1  # of the diameter: displacements below are small, whatever the path has seen
 _BEGIN = 0.25  # of the resolution: the first step
@@ -81,6 +80,7 @@ class Pursuit:
                     f"displacement control at {control.point.label}, which follows another node "
                     f"rigidly {gap:g} away: control that one"
                 )
+            self._control_label = f"displacement control at {control.point.label}"
             self._fixed, self._to = control.along(len(self._places), node), 1.0
         elif isinstance(control, LoadControl):
             self._fixed = Load(walker.load)
@@ -133,7 +133,13 @@ class Pursuit:
             model.check_start(start.factor)
             first = start
         if self._fixed is not None and not isinstance(self._fixed, Load):
-            first = replace(first, sign=float(np.sign(self._fixed.rate(first.velocity, 1.0))))
+            rate = self._fixed.rate(first.velocity, 1.0)
+            if not np.isfinite(rate):
+                raise ValueError(
+                    f"{self._control_label}: the load does not move the point in that direction at "
+                    "the start; control a displacement that the load causes"
+                )
+            first = replace(first, sign=float(np.sign(rate)))
         return replace(first, sign=-first.sign, iterations=0) if backwards else first
 
     def _hint(self, here: Station) -> str:
@@ -161,15 +167,13 @@ class Pursuit:
         """The next state, or ``None`` if there is none or the path bends too much."""
         try:
             new = self._walker.step(here, self._control(arc), length, arc)
+        except FoldedStepError as error:
+            self.found.reason = f"an element folds: {error.what}"
+            self.found.failed_iterations += error.iterations + 1
+            return None
         except LostError as error:
             self.found.failed_steps += 1
             self.found.failed_iterations += error.iterations + 1
-            return None
-        try:
-            self.model.check_turns(new.factor)
-        except FoldedElementError as error:
-            self.found.reason = f"an element folds: {error}"
-            self.found.failed_iterations += new.iterations
             return None
         if self._fixed is None and self._bends(here, new, arc, length):
             self.found.failed_steps += 1

@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.path import Station
 from fem_lie.solve.stability.controls import Arc, Control
@@ -33,6 +35,15 @@ class LostError(ArithmeticError):
         """Keep the count."""
         super().__init__(f"no convergence in {iterations} iterations")
         self.iterations = iterations
+
+
+class FoldedStepError(LostError):
+    """An element folds at the end of a step."""
+
+    def __init__(self, iterations: int, what: str) -> None:
+        """Keep what folds."""
+        super().__init__(iterations)
+        self.what = what
 
 
 class Walker:
@@ -82,7 +93,8 @@ class Walker:
             probe: Whether the smallest eigenvalue is wanted.
 
         Raises:
-            LostError: No convergence.
+            LostError: No convergence, or a joint rotates too far.
+            FoldedStepError: An element does.
         """
         model, first = self.model, begin is None
         near = origin if begin is None else begin
@@ -92,6 +104,8 @@ class Walker:
             while not done and count < self.options.max_iterations:
                 if first:
                     change = length * control.rate(origin.velocity, origin.sign)
+                    if not np.isfinite(change):
+                        raise LostError(0)
                     dx, first = change * origin.response, False
                 else:
                     dx, change, done = self._correction(origin, control, length)
@@ -106,9 +120,12 @@ class Walker:
                 done = count > 0 and moved < self.options.tolerance
             if not done:
                 raise LostError(count)
+            model.check_turns(self._factor)
             return self._station(self._factor, origin.sign, count, (origin, arc), probe)
-        except SingularMatrixError:
+        except (SingularMatrixError, LostBranchError):
             raise LostError(count) from None
+        except FoldedElementError as error:
+            raise FoldedStepError(count, str(error)) from None
         finally:
             self.iterations += count + 1
 
@@ -129,9 +146,10 @@ class Walker:
         model.factorise(self._factor)
         x_r, x_f = -model.solve(residual), model.solve(load)
         u_r, u_f = model.translations(x_r), model.translations(x_f)
-        change = (rest - control.slope(moved, changed, u_r, 0.0)) / control.slope(
-            moved, changed, u_f, 1.0
-        )
+        slope = control.slope(moved, changed, u_f, 1.0)
+        if slope == 0.0:
+            raise LostError(0)
+        change = (rest - control.slope(moved, changed, u_r, 0.0)) / slope
         return x_r + change * x_f, change, False
 
     def _station(

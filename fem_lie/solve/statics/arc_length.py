@@ -29,10 +29,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, numbers
 from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.statics.passed import Passed, cosine, rms
 
+_ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less are round-off
 _AHEAD = 0.4  # cosine between the twists of two steps: never less
 
 
@@ -78,7 +80,12 @@ class Equilibrium(Protocol):
         ...
 
     def check_turns(self, factor: float) -> None:
-        """Raise ``FoldedElementError`` if the present state is none of the structure."""
+        """Refuse the present state if it is none of the structure.
+
+        Raises:
+            FoldedElementError: An element rotates too far.
+            LostBranchError: A joint rotates too far in the step.
+        """
         ...
 
     def turn_hint(self) -> str:
@@ -180,7 +187,7 @@ class _Follower:
         self._factor, self._length = begin, options.first_step * model.diameter
         self._twist: Array | None = None  # of the last step
         self._moved: Array
-        self._path, self._folded = Path(), ""
+        self._path, self._refused = Path(), ""
         self._passed = Passed(model.positions())
 
     def run(self, levels: Sequence[float]) -> Path:
@@ -217,8 +224,8 @@ class _Follower:
                     done = self._iterate(residual, load, cap, origin, first=count == 1)
             if done:
                 model.check_turns(self._factor)
-        except FoldedElementError as error:
-            done, self._folded = False, f" It folds: {error}."
+        except (FoldedElementError, LostBranchError) as error:
+            done, self._refused = False, f" The step was refused: {error}."
         except (_Lost, SingularMatrixError):
             done = False
         return done, count
@@ -231,14 +238,14 @@ class _Follower:
         if self._length < self._options.smallest_step * self._model.diameter:
             raise ConvergenceError(
                 f"no equilibrium beyond load factor {self._factor:g}: steps of "
-                f"{2 * self._length:.1e} still fail.{self._folded or self._model.turn_hint()}",
+                f"{2 * self._length:.1e} still fail.{self._refused or self._model.turn_hint()}",
                 self._path,
             )
 
     def _go_on(self, cap: float, origin: Array, twist: Array, count: int) -> None:
         """From the equilibrium that was found, with a step that suits it."""
         path, here = self._path, self._model.positions()
-        self._folded, self._twist = "", twist
+        self._refused, self._twist = "", twist
         path.factors.append(self._factor)
         path.iterations.append(count)
         self._length *= min(2.0, max(0.5, sqrt(self._options.good_iterations / count)))
@@ -275,20 +282,38 @@ class _Follower:
         self._moved = dx if first else self._moved + dx
         # residuals of slender structures may have more round-off than the tolerance allows
         enough = options.tolerance if self._factor == cap else options.loose
-        return not first and moved < enough * self._length
+        return not first and moved < enough * self._length and self._turned(dx, enough)
+
+    def _turned(self, dx: Array, enough: float) -> bool:
+        """Whether the rotations of an increment are small, for nodes may turn on the spot."""
+        now, step = (rms(self._model.twists(h)[:, 3:]) for h in (dx, self._moved))
+        return now < enough * max(self._length, step)
 
     def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
         """Change of the load factor that puts the step's end at its length."""
         model, length = self._model, self._length
         u_f = model.translations(x_f)
         if first:
+            moves, turns = rms(u_f), rms(model.twists(x_f)[:, 3:])
+            if not moves > _ON_THE_SPOT * turns:
+                what = "turns nodes on the spot" if turns else "moves nothing"
+                raise ConvergenceError(
+                    f"the load {what}, and an arc length measures translations: use load steps "
+                    "(fl.statics)",
+                    self._path,
+                )
             forward = self._twist is None or float(np.sum(model.twists(x_f) * self._twist)) >= 0
-            return (1.0 if forward else -1.0) * length / rms(u_f)
+            return (1.0 if forward else -1.0) * length / moves
         now = model.positions() - origin
         distance = rms(now)
+        if distance == 0.0:
+            raise _Lost
         gradient = now / (distance * len(now))
         u_r = model.translations(x_r)
-        return float((length - distance - np.sum(gradient * u_r)) / np.sum(gradient * u_f))
+        slope = float(np.sum(gradient * u_f))
+        if slope == 0.0:
+            raise _Lost
+        return (length - distance - float(np.sum(gradient * u_r))) / slope
 
 
 class _Lost(Exception):

@@ -8,8 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.kinds import placed, turn_all
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import Method
 from fem_lie.ranks.subdomains import Subdomains
 from fem_lie.results.equilibrium import PathResult
@@ -116,6 +119,8 @@ def check_proportion(scene: Scene) -> None:
 
 _MOST = 30  # iterations from a state that was carried on
 _SETTLED = 1e-11  # of the model
+_OF_TURNS = 1e-3  # rotations have more round-off in slender structures
+_LEAST = 1e-3  # part of a preload that is given up
 
 
 class _State(NamedTuple):
@@ -158,7 +163,7 @@ class SceneEquilibrium:
         )
         equations.memory.carry(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
-        self._forces_known = False
+        self._forces_known, self._preload = False, 1.0
         self._scratch = np.empty(unknowns.size)
         self._found = equations.residual(self._now, self._scale, self._scratch, carried=True)
         self.forces()
@@ -170,7 +175,7 @@ class SceneEquilibrium:
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the present state."""
         equations = self.equations
-        equations.prescribed(0.0).act(0.0)
+        equations.prescribed(0.0).act(0.0, self._preload)
         equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
         self._load[: 6 * self._moving] = equations.prescribed(1.0).loads(self._H)
         self._forces_known = True
@@ -196,19 +201,48 @@ class SceneEquilibrium:
         Raises:
             ConvergenceError: There is none near it.
         """
-        factor, scale = self.equations.scene.began.factor, self.diameter
-        if not factor:
-            return 0.0
+        factor = self.equations.scene.began.factor
+        if factor and not self._settles(factor):
+            raise ConvergenceError(
+                f"no equilibrium at load factor {factor:g} near the state that was carried on",
+                Path(),
+            )
+        if not factor and self.equations.unknowns.preloaded:
+            self._strain()
+        return factor
+
+    def _settles(self, factor: float) -> bool:
+        """Go to the equilibrium at a load factor that is near; whether there is one."""
         for _ in range(_MOST):
             internal, load = self.forces()
             self.factorise(factor)
             dx = self.solve(factor * load - internal)
             self.move(dx)
-            if np.abs(self.translations(dx)).max(initial=0.0) < _SETTLED * scale:
-                return factor
-        raise ConvergenceError(
-            f"no equilibrium at load factor {factor:g} near the state that was carried on", Path()
-        )
+            moved = np.abs(self.translations(dx)).max(initial=0.0)
+            turned = np.abs(self.twists(dx)[:, 3:]).max(initial=0.0)
+            if max(moved, _OF_TURNS * turned) < _SETTLED * self.diameter:
+                return True
+        return False
+
+    def _strain(self) -> None:
+        """Strain the springs step by step, without loads; where that fails all is as it was."""
+        part, step, before = 0.0, 1.0, self.state()
+        while part < 1.0:
+            kept = self.state()
+            self._preload = min(1.0, part + step)
+            try:
+                if self._settles(0.0):
+                    self.check_turns(0.0)
+                    part, step = self._preload, 2.0 * step
+                    continue
+            except (SingularMatrixError, FoldedElementError, LostBranchError):
+                pass  # a shorter step
+            self.restore(kept)
+            step /= 2.0
+            if step < _LEAST:
+                self._preload = 1.0
+                self.restore(before)
+                return
 
     def factorise(self, factor: float) -> None:
         """Make the tangent at a load factor, with the carried stress, ready to solve."""
@@ -222,7 +256,7 @@ class SceneEquilibrium:
     def _find(self, factor: float) -> None:
         """The forces of the present state, of which those of nodes may be known."""
         given, known = (self._scale, self._scratch, self._found), self._forces_known
-        self.equations.prescribed(factor).act(factor)
+        self.equations.prescribed(factor).act(factor, self._preload)
         self.equations.residual(self._now, *given, carried=True, known=known)
 
     def solve(self, b: Array) -> Array:
@@ -247,7 +281,7 @@ class SceneEquilibrium:
     def reactions(self, state: _State, factor: float) -> Array:
         """Of supports in a state that is restored, see :class:`~.report.Report`."""
         self.restore(state)
-        self.equations.prescribed(factor).act(factor)
+        self.equations.prescribed(factor).act(factor, self._preload)
         return self.equations.report(*self._now).reactions
 
     def joint_forces(self, state: _State) -> Array:
@@ -271,7 +305,12 @@ class SceneEquilibrium:
         return twists
 
     def check_turns(self, factor: float) -> None:
-        """Raise ``FoldedElementError`` if an element turns too far for one state to be meant."""
+        """Refuse the present state if it is none of the structure.
+
+        Raises:
+            FoldedElementError: An element rotates too far for one state to be meant.
+            LostBranchError: A joint rotates too far in the step.
+        """
         self.equations.report(self._H).check_turns(f"at load factor {factor:g}")
 
     def turn_hint(self) -> str:

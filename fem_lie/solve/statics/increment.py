@@ -24,6 +24,7 @@ def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
         The largest increment, translations over the length of the model.
     """
     unknowns = equations.unknowns
+    equations.memory.follow(H, -x[: 6 * unknowns.moving])
     if carried:
         equations.memory.carry(H, -x[: 6 * unknowns.moving])
     ways = unknowns.held, unknowns.uncoupled, unknowns.straight

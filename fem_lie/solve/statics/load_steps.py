@@ -10,6 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
 from fem_lie.forms.term import PassedThroughError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.equilibrium import StaticResult
@@ -21,6 +22,8 @@ from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.stopwatch import Stopwatch
 from fem_lie.system.equations import Equations, Instant, Plan
+
+_SMALLEST = 1e-3  # part of the preload that is given up
 
 _log = logging.getLogger(__name__)
 
@@ -54,7 +57,7 @@ class LoadSteps:
         self.iterations: int = 0
         self.residual: float = 0.0
         self.last: float = 0.0
-        self._folded = ""
+        self._lost = ""
         equations.memory.carry(self.H)
         now = Instant(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
@@ -102,13 +105,21 @@ class LoadSteps:
         reached, now = self.equations.scene.began.factor, step
         if reached and not self.solve(reached):
             raise ConvergenceError(self._failure(reached, reached), self.result())
+        strained = not reached and self.equations.unknowns.preloaded
         for level in levels:
             while reached < level:
                 target = min(level, reached + now)
                 # the last step must land on the level in spite of round-off
                 target = level if level - target < 1e-9 * levels[-1] else target
+                # rotations that are prescribed divide a step before it is tried
+                target = self.equations.prescribed(reached).limited(target)
                 if self.solve(target):
                     reached, now = target, min(2 * now, step)
+                    continue
+                if strained:
+                    strained = False
+                    _log.info("step to load factor %g failed, springs are preloaded first", target)
+                    self._preload(min(smallest, _SMALLEST))
                     continue
                 now /= 2
                 if now < smallest:
@@ -116,6 +127,21 @@ class LoadSteps:
                     raise kind(self._failure(reached, target), self.result())
                 _log.info("step to load factor %g failed, halved to %g", target, now)
         return self.result()
+
+    def _preload(self, smallest: float) -> None:
+        """Strain the springs step by step, without loads; where that fails all is as it was."""
+        memory, part, step = self.equations.memory, 0.0, 0.5
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.saved()
+        while part < 1.0:
+            if self._reach(0.0, min(1.0, part + step)) is not None:
+                part, step = min(1.0, part + step), 2.0 * step
+                continue
+            step /= 2.0
+            if step < smallest:
+                _log.info("springs cannot be preloaded without loads")
+                memory.restore(saved)
+                self.H, self.multipliers = H, multipliers
+                return
 
     @property
     def _singular(self) -> bool:
@@ -127,7 +153,7 @@ class LoadSteps:
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
             f"{self.last:.2e} (tolerance {self._options.tolerance:g}). {self.advice()}"
-            f"{self._folded or self.equations.report(self.H).turn_hint}"
+            f"{self._lost or self.equations.report(self.H).turn_hint}"
         )
 
     def advice(self) -> str:
@@ -146,13 +172,36 @@ class LoadSteps:
 
     def solve(self, factor: float) -> bool:
         """Go to the load factor and keep that state; if it fails, stay at the old one."""
+        pivots = self._reach(factor)
+        if pivots is None:
+            return False
+        v = self._rotation.velocities(self.equations.unknowns.kinds, self.H, np.sqrt(factor))
+        report = self.equations.report(self.H, v, self._zero, self.multipliers)
+        self._factors.append(factor)
+        self._frames.append(report.frames.copy())
+        self._forces.append(report.joints.forces)
+        self._reactions.append(report.reactions)
+        self._counts.append(self.iterations)
+        self._pivots.append(pivots)
+        return True
+
+    def _reach(self, factor: float, preload: float = 1.0) -> int | None:
+        """Go to equilibrium at a load factor.
+
+        Args:
+            factor: The load factor.
+            preload: Part of the preload of springs that acts.
+
+        Returns:
+            Its negative pivots; ``None`` if there is none near, and all is as it was.
+        """
         equations = self.equations
-        H, multipliers = self.H.copy(), self.multipliers.copy()
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), equations.memory.saved()
         now = equations.prescribed(factor)
-        now.act(factor)
+        now.act(factor, preload)
         self.H[self._moving + 1 :] = now.frames
         previous = np.inf
-        self.iterations, self._folded = 0, ""
+        self.iterations, self._lost = 0, ""
         while self.iterations < self._options.max_iterations:
             self.iterations += 1
             try:
@@ -164,31 +213,33 @@ class LoadSteps:
             ratio = min(1.0, self.last / previous) if self.iterations > 1 else 1.0
             # quadratic convergence: the next increment is this one times the ratio squared
             if self.last * ratio**2 <= self._options.tolerance:
-                v = self._rotation.velocities(equations.unknowns.kinds, self.H, np.sqrt(factor))
-                told = equations.report(self.H, v, self._zero, self.multipliers)
                 try:
-                    told.check_turns(f"at load factor {factor:g}")
-                except FoldedElementError as error:
-                    self._folded = f" It folds: {error}."
+                    return self._accept(factor, H)
+                except (FoldedElementError, PassedThroughError, LostBranchError) as error:
+                    self._lost = f" The step was refused: {error}."
                     break
-                pivots = self._negative_pivots(factor)
-                try:
-                    equations.memory.accept(self.H, H)
-                except PassedThroughError as error:
-                    self._folded = f" {error}."
-                    break
-                self._factors.append(factor)
-                self._frames.append(told.frames.copy())
-                self._forces.append(told.joints.forces)
-                self._reactions.append(told.reactions)
-                self._counts.append(self.iterations)
-                self._pivots.append(pivots)
-                return True
             previous = self.last
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
-        equations.memory.carry(H)
-        return False
+        equations.memory.restore(saved)
+        return None
+
+    def _accept(self, factor: float, before: Array) -> int:
+        """Go on from the present state; its negative pivots.
+
+        Args:
+            factor: Its load factor.
+            before: Frames at the start of the step.
+
+        Raises:
+            FoldedElementError: An element rotates too far.
+            LostBranchError: A joint or a prescribed motion does.
+            PassedThroughError: Surfaces went through each other.
+        """
+        self.equations.report(self.H).check_turns(f"at load factor {factor:g}")
+        pivots = self._negative_pivots(factor)
+        self.equations.memory.accept(self.H, before)
+        return pivots
 
     def _negative_pivots(self, factor: float) -> int:
         """Of the last iteration; if it has some, of the state that it has led to."""

@@ -38,7 +38,9 @@ def statics(
     """Equilibrium under the loads, reached from the unloaded configuration.
 
     Loads without history grow in proportion to the load factor, 1 at the full loads; histories,
-    drives and prescribed motions are evaluated at the load factor.
+    drives and prescribed motions are evaluated at the load factor. Steps are divided so that no
+    prescribed frame rotates by more than 45° and no driven angle by more than 90° in one of them.
+    Springs have their whole preload in every state of the result.
 
     How it gets there is chosen by what was measured. Scenes with shells are followed by the
     load-capped arc length (:func:`~fem_lie.solve.statics.follow.follow_loads`). Others go from one

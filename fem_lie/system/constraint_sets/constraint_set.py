@@ -168,6 +168,39 @@ class ConstraintSet(ABC):
         """Power that dampers take."""
         return 0.0
 
+    # --- rotations within a step ---
+
+    def follow(self, H: Array, h: Array) -> None:
+        """Let reference angles follow the increment ``h`` (n, 6) of nodes, made from ``H``."""
+        return  # most sets have no angles
+
+    def mark(self) -> None:
+        """Take the reference angles as those of the accepted state."""
+        return
+
+    def check_branch(self, H: Array) -> None:
+        """Refuse a state in which an angle or an axis may not be the one that is meant.
+
+        Raises:
+            LostBranchError: Since the accepted state an angle has changed by more than a quarter
+                turn, or bound axes point against each other.
+        """
+        return
+
+    @property
+    def preloaded(self) -> bool:
+        """Whether there are springs with a rest value of their own."""
+        return False
+
+    def preload(self, H: Array, part: float) -> None:
+        """Let such springs act with a part of what their rest value is away from the start.
+
+        Args:
+            H: Frames at the start.
+            part: That part; 1 is all.
+        """
+        return
+
     # --- memory ---
 
     def accept(self, H: Array) -> None:

@@ -257,6 +257,30 @@ class OnGrips(ConstraintSet):
         frames, J = self._seen(H)
         return self.inner.damper_loss(frames, self._twists(J, v))
 
+    # --- rotations within a step ---
+
+    def follow(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        self.inner.follow(frames, self._twists(J, h))
+
+    def mark(self) -> None:
+        """See the base class."""
+        self.inner.mark()
+
+    def check_branch(self, H: Array) -> None:
+        """See the base class."""
+        self.inner.check_branch(self._seen(H)[0])
+
+    @property
+    def preloaded(self) -> bool:
+        """See the base class."""
+        return self.inner.preloaded
+
+    def preload(self, H: Array, part: float) -> None:
+        """See the base class."""
+        self.inner.preload(self._seen(H)[0], part)
+
     # --- memory ---
 
     def accept(self, H: Array) -> None:

@@ -9,10 +9,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints import Joint, Tie
-from fem_lie.joints.equations import terms
+from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import DISTANCE
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
 from fem_lie.linear.bordered import Border
+from fem_lie.system.constraint_sets.branches import Branches
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     Numbered,
@@ -92,6 +93,12 @@ class RelativeMotions(ConstraintSet):
         exchanged = [groups[k][0].exchanged for k in has]
         self.reported = (np.cumsum(counts) - counts)[has], np.array(exchanged, dtype=np.int64)
         self._probe(items, rows)
+        labels = [item.label for item, _, _ in items]
+        of = np.repeat(np.arange(len(items)), counts)
+        self._branches = Branches(self.table, self.probes, labels, of)
+        sprung = [item for item, _, _ in items if item.spring is not None]
+        self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
+        self._rest, self._start = self.table.springs[:, 2].copy(), np.empty(0)
 
     def _probe(self, items: Sequence[Numbered], rows: Rows) -> None:
         ties = [(c.tie, at + k) for item, _, at in items for k, c in enumerate(item.coordinates())]
@@ -174,10 +181,40 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         return terms.damper_loss(H, v, self.table) if len(self.table.springs) else 0.0
 
+    def follow(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        if self.turns:
+            self._branches.follow(H, h)
+
+    def mark(self) -> None:
+        """See the base class."""
+        self._branches.mark()
+
+    def check_branch(self, H: Array) -> None:
+        """See the base class."""
+        if self._ties:
+            self._branches.check(H)
+
+    @property
+    def preloaded(self) -> bool:
+        """See the base class."""
+        return bool(self._preloaded.any())
+
+    def preload(self, H: Array, part: float) -> None:
+        """See the base class."""
+        springs = self.table.springs
+        if not len(self._start):
+            # later on the frames of the start do not tell whole turns
+            self._start = np.zeros(len(springs))
+            turns.spring_values(H, self.table, self._start)
+        now = part * self._rest + (1.0 - part) * self._start
+        springs[:, 2] = np.where(self._preloaded, now, self._rest)
+
     def accept(self, H: Array) -> None:
         """See the base class."""
         if self.turns:
             terms.unwrap_both(H, self.packed, self.packed_probes)
+            self._branches.mark()
 
     @property
     def memory(self) -> tuple[Array, ...]:

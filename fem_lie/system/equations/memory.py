@@ -51,6 +51,10 @@ class Memory:
         self._connections.accept(H)
         self._terms.accept(H)
 
+    def follow(self, H: Array, h: Array) -> None:
+        """Let joints count their angles along the increment ``h`` (6 n,) made from frames ``H``."""
+        self._connections.follow(H, h.reshape(-1, 6))
+
     def turn_axes(
         self, H: Array, motion: Array | None = None, written: Written | None = None
     ) -> None:

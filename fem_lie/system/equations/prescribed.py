@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array
+from fem_lie.system.equations.rotation_ahead import RotationAhead
 from fem_lie.system.nodes.sums import load_vector
 from fem_lie.system.system import System
 
@@ -30,15 +31,18 @@ class Prescribed:
         self._system, self._step = system, step
         self._time = system.scene.began.time + time
 
-    def act(self, factor: float = 1.0) -> None:
+    def act(self, factor: float = 1.0, preload: float = 1.0) -> None:
         """Let loads and targets of this time act from now on.
 
         Args:
             factor: Of loads without history, and of gravity.
+            preload: Part of the difference between the rest values of springs and the values of
+                their coordinates at the start.
 
         Raises:
             ValueError: A history, motion or drive is not finite.
         """
+        self._system.connections.preload(self._system.rows.begins_at, preload)
         self._system.set_time(self._time, factor)
 
     def loads(self, H: Array) -> Array:
@@ -73,6 +77,15 @@ class Prescribed:
             ValueError: A drive is not finite then.
         """
         return self._system.connections.targets(self._time)
+
+    def limited(self, end: float) -> float:
+        """The end of the first of equal steps to ``end``, none with a large prescribed rotation.
+
+        Raises:
+            ValueError: A motion or drive is bad in between.
+        """
+        began = self._system.scene.began.time
+        return RotationAhead(self._system).limited(self._time, began + end) - began
 
     @property
     def velocities(self) -> Array:

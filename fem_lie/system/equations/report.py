@@ -97,14 +97,18 @@ class Report:
         return wrenches(system.kinds, H, local, held, system.supported)
 
     def check_turns(self, when: str | float) -> None:
-        """Warn where an element turns nearly as far as it may.
+        """Warn where an element turns nearly as far as it may, and refuse rotations that are lost.
 
         Args:
             when: Of which state, for messages; a number is a time.
 
         Raises:
             FoldedElementError: One turns farther.
+            LostBranchError: Since the last accepted state the angle of a spring, drive, gear or
+                screw has changed by more than a quarter turn, or axes that a joint or a prescribed
+                motion keeps together point against each other.
         """
+        self._system.connections.check_branch(self._state.H)
         self._system.turns.check(self.frames, when)
 
     @property

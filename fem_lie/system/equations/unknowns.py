@@ -46,6 +46,7 @@ class Unknowns(NamedTuple):
         time_dependent: Whether loads, drives or prescribed motions change in time.
         driven: Whether targets of constraints do.
         strains_change: Whether strains without stress do.
+        preloaded: Whether there are springs with a rest value of their own.
         may_be_redundant: Whether constraints may follow from others.
         other_constraints: What constraints are called that no pair of frames has.
         drilling: Shells whose nodes turn about their third directors.
@@ -77,6 +78,7 @@ class Unknowns(NamedTuple):
     time_dependent: bool
     driven: bool
     strains_change: bool
+    preloaded: bool
     may_be_redundant: bool
     other_constraints: Sequence[str]
     drilling: Sequence[str]
@@ -114,6 +116,7 @@ class Unknowns(NamedTuple):
             time_dependent=system.time_dependent,
             driven=connections.driven,
             strains_change=system.load_cases.strains_change,
+            preloaded=connections.preloaded,
             may_be_redundant=system.scene.redundant is not Redundant.REFUSE,
             other_constraints=connections.others,
             drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],

@@ -1,0 +1,112 @@
+"""Angles of joints over more than half a turn, and rotations on the wrong branch; compiled.
+
+An angle is known from frames up to whole turns, and what joints forbid of ``Q`` is zero not only
+where they hold: ``skew Q = 0`` also at half a turn about any axis, ``Q₁₃ = Q₂₃ = 0`` also where the
+axes e₃ point against each other. Iterations with large increments need to be told which is meant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array
+from fem_lie._jit import compiled
+from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.one_pair import locate, term, twists
+from fem_lie.joints.equations.relative_motion import variation
+from fem_lie.joints.equations.table import JointTable
+
+_NEAR = 0.5 * np.pi
+"""Angles that move less than this from the reference angle keep it."""
+
+
+@compiled
+def foresee(H: Array, h: Array, table: JointTable) -> None:
+    """Move the reference angles of all pairs along an increment of the nodes.
+
+    The angle after the increment is then found within half a turn of its linear prediction.
+
+    Args:
+        H: Frames of all rows before the increment, shape (≥ n, 4, 3).
+        h: Increment of the nodes that move as twists, shape (n, 6).
+        table: The joints; ``turned`` is updated.
+    """
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    twist, dz, p, angle = np.empty((2, 6)), np.empty(12), np.empty(12), np.zeros(3)
+    angle[functions.ANGLE] = 1.0
+    for j in range(table.nodes.shape[0]):
+        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
+            locate(H, table, j, A, B, z, f)
+            twists(h, table, j, twist)
+            variation(z, twist[0], twist[1], dz)
+            p[:] = 0.0
+            functions.add_gradients(z, table.angle[j], angle, p)
+            ahead = f[functions.ANGLE] + p @ dz
+            if abs(ahead - table.turned[j]) > _NEAR:
+                table.turned[j] = ahead
+
+
+@compiled
+def angles(H: Array, table: JointTable, out: Array) -> None:
+    """The angle of each pair, shape (j,); zero where no term has it."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    for j in range(table.nodes.shape[0]):
+        out[j] = 0.0
+        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
+            locate(H, table, j, A, B, z, f)
+            out[j] = f[functions.ANGLE]
+
+
+@compiled
+def alignments(H: Array, table: JointTable, aligned: Array, out: Array) -> None:
+    """``aligned : Q`` of each pair, shape (j,).
+
+    Args:
+        H: Frames of all rows.
+        table: The joints.
+        aligned: The identity, a product ``a aᵀ`` or zero for each pair, shape (j, 3, 3).
+        out: Overwritten.
+    """
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    for j in range(table.nodes.shape[0]):
+        locate(H, table, j, A, B, z, f)
+        out[j] = 0.0
+        for k in range(3):
+            for n in range(3):
+                out[j] += aligned[j, k, n] * z[3 + 3 * k + n]
+
+
+@compiled
+def spring_values(H: Array, table: JointTable, out: Array) -> None:
+    """The coordinate of each spring, shape (k,)."""
+    A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
+    m = len(table.targets)
+    for j in range(table.nodes.shape[0]):
+        for t in range(table.first[j], table.first[j + 1]):
+            if table.rows[t] >= m:
+                locate(H, table, j, A, B, z, f)
+                out[table.rows[t] - m] = term(table, t, z, f)
+
+
+def fixed_rotations(selection: Array) -> Array:
+    """What must stay aligned of two frames whose relative rotation is bound, shape (3, 3).
+
+    Args:
+        selection: Of ``Q`` in the constraints of a pair, which hold for ``Q = 1``, shape (c, 9).
+
+    Returns:
+        The identity where all three rotations are bound, ``a aᵀ`` where only the one about ``a`` is
+        free, else zero. Times ``Q`` it has the trace 3 or 1 where the constraints are satisfied as
+        meant, and −1 on the other branches.
+    """
+    basis = np.zeros((9, 3))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        basis[3 * j + i, k], basis[3 * i + j, k] = 1.0, -1.0
+    if not selection.any():
+        return np.zeros((3, 3))
+    _, sizes, axes = np.linalg.svd(selection @ basis)
+    rank = int((sizes > 1e-9 * sizes[0]).sum()) if sizes[0] > 0 else 0
+    if rank < 2:
+        return np.zeros((3, 3))
+    return np.eye(3) if rank == 3 else np.outer(axes[2], axes[2])
