@@ -44,4 +44,8 @@ def test_a_fault_on_one_rank_is_the_end_of_all(whole, tmp_path, fault, rank, fac
     np.testing.assert_allclose(found.frames, whole.frames[: len(found.times)], rtol=0, atol=1e-10)
     resumed = fl.GeneralisedAlpha().resume(parallel_faults.scene(), file, progress=False)
     np.testing.assert_allclose(resumed.frames, whole.frames, rtol=0, atol=1e-10)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run.h5.checkpoint"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "run.h5",
+        "run.h5.checkpoint",
+        "run.h5.checkpoint.before",
+    ]

@@ -29,6 +29,7 @@ def test_scenes_on_two_ranks_find_what_one_finds(alone, tmp_path):
     np.testing.assert_allclose(resumed.frames, alone["frames"], rtol=0, atol=1e-10)
     # what other ranks write aside is gone, and nothing unfinished stays
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [
+        ".before",
         ".checkpoint",
         ".h5",
         ".npz",

@@ -235,7 +235,9 @@ def test_other_files_are_refused(rod, tmp_path):
     rod.save(tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
-    with pytest.raises(ValueError, match=r"of version 10: format 'fem_lie results', version 0"):
+    with pytest.raises(
+        ValueError, match=r"of versions 10 to 11: format 'fem_lie results', version 0"
+    ):
         Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0

@@ -7,7 +7,7 @@ import fcntl
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from zlib import crc32
@@ -51,8 +51,8 @@ def place(path: str | os.PathLike[str]) -> Path:
     return aside / Path(path).name
 
 
-def place_to_go_on(path: Path, beside: Path) -> Path:
-    """As :func:`place`, with a copy of a file and of what stands beside it.
+def place_to_go_on(path: Path, beside: Sequence[Path]) -> Path:
+    """As :func:`place`, with a copy of a file and of those files beside it that exist.
 
     All ranks wait until all have theirs.
     """
@@ -60,8 +60,9 @@ def place_to_go_on(path: Path, beside: Path) -> Path:
         return path
     own = place(path)
     if not first():
-        for source in (path, beside):
-            shutil.copyfile(source, own.with_name(source.name))
+        for source in (path, *beside):
+            if source.is_file():
+                shutil.copyfile(source, own.with_name(source.name))
     meet(f"a copy of {path}")
     return own
 

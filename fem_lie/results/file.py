@@ -1,9 +1,14 @@
-"""Results in an HDF5 file: one data set for each array, one group for each body and joint."""
+"""Results in an HDF5 file: one data set for each array, one group for each body and joint.
+
+From version 11 on all contents have checksums, see :mod:`fem_lie.results.storage.checksums`. Each
+version from 10 on can be read.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -12,12 +17,21 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.rows import write_all
 from fem_lie.results.steps import ContactSteps, StepHistory
+from fem_lie.results.storage.checksums import (
+    NAMES,
+    DamagedError,
+    check,
+    check_rows,
+    row_checksums,
+    seal,
+)
+from fem_lie.results.storage.rows import CHECKSUMS, COUNT, write_all
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
-_FORMAT, _VERSION = "fem_lie results", 10
+_FORMAT, _VERSION = "fem_lie results", 11
+_NUMBERS = "numbers"
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
 """What a result says of the work, the last in seconds."""
 
@@ -50,13 +64,15 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
         file.attrs.update({"format": _FORMAT, "version": _VERSION})
         for name, values in result.arrays.items():
             file[name] = values
-        for name in NUMBERS:
-            file.attrs[name] = result.numbers[name]
+        file[CHECKSUMS] = row_checksums(result.arrays)
+        file[COUNT] = np.full(2, len(file[CHECKSUMS]))
+        file.attrs[_NUMBERS] = _packed(result.numbers)
         for group, record in (("steps", result.steps), ("contacts", result.contacts)):
             if record is not None:
                 for field in fields(record):
                     file[f"{group}/{field.name}"] = getattr(record, field.name)
         _write_info(file, result.info)
+        seal(file)
         file.flush()
         image = file.id.get_file_image()
     unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
@@ -72,7 +88,7 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
 
 
 def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
-    """Write a file with room for rows of arrays, see :mod:`fem_lie.results.rows`.
+    """Write a file with room for rows of arrays, see :mod:`fem_lie.results.storage.rows`.
 
     Args:
         path: Of the file.
@@ -87,16 +103,16 @@ def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], r
     try:
         with h5py.File(unfinished, "w") as file:
             file.attrs.update({"format": _FORMAT, "version": _VERSION})
-            for name in NUMBERS:
-                file.attrs[name] = 0.0
+            file.attrs[_NUMBERS] = _packed(dict.fromkeys(NUMBERS, 0.0))
             properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
             properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
             whole = {name: (rows, *shape) for name, shape in shapes.items()}
-            for name, shape in (*whole.items(), ("rows", (1,))):
+            for name, shape in (*whole.items(), (CHECKSUMS, (rows,)), (COUNT, (2,))):
                 kind = h5py.h5t.py_create(kinds.get(name, np.dtype(np.int64)), logical=True)
                 space = h5py.h5s.create_simple(shape)
                 h5py.h5d.create(file.id, name.encode(), kind, space, properties)
             _write_info(file, info)
+            seal(file)
         os.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)
@@ -107,8 +123,7 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
     import h5py
 
     with h5py.File(path, "r+") as file:
-        for name in NUMBERS:
-            file.attrs.modify(name, float(numbers[name]))
+        file.attrs.modify(_NUMBERS, _packed(numbers))
 
 
 def add_contacts(path: Path, contacts: ContactSteps) -> None:
@@ -120,10 +135,11 @@ def add_contacts(path: Path, contacts: ContactSteps) -> None:
             del file["contacts"]
         for field in fields(contacts):
             file[f"contacts/{field.name}"] = getattr(contacts, field.name)
+        seal(file)
 
 
 def _write_info(file: Any, info: SceneInfo) -> None:
-    file.attrs["mass"] = info.mass
+    file.create_group(NAMES).attrs["mass"] = info.mass
     for i, body in enumerate(info.bodies):
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
@@ -146,35 +162,95 @@ def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
         raise ValueError(f"{str(source)!r} is not a file of results (not HDF5)")
     try:
         with h5py.File(source, "r") as file:
-            _check_format(file, source)
-            return _read(file, names)
-    except (OSError, KeyError) as error:
+            given = file.attrs.get("format"), file.attrs.get("version")
+            if given[0] == _FORMAT and given[1] in _READERS:
+                return _READERS[given[1]](file, names)
+    except _DAMAGES as error:
         raise ValueError(f"{str(source)!r} is damaged: {error}") from error
+    raise ValueError(
+        f"{str(source)!r} is not a file of results of versions {min(_READERS)} to {_VERSION}: "
+        f"format {given[0]!r}, version {given[1]}"
+    )
 
 
-def _check_format(file: Any, source: Path) -> None:
-    given = file.attrs.get("format"), file.attrs.get("version")
-    if given != (_FORMAT, _VERSION):
+_DAMAGES = (
+    DamagedError,
+    # what h5py raises where the structure of a file is damaged
+    *(OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError, OverflowError),
+    *(AttributeError, IndexError),
+)
+
+
+def require_version(path: Path) -> None:
+    """Refuse a file of an older version, to which no rows can be added.
+
+    Raises:
+        ValueError: It is of another version than is written.
+    """
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        version = file.attrs.get("version")
+    if version != _VERSION:
         raise ValueError(
-            f"{str(source)!r} is not a file of results of version {_VERSION}: "
-            f"format {given[0]!r}, version {given[1]}"
+            f"cannot resume: {str(path)!r} is a file of results of version {version}, and rows can "
+            f"only be added to version {_VERSION}; Result.load reads it"
         )
 
 
-def _read(file: Any, names: Sequence[str]) -> Stored:
+def _read_version_10(file: Any, names: Sequence[str]) -> Stored:
+    rows = slice(int(file[COUNT][0]) if COUNT in file else None)
+    arrays = {name: file[name][rows] for name in names if name in file}
+    numbers = _named([float(file.attrs[name]) for name in NUMBERS])
+    return _with_info(file, arrays, numbers, file.attrs["mass"])
+
+
+def _read_version_11(file: Any, names: Sequence[str]) -> Stored:
+    check(file)
+    *values, checksum = file.attrs[_NUMBERS]
+    if checksum != _packed(_named(values))[-1]:
+        raise DamagedError("the numbers of the run do not agree with their checksum")
+    count, again = file[COUNT][()]
+    if count != again:
+        raise DamagedError(f"the file says that it has {count} rows, and {again}")
+    arrays = {name: item[:count] for name, item in file.items() if not hasattr(item, "items")}
+    del arrays[COUNT]
+    check_rows(arrays, arrays.pop(CHECKSUMS))
+    arrays = {name: arrays[name] for name in names if name in arrays}
+    return _with_info(file, arrays, _named(values), file[NAMES].attrs["mass"])
+
+
+_READERS: dict[int, Callable[[Any, Sequence[str]], Stored]] = {
+    10: _read_version_10,
+    11: _read_version_11,
+}
+
+
+def _named(values: Sequence[float]) -> dict[str, float]:
+    """Numbers of the run by name; all but the seconds are counts."""
+    return {
+        name: float(value) if name == NUMBERS[-1] else int(value)
+        for name, value in zip(NUMBERS, values, strict=True)
+    }
+
+
+def _packed(numbers: Mapping[str, float]) -> Array:
+    """Numbers of the run and their checksum: one attribute, written in one piece."""
+    values = np.array([float(numbers[name]) for name in NUMBERS])
+    return np.append(values, zlib.crc32(values.tobytes()))
+
+
+def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], mass: Any) -> Stored:
+    """What all versions have in common, and these."""
     steps = _read_record(file, "steps", StepHistory)
     contacts = _read_record(file, "contacts", ContactSteps)
-    rows = slice(int(file["rows"][0]) if "rows" in file else None)
-    arrays = {name: file[name][rows] for name in names if name in file}
-    *counts, seconds = NUMBERS
-    numbers: dict[str, float] = {name: int(file.attrs[name]) for name in counts}
     info = SceneInfo(
         tuple(_read_body(group) for group in _groups(file, "bodies")),
         tuple(_read_joint(group) for group in _groups(file, "joints")),
-        float(file.attrs["mass"]),
+        float(mass),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
     )
-    return Stored(arrays, numbers | {seconds: float(file.attrs[seconds])}, info, steps, contacts)
+    return Stored(arrays, numbers, info, steps, contacts)
 
 
 def _read_record(file: Any, name: str, kind: type[Record]) -> Record | None:

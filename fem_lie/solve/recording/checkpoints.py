@@ -1,9 +1,10 @@
 """Results that go to a file as they are made, and the state from which a run can go on.
 
 The file of results is created whole, with room for all rows, and written row by row; whatever ends
-the process, what was written can be read. Beside it stands the last checkpoint, replaced in
-one piece: all numbers on which the following steps depend. What a resumed run computes is therefore
-the same to the last bit as if it had never been interrupted.
+the process, what was written can be read. Beside it stand the last checkpoint, replaced in one
+piece, and the one before: all numbers on which the following steps depend. What a resumed run
+computes is therefore the same to the last bit as if it had never been interrupted, also from the
+checkpoint before, which is used if the last one is damaged.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import struct
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -18,6 +21,7 @@ from math import prod
 from pathlib import Path
 from shutil import disk_usage
 from typing import Any, NamedTuple
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -26,8 +30,8 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.ranks.files import place, place_to_go_on
 from fem_lie.results import file as results_file
 from fem_lie.results.record import Record
-from fem_lie.results.rows import ResultRows, write_all
 from fem_lie.results.steps import ContactSteps
+from fem_lie.results.storage.rows import ResultRows, write_all
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.saving import Saving
 
@@ -85,15 +89,15 @@ class Checkpoints:
         Raises:
             FileNotFoundError: There is no file of results or no checkpoint.
             ValueError: The checkpoint belongs to another scene or other options, which are named,
-                or is of another version.
+                it or the file is of another version, or all checkpoints are damaged.
         """
         file = Path(path)
         require_files(file)
-        file = place_to_go_on(file, _beside(file))
-        with np.load(_beside(file), allow_pickle=False) as stored:
-            kept = {name: stored[name] for name in stored.files}
+        results_file.require_version(file)
+        file = place_to_go_on(file, [_beside(file), _before(file)])
+        used, kept = _last_undamaged(file)
         if "fingerprint" not in kept or "record" not in kept:
-            raise ValueError(f"{str(_beside(file))!r} is not a checkpoint of this version")
+            raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
         steps, every_row, every, index = (int(number) for number in kept.pop("plan"))
         record = Record(int(kept.pop("record")))
         saving = Saving(every_row, kept.pop("save_at", None), record)
@@ -101,7 +105,7 @@ class Checkpoints:
         found = fingerprint.differences(kept.pop("fingerprint"), plan.step, index)
         if found:
             raise ValueError(
-                f"cannot resume from {str(_beside(file))!r}: it belongs to another scene or to "
+                f"cannot resume from {str(used)!r}: it belongs to another scene or to "
                 f"other options of the scheme; what differs: {_listed(found)}"
             )
         store = cls(file, every, plan, fingerprint)
@@ -122,7 +126,8 @@ class Checkpoints:
                 if size > free:
                     _log.warning("%s will have %d bytes, and %d are free", self._path, size, free)
                 results_file.create(self._path, info, shapes, rows)
-            _beside(self._path).unlink(missing_ok=True)
+            for checkpoint in (_beside(self._path), _before(self._path)):
+                checkpoint.unlink(missing_ok=True)
         self._file = ResultRows(self._path)
 
     def append(self, first: int, rows: Mapping[str, Array], reached: float) -> None:
@@ -175,13 +180,18 @@ class Checkpoints:
         self._at = index * plan.step
 
     def _replace(self, data: memoryview) -> None:
-        """Write the checkpoint under another name first: one of them is whole at any time."""
+        """Write the checkpoint under another name first: one of them is whole at any time.
+
+        The last one becomes the one before.
+        """
         target = _beside(self._path)
         unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
         try:
             with unfinished.open("wb", buffering=0) as file:
                 write_all(file.fileno(), data, 0)
                 os.fsync(file.fileno())
+            if target.is_file():
+                os.replace(target, _before(self._path))
             os.replace(unfinished, target)
         finally:
             unfinished.unlink(missing_ok=True)
@@ -226,10 +236,45 @@ def _listed(names: list[str]) -> str:
 
 def require_files(path: Path) -> None:
     """Raise ``FileNotFoundError`` if there is no file of results, or no checkpoint beside it."""
-    for wanted in (path, _beside(path)):
-        if not wanted.is_file():
+    for wanted, instead in ((path, path), (_beside(path), _before(path))):
+        if not (wanted.is_file() or instead.is_file()):
             raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
 
 
+_DAMAGES = (
+    # what reading a damaged archive raises
+    *(BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, struct.error),
+    *(NotImplementedError, RuntimeError, MemoryError, OverflowError),
+)
+
+
+def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
+    """The last checkpoint, or the one before if it is damaged: its file, and what is in it.
+
+    Raises:
+        ValueError: All of them are damaged.
+    """
+    damages: list[str] = []
+    for checkpoint in (_beside(path), _before(path)):
+        if not checkpoint.is_file():
+            continue
+        try:
+            with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+                kept = {name: stored[name] for name in stored.files}
+        except _DAMAGES as error:
+            damages.append(f"{str(checkpoint)!r} is damaged ({type(error).__name__}: {error})")
+            continue
+        if damages:
+            _log.warning("%s; the run resumes from %s", damages[0], checkpoint)
+        return checkpoint, kept
+    raise ValueError(f"cannot resume: {' and '.join(damages)}")
+
+
 def _beside(path: Path) -> Path:
+    """The last checkpoint."""
     return path.with_name(path.name + ".checkpoint")
+
+
+def _before(path: Path) -> Path:
+    """The checkpoint before the last one."""
+    return path.with_name(path.name + ".checkpoint.before")

@@ -2,7 +2,8 @@
 
 The structure of the file does not change meanwhile: a process that ends, in whatever way, leaves a
 file that can be read, with all rows that were counted. Writing goes by system calls that report a
-full disk, never through mapped memory, where that is the end of the process.
+full disk, never through mapped memory, where that is the end of the process. A row's checksum is
+written before the row is counted, and the count stands there twice.
 """
 
 from __future__ import annotations
@@ -14,6 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from fem_lie.results.storage.checksums import row_checksums
+
+COUNT, CHECKSUMS = "rows", "checksums"
+"""Data sets of the number of rows, shape (2,), and of their checksums, shape (rows,)."""
 
 
 class _Place(NamedTuple):
@@ -45,16 +51,21 @@ class ResultRows:
         Raises:
             OSError: The disk is full, or there is another reason.
         """
-        count = first + len(next(iter(rows.values())))
+        stored = {
+            name: np.ascontiguousarray(values, dtype=self._places[name].kind)
+            for name, values in rows.items()
+        }
+        checksums = row_checksums(stored)
         with self._path.open("r+b", buffering=0) as file:
-            for name, values in (*rows.items(), ("rows", np.array([count]))):
-                place = self._places[name]
-                if place.offset is None:
-                    continue
-                data = np.ascontiguousarray(values, dtype=place.kind)
-                at = 0 if name == "rows" else first
-                row = place.kind.itemsize * int(np.prod(place.shape[1:], dtype=np.int64))
-                write_all(file.fileno(), data.tobytes(), place.offset + at * row)
+            for name, values in (*stored.items(), (CHECKSUMS, checksums)):
+                self._write(file.fileno(), name, values, first)
+            self._write(file.fileno(), COUNT, np.full(2, first + len(checksums)), 0)
+
+    def _write(self, descriptor: int, name: str, values: npt.NDArray[Any], first: int) -> None:
+        offset, kind, shape = self._places[name]
+        if offset is not None:
+            row = kind.itemsize * int(np.prod(shape[1:], dtype=np.int64))
+            write_all(descriptor, values.tobytes(), offset + first * row)
 
     def sync(self) -> None:
         """Wait until all that was written is on the disk."""
@@ -67,7 +78,7 @@ class ResultRows:
         for name, (offset, kind, shape) in self._places.items():
             if offset is None:
                 found[name] = np.empty(shape, dtype=kind)[:count]
-            elif name != "rows":
+            elif name not in (COUNT, CHECKSUMS):
                 mapped = np.memmap(self._path, dtype=kind, mode="r", offset=offset, shape=shape)
                 found[name] = mapped[:count]
         return found
