@@ -23,7 +23,6 @@ from records import of_motion
 from reference.tables import table
 
 import fem_lie as fl
-from fem_lie import lie
 
 A, B, C, D = np.array([[0, 0, 0], [0, 0, 0.12], [0.24, 0, 0.12], [0.24, 0, 0]])
 SPEED, DEFECT = 0.6, np.radians(5.0)
@@ -61,15 +60,6 @@ def mechanism(cells: int, ramp: float) -> tuple[fl.Scene, fl.Beam, fl.Revolute]:
     return scene, one, last
 
 
-def middle_force(result: fl.Result, bar: fl.Beam) -> Any:
-    """Force and moment in the middle element of a bar, in its axes, shape (T, 6)."""
-    k = len(bar.lengths) // 2
-    nodes = result.info.body(bar.name).nodes[bar.elements[k]]
-    ends = result.frames[:, nodes]
-    strain = lie.se3_relative(ends[:, 0], ends[:, 1])
-    return (strain - strain[0]) / bar.lengths[k] @ bar.element_stiffness[k].T
-
-
 def main(
     elements: int = 9,
     step: float = 4e-3,
@@ -82,11 +72,12 @@ def main(
     scene, one, last = mechanism(elements, ramp)
     steps = round((duration + ramp / 2) / step)
     result = fl.GeneralisedAlpha(radius=0.5).run(scene, duration=steps * step, step=step)
+    forces = fl.section_forces(result, one, scene)
     values = np.column_stack(
         [
             result.position("AB.end"),
             result.position("BC.end"),
-            middle_force(result, one),
+            [forces.at_points(k)[elements // 2, 0] for k in range(steps + 1)],
             result.coordinate(last),
         ]
     )

@@ -10,7 +10,7 @@ import pytest
 from dolfinx import fem
 
 from fem_lie import lie
-from fem_lie.elements.beams.element import CellData
+from fem_lie.elements.beams.element import CellData, bending_share, with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, Geodesic, geodesic_energy
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.cells import Cells, evaluate
@@ -26,15 +26,17 @@ def both(count: int) -> tuple[NodalFrames, LocalFrameForms, LocalFrameForms]:
     ends = q.frames[q.function.function_space.dofmap.list]
     relative = lie.se3_relative(ends[:, 0], ends[:, 1])
     factors = rng.normal(size=(count, 6, 6))
-    stiffness = np.einsum("eij,ekj->eik", factors, factors)
+    section = np.einsum("eij,ekj->eik", factors, factors)
     lengths = rng.uniform(0.5, 2.0, count)
     eigenstrain = models.cellwise(mesh, rng.normal(size=(count, 6)))
     nothing = np.zeros((count, 4, 4)), eigenstrain, None, np.zeros((count, 2))
-    cells = CellData(lengths, stiffness, *nothing)
+    cells = CellData(lengths, section, *nothing)
+    stiffness = with_bending_flexibility(section, relative)
+    share = models.cellwise(mesh, bending_share(section, stiffness))
     d, d0, ell, D = (models.cellwise(mesh, a) for a in (relative, relative, lengths, stiffness))
-    energy = geodesic_energy(d, d0, ell, D, mesh, eigenstrain)
+    energy = geodesic_energy(d, d0, ell, D, mesh, eigenstrain, share=share)
     derived = LocalFrameForms(energy, q.function, q.increment, GEODESIC, coordinates=d)
-    return q, Geodesic(False).forms(q, cells), derived
+    return q, Geodesic().forms(q, cells), derived
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-9, 0.1, 1.0], ids=str)

@@ -399,8 +399,7 @@ def test_elastica():
         found = fl.section_forces(fl.statics(scene, load_steps=4), beam, scene)
         exact = -force * (length + elastica(force)[0])
         errors.append(abs(found.at(beam.start, "My")[-1] / exact - 1))
-    assert errors[1] < 1e-4
-    assert errors[0] / errors[1] > 3.0
+    assert max(errors) < 2e-6  # what is left with EA L²/EI = 1e6 is stretch and shear
 
 
 # --- strains without stress -----------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie._arrays import Indices
+from fem_lie._arrays import Array, Indices
 
 
 class FoldedElementError(ArithmeticError):
@@ -20,9 +20,11 @@ class Turning:
         elements: Number of the element of each of these rows, shape (w,).
         limit: Largest sum of the turns from node to node, rad.
         whole: Whether whole frames turn, or third directors.
+        lengths: Unloaded arc length of each row, if its axial strain and shear are to be judged.
     """
 
     nodes: Indices
     elements: Indices
     limit: float
     whole: bool
+    lengths: Array | None = None

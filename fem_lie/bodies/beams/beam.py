@@ -245,7 +245,8 @@ class Beam(LineBody):
     def turning(self) -> Turning:
         """Elements may turn as far as their formulation says, and are named as a whole."""
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
-        return Turning(along, np.arange(len(along)), self.formulation.largest_turn, whole=True)
+        limit, numbers = self.formulation.largest_turn, np.arange(len(along))
+        return Turning(along, numbers, limit, whole=True, lengths=self.lengths)
 
 
 def _refined(placed: Placed, formulation: Formulation) -> Placed:

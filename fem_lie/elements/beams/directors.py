@@ -5,9 +5,12 @@ Vu-Quoc, CMAME 58 (1986) 79; Romero & Armero, IJNME 54 (2002) 1683). With one-po
 two nodes, or two-point on three, there is no shear locking. Both measures are invariant under
 superposed rigid motion, as products of vectors that turn together.
 
-Interpolated directors are not orthonormal between the nodes. With three nodes that is of higher
-order than the element. With two nodes that turn by θ against each other, the middle has
-``κ ∝ sin θ`` and shrinks ``Γ`` by ``cos θ/2``: too soft. :func:`midpoint_strains` undoes it.
+Interpolated directors are not orthonormal between the nodes. With two nodes that rotate by θ
+against each other, the middle has ``κ ∝ sin θ`` and shrinks ``Γ`` by ``cos θ/2``: too soft.
+:func:`midpoint_strains` undoes it. With three nodes the shrinkage is of higher order than the
+element where rotations are smooth. An alternating rotation, though, would shorten ``x′`` in the
+axes of the directors without shear, and elements of length h would buckle in tension at
+``24 EI/h²``: :func:`orthonormal_strains` takes that back.
 """
 
 from __future__ import annotations
@@ -19,14 +22,17 @@ import ufl
 from ufl.core.expr import Expr
 from ufl.variable import Variable
 
+from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import (
     CellData,
     Formulation,
+    bending_share,
     cellwise,
     flexible_cells,
     present_values,
     with_bending_flexibility,
+    with_elongation,
 )
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
@@ -91,6 +97,36 @@ def midpoint_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
     return stretch / c - lever * curvature, curvature * (_angle_over_sine((1 - c) / 2) / c), z
 
 
+def orthonormal_strains(q: NodalFrames) -> tuple[Expr, Expr, Variable]:
+    """The same strains, of directors that are orthonormal to second order.
+
+    The interpolated ``A = [d₁ d₂ d₃]`` is ``R U`` with ``U ≈ 1 − E``, ``E = ½ (1 − AᵀA)``. Hence::
+
+        Rᵀ x′ = (1 + E) Aᵀ x′,    axial(RᵀR′) = (1 + tr E − E) axial(AᵀA′),
+
+    to first order in ``E``, which is of second order in what an element rotates.
+
+    Args:
+        q: Frames on a line mesh.
+
+    Returns:
+        Both strains, and the plain quantities ``(Aᵀx′, axial(AᵀA′), AᵀA)`` in which they are
+        written, for ``through`` of :class:`~fem_lie.forms.energy.StrainEnergy`.
+    """
+    d = q.directors
+    products = [ufl.dot(d[i], d[j]) for i, j in _PAIRS]
+    stretch, curvature = director_strains(q)
+    z = ufl.variable(ufl.as_vector([*stretch, *curvature, *products]))
+    at = {pair: 6 + k for k, pair in enumerate(_PAIRS)}
+    G = ufl.as_matrix([[z[at[min(i, j), max(i, j)]] for j in range(3)] for i in range(3)])
+    a, κ = (ufl.as_vector([z[i + k] for i in range(3)]) for k in (0, 3))
+    E = (ufl.Identity(3) - G) / 2
+    return a + E * a, κ + ufl.tr(E) * κ - E * κ, z
+
+
+_PAIRS = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+
+
 def _angle_over_sine(u: Expr) -> Expr:
     """``φ/sin φ`` of ``u = sin² φ/2``, by five terms of Gauss' continued fraction.
 
@@ -103,7 +139,7 @@ def _angle_over_sine(u: Expr) -> Expr:
     return 1 / fraction
 
 
-_FOLDS = 1.5266  # rad: of three nodes, where ∂²W/∂φ² of the middle one is no longer positive
+_FOLDS = 2.7312  # rad: of three nodes, where ∂²W/∂φ² of the middle one is no longer positive
 
 
 @dataclass(frozen=True)
@@ -112,7 +148,7 @@ class Director(Formulation):
 
     Degree 1 has two nodes and one point, at which the strains are those of
     :func:`midpoint_strains`; the straight chord between the nodes makes it of second order. Degree
-    2 has three nodes, two points and the plain :func:`director_strains` per length of its own
+    2 has three nodes, two points and the :func:`orthonormal_strains` per length of its own
     quadratic line: at these points the derivatives of quadratic interpolation gain an order, and
     the nodes are of fourth. Nothing locks. From the strains those of the unloaded frames by the
     same expressions are subtracted: unloaded there is no stress, however curved and twisted the
@@ -147,25 +183,42 @@ class Director(Formulation):
         lengths = np.linalg.norm(relative[:, :3], axis=1, keepdims=True)
         return with_bending_flexibility(stiffness, lengths * np.eye(1, 6))
 
+    def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
+        """Of degree 1 with the force along the axes in the middle, whose shear is bending, too."""
+        if self.degree == 2:
+            return stress
+        a, b = frames[:, 0], frames[:, 1]
+        middle = lie.se3_retract(a, 0.5 * lie.se3_relative(a, b))
+        force = np.einsum("mij,mi->mj", b[:, 1:], ends[:, 1, :3])
+        along = np.einsum("mij,mj->mi", middle[:, 1:], force)
+        return np.concatenate([along, stress[:, 0, 3:]], axis=1)[:, np.newaxis]
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent of interpolated positions and directors."""
         mesh = nodal.function.function_space.mesh
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy
+        share: Array | None = None
         if self.degree == 1:
             if self.bending_flexibility:
+                section = cells.stiffness
                 # the mesh is straight from node to node
                 cells = flexible_cells(cells, cells.lengths[:, np.newaxis] * np.eye(1, 6))
+                share = bending_share(section, cells.stiffness)
             stretch, curvature, through = midpoint_strains(nodal)
             arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         else:
-            (stretch, curvature), through = director_strains(nodal), None
+            stretch, curvature, through = orthonormal_strains(nodal)
             slope = arc_derivative(nodal.position, mesh)
             arc = present_values(ufl.sqrt(ufl.dot(slope, slope)), mesh, points)
         strain = ufl.as_vector([*stretch, *curvature]) / arc
+        strain = strain - present_values(strain, mesh, points)
+        if share is not None:
+            shear = ufl.as_vector([strain[1], strain[2]])
+            strain = with_elongation(strain, shear, cellwise(mesh, share))
         stiffness = cellwise(mesh, cells.stiffness)
         energy = StrainEnergy(
-            strain=strain - present_values(strain, mesh, points) - cells.eigenstrain,
+            strain=strain - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": points}),
             weight=arc,

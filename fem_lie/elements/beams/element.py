@@ -11,6 +11,7 @@ from typing import ClassVar
 import basix.ufl
 import dolfinx
 import numpy as np
+import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
@@ -154,6 +155,18 @@ class Formulation(ABC):
             cells: What the cells are made of.
         """
 
+    def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
+        """Elastic force and moment in the axes of the section at the points of integration.
+
+        The default is the stress itself, where strains are those of sections.
+
+        Args:
+            stress: That does work on the element's own strains, shape (m, g, 6).
+            frames: Of the element's nodes, ends first, shape (m, k, 4, 3).
+            ends: Elastic force and moment at both ends, in the frames there, shape (m, 2, 6).
+        """
+        return stress
+
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """Constant matrix of (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, r, k, r).
 
@@ -222,6 +235,46 @@ def with_bending_flexibility(stiffness: Array, relative: Array) -> Array:
     """
     effective = _inverse(_of_the_mean(_inverse(stiffness), relative))
     return np.asarray(0.5 * (effective + _transposed(effective)))
+
+
+def bending_share(section: Array, effective: Array) -> Array:
+    """Share of the mean shear strain that is bending between the ends, shape (m, 2, 2).
+
+    With :func:`with_bending_flexibility` the mean shear ``Γ_t = (Γ₂, Γ₃)`` of an element is shear
+    of its sections and, by ``β = F Γ_t``, a deflection of its ends from its mean frame::
+
+        F = (C* − C) C*⁻¹,    C, C* the shear parts of both compliances.
+
+    Args:
+        section: Section stiffness of each cell, shape (m, 6, 6).
+        effective: The same with the bending flexibility.
+    """
+    C, total = (_inverse(D)[:, 1:3, 1:3] for D in (section, effective))
+    return np.asarray((total - C) @ np.linalg.inv(total))
+
+
+S_SHAPE = 3 / 5
+"""Elongation of an axis that bends as a cubic between its ends, over the square of ``β``.
+
+The cubic that is parallel to the mean frame at both ends and deflects by ``β`` per length has the
+slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``; half of the mean square of this is ``3/5 β²``.
+"""
+
+
+def with_elongation(strain: Expr, shear: Expr, share: Expr) -> Expr:
+    """Strain (6,) with the elongation of an axis that bends between the ends of its element.
+
+    Without it the projection of the axis would count as its length. Tension ``N`` would then soften
+    the mean shear by ``N``, as it does with true shear, and an element of length ``h`` would buckle
+    in tension at ``N = 12 EI/h²``, though it is bending that the mean shear stands for.
+
+    Args:
+        strain: Mean strain ``(Γ, κ)`` of the element, shape (6,).
+        shear: Mean shear ``Γ_t`` since the unloaded configuration, shape (2,).
+        share: ``F`` of :func:`bending_share`, shape (2, 2).
+    """
+    β = share * shear
+    return strain + ufl.as_vector([S_SHAPE * ufl.inner(β, β), 0, 0, 0, 0, 0])
 
 
 def flexible_cells(cells: CellData, relative: Array) -> CellData:

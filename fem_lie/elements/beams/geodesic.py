@@ -4,6 +4,9 @@ Flat coordinate: the relative motion ``d = log(H_A⁻¹ H_B)``, shape ``(6,)``; 
 ``ε = (d − d₀)/ℓ``, constant along the element; nothing locks at any slenderness. The map to the
 nodes is ``δd = [−T₆⁻¹(−d), T₆⁻¹(d)] (h_A, h_B)``. (Sonneville, Cardona & Brüls, CMAME 268
 (2014) 451.)
+
+With the residual bending flexibility, mean shear is, for the most part, bending between the ends.
+:func:`geodesic_strain` adds the two terms of second order that this has.
 """
 
 from __future__ import annotations
@@ -23,9 +26,11 @@ from fem_lie._jit.stack import stack
 from fem_lie.elements.beams.element import (
     CellData,
     Formulation,
+    bending_share,
     cellwise,
     flexible_cells,
     with_bending_flexibility,
+    with_elongation,
 )
 from fem_lie.elements.beams.geodesic_forces import force_kernel
 from fem_lie.forms.energy import Forces, StrainEnergy
@@ -122,17 +127,26 @@ class Geodesic(Formulation):
         """Energy, forces and tangent of the screw from end to end."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
+        section = cells.stiffness
+        share: Array = np.zeros((len(unloaded), 2, 2))
         if self.bending_flexibility:
             cells = flexible_cells(cells, unloaded)
-        d, d0, length, found = (
-            cellwise(mesh, a) for a in (unloaded, unloaded, cells.lengths, np.zeros(len(unloaded)))
+            share = bending_share(section, cells.stiffness)
+        d, d0, length, F, found = (
+            cellwise(mesh, a)
+            for a in (unloaded, unloaded, cells.lengths, share, np.zeros(len(unloaded)))
         )
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         D, eigenstrain = cellwise(mesh, cells.stiffness), cells.eigenstrain
-        energy = geodesic_energy(d, d0, length, D, mesh, eigenstrain, viscosity)
-        forces = Forces(force_kernel, [length, D, eigenstrain, d0, found], found)
+        energy = geodesic_energy(d, d0, length, D, mesh, eigenstrain, viscosity, F)
+        forces = Forces(force_kernel, [length, D, eigenstrain, d0, F, found], found)
         energy = replace(energy, forces=forces)
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
+
+    def mean_stress(self, stress: Array, frames: Array, ends: Array) -> Array:
+        """The mean along the element, ``T₆ᵀ(d) σ_B``, in axes that rotate with the geodesic."""
+        d = lie.se3_relative(frames[:, 0], frames[:, 1])
+        return np.einsum("mji,mj->mi", lie.se3_tangent(d), ends[:, 1])[:, np.newaxis]
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """That of :func:`smooth_inertia`, as accurate in waves as the stiffness is."""
@@ -212,6 +226,37 @@ def _difference_inertia(density: Array, stiffness: Array, lengths: Array) -> Arr
     return np.einsum("eik,ek,ejk->eij", axes, euler, axes)
 
 
+def geodesic_strain(d: Expr, d0: Expr, length: Expr, share: Expr) -> Expr:
+    """Mean strain of an element whose axis bends between its ends, shape (6,).
+
+    ``ε = (d − d₀)/ℓ``, with ``β = F Γ_t`` the part of the mean shear that is bending::
+
+        Γ₁ → Γ₁ + 3/5 |β|²,    Γ_t → Γ_t − (θ (θ·β) − θ₀ (θ₀·β))/60,    θ = (d₆, −d₅).
+
+    The first is the length of an axis that is no straight line, see
+    :func:`~fem_lie.elements.beams.element.with_elongation`. The second makes the bending
+    flexibility that of an arc with the present angle θ, to second order: where it bends within its
+    plane, ``12 EI/ℓ² (1 − θ²/30)`` whatever the section, as
+    :func:`~fem_lie.elements.beams.element.with_bending_flexibility` has it for unloaded arcs.
+
+    Args:
+        d: Relative motion, shape (6,).
+        d0: The same, unloaded.
+        length: Arc length ℓ of the unloaded element.
+        share: ``F`` of :func:`~fem_lie.elements.beams.element.bending_share`, shape (2, 2).
+    """
+    strain = (d - d0) / length
+    Γ = ufl.as_vector([strain[1], strain[2]])
+    arcs = sum(s * ufl.outer(θ, θ) for s, θ in ((-1 / 60, _bend(d)), (1 / 60, _bend(d0))))
+    change = arcs * (share * Γ)
+    return with_elongation(strain, Γ, share) + ufl.as_vector([0, *change, 0, 0, 0])
+
+
+def _bend(d: Expr) -> Expr:
+    """Deflections across the axis that bending by ``d`` causes, per length, times two, (2,)."""
+    return ufl.as_vector([d[5], -d[4]])
+
+
 def geodesic_energy(
     d: Expr,
     d0: Expr,
@@ -220,6 +265,7 @@ def geodesic_energy(
     domain: ufl.Mesh,
     eigenstrain: Expr | None = None,
     viscosity: Expr | None = None,
+    share: Expr | None = None,
 ) -> StrainEnergy:
     """``½ ε·Dε ℓ`` of every element, ``ε = (d − d₀)/ℓ − ε*``.
 
@@ -232,8 +278,9 @@ def geodesic_energy(
         domain: The line mesh.
         eigenstrain: ``ε*``, shape ``(6,)``; default: none.
         viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
+        share: Of the mean shear that is bending, see :func:`geodesic_strain`; default: none.
     """
-    strain = (d - d0) / length
+    strain = (d - d0) / length if share is None else geodesic_strain(d, d0, length, share)
     return StrainEnergy(
         strain=strain if eigenstrain is None else strain - eigenstrain,
         law=lambda strain: 0.5 * ufl.inner(strain, D * strain),

@@ -1,8 +1,9 @@
 """Forces and energy of the geodesic beam, by hand.
 
-With the strain ``ε = (d − d₀)/ℓ − ε*`` and the stress ``N = D ε`` the energy is ``½ ℓ ε·N``, and
-forces on the nodes are ``(−T₆⁻ᵀ(−d) N, T₆⁻ᵀ(d) N)``. Of ``T₆⁻ᵀ`` all but the cross products is
-even in ``d``: both nodes share one set of coefficients and one sum of even terms.
+With the strain ``ε(d) − ε*`` of :func:`~fem_lie.elements.beams.geodesic.geodesic_strain` and the
+stress ``σ = D (ε − ε*)`` the energy is ``½ ℓ (ε − ε*)·σ``. With ``N = ℓ (∂ε/∂d)ᵀ σ`` forces on the
+nodes are ``(−T₆⁻ᵀ(−d) N, T₆⁻ᵀ(d) N)``. Of ``T₆⁻ᵀ`` all but the cross products is even in ``d``:
+both nodes share one set of coefficients and one sum of even terms.
 
 That is what UFL and the element's map derive, which compute coefficients twice, and coordinates
 once more for the energy.
@@ -16,6 +17,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import callback, inlined
 from fem_lie._jit.stack import stack
+from fem_lie.elements.beams.element import S_SHAPE
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer
 from fem_lie.lie.series import inverse_coefficients
 from fem_lie.lie.tuples import (
@@ -30,24 +32,43 @@ from fem_lie.lie.tuples import (
     store,
 )
 
-_Y, _LENGTH, _D, _EIGENSTRAIN, _UNLOADED, _ENERGY = 24, 30, 31, 67, 73, 79
+_Y, _LENGTH, _D, _EIGENSTRAIN, _UNLOADED, _SHARE, _ENERGY = 24, 30, 31, 67, 73, 79, 83
 """Where numbers of a cell are, behind the rows of both nodes."""
-_SIZE = 80
+_SIZE = 84
+_ARC = 1 / 60  # see geodesic_strain
 
 
 @inlined
 def set_stress(data: Array, N: Array) -> float:
-    """Stress ``N`` (6,) of the relative motion in ``data``; returns the energy."""
-    e, inverse = numba.carray(stack(6), (6,)), 1.0 / data[_LENGTH]
+    """Forces ``N`` (6,) that do work on the relative motion in ``data``; returns the energy."""
+    e, length = numba.carray(stack(6), (6,)), data[_LENGTH]
+    d, d0 = data[_Y:_LENGTH], data[_UNLOADED:_SHARE]
     for i in range(6):
-        e[i] = (data[_Y + i] - data[_UNLOADED + i]) * inverse - data[_EIGENSTRAIN + i]
+        e[i] = (d[i] - d0[i]) / length
+    F22, F23, F32, F33 = data[_SHARE], data[_SHARE + 1], data[_SHARE + 2], data[_SHARE + 3]
+    β2, β3 = F22 * e[1] + F23 * e[2], F32 * e[1] + F33 * e[2]
+    # θ = (d[5], −d[4]) and θ₀, their components along β
+    p, p0 = d[5] * β2 - d[4] * β3, d0[5] * β2 - d0[4] * β3
+    e[0] += S_SHAPE * (β2 * β2 + β3 * β3)
+    e[1] -= _ARC * (d[5] * p - d0[5] * p0)
+    e[2] += _ARC * (d[4] * p - d0[4] * p0)
     work = 0.0
+    for i in range(6):
+        e[i] -= data[_EIGENSTRAIN + i]
     for i in range(6):
         N[i] = 0.0
         for j in range(6):
             N[i] += data[_D + 6 * i + j] * e[j]
         work += N[i] * e[i]
-    return 0.5 * data[_LENGTH] * work
+    # what does work on β and on θ
+    q, q0 = d[5] * N[1] - d[4] * N[2], d0[5] * N[1] - d0[4] * N[2]
+    m2 = 2.0 * S_SHAPE * N[0] * β2 - _ARC * (d[5] * q - d0[5] * q0)
+    m3 = 2.0 * S_SHAPE * N[0] * β3 + _ARC * (d[4] * q - d0[4] * q0)
+    N[4] += length * _ARC * (N[2] * p + β3 * q)
+    N[5] -= length * _ARC * (N[1] * p + β2 * q)
+    N[1] += F22 * m2 + F32 * m3
+    N[2] += F23 * m2 + F33 * m3
+    return 0.5 * length * work
 
 
 @inlined

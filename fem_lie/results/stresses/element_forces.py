@@ -26,7 +26,7 @@ class ElementForces:
     """The elements of a beam, each for itself; shapes as in :class:`~.beams.beam.Beam`."""
 
     def __init__(self, beam: Beam) -> None:
-        self._elements = beam.elements
+        self._elements, self._formulation = beam.elements, beam.formulation
         m, k = beam.elements.shape
         torn = copy(beam)
         torn.frames = beam.frames[beam.elements].reshape(m * k, 4, 3)
@@ -65,7 +65,7 @@ class ElementForces:
         return np.stack([-on_nodes[:, 0], on_nodes[:, 1]], axis=1)
 
     def of_strain(self, frames: Array) -> Array:
-        """Stress ``σ = D ε`` of the element at its points of integration, shape (m, g, 6).
+        """Elastic force and moment at the points of integration, shape (m, g, 6).
 
         Args:
             frames: Of the beam's nodes, shape (n, 4, 3).
@@ -81,7 +81,9 @@ class ElementForces:
         H[assembly.order] = frames[self._elements].reshape(-1, 4, 3)
         assembly.reset_stress(H)
         points = stress.function_space.dofmap.list[assembly.cell_order]
-        return np.asarray(stress.x.array.reshape(-1, 6)[points], dtype=np.float64)
+        values = np.asarray(stress.x.array.reshape(-1, 6)[points], dtype=np.float64)
+        nodes = frames[self._elements]
+        return self._formulation.mean_stress(values, nodes, self.at_ends(frames))
 
 
 def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:

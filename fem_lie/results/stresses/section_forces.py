@@ -168,11 +168,11 @@ class SectionForces:
         return np.asarray(np.einsum("tmik,tmikj->tmij", vectors, axes))
 
     def at_points(self, step: int = -1) -> Array:
-        """Elastic stress ``D ε`` at the points of integration, shape (m, g, 6).
+        """Elastic force and moment at the points of integration, shape (m, g, 6).
 
-        It does work on the element's own strains. In elements of two nodes it is the mean force and
-        moment of the element, in axes that turn with the section; it differs from :attr:`middle` by
-        a part of the order of the square of the angle between both ends.
+        In elements of two nodes it is the mean force and moment of the element, in axes that rotate
+        with the section; it differs from :attr:`middle` by a part of the order of the square of the
+        angle between both ends.
 
         Args:
             step: Which of the states here.

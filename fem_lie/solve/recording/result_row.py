@@ -24,7 +24,7 @@ from fem_lie.lie.kinds import inertia, push_all, shown_all
 from fem_lie.results.record import Record
 from fem_lie.solve.recording.row_tables import Given, Kept, given_of, kept_of
 from fem_lie.system.nodes.attachment import expand_motion
-from fem_lie.system.nodes.element_turns import nearest
+from fem_lie.system.nodes.element_turns import most_strained, nearest
 from fem_lie.system.nodes.sums import report_rates
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class ResultRow:
         nodes = known.kinds, known.leader, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
-        turns = known.limits, known.ends, known.whole
+        turns = known.limits, known.ends, known.whole, known.lengths, known.chords
         self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
         self.scene = self._fixed.table
 
@@ -245,7 +245,8 @@ def _fill(
             kept.impulses[row, 0, k] = booked[COLUMNS + k]
             kept.impulses[row, 1, k] = booked[COLUMNS + 6 + k]
     _, _, near = nearest(frames, given.ends, given.limits, given.whole)
-    return potential, springs, near
+    _, _, _, strained = most_strained(frames, given.ends, given.lengths, given.chords)
+    return potential, springs, near or strained
 
 
 @inlined

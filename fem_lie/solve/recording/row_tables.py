@@ -36,6 +36,8 @@ class Given(NamedTuple):
         limits: Turns that elements may make, (w,).
         ends: Nodes of these elements from end to end, (w, 3).
         whole: Whether whole frames turn, (w,).
+        lengths: Unloaded lengths of those that are judged by their strain, else zero, (w,).
+        chords: Unloaded chords along the mean axes of both ends, (w, 3).
         turning: Angular velocities of rates of directors, (n, 3, 3, 3).
         floating: Bodies that deform within their frames.
     """
@@ -53,6 +55,8 @@ class Given(NamedTuple):
     limits: Array
     ends: Indices
     whole: Indices
+    lengths: Array
+    chords: Array
     turning: Array
     floating: PlainFloating
 
@@ -104,8 +108,10 @@ def given_of(table: Indices) -> Given:
         numbers1(table, 14),
         integers2(table, 15),
         integers1(table, 16),
-        numbers4(table, 17),
-        (integers1(table, 18), numbers1(table, 19)),
+        numbers1(table, 17),
+        numbers2(table, 18),
+        numbers4(table, 19),
+        (integers1(table, 20), numbers1(table, 21)),
     )
 
 

@@ -164,6 +164,8 @@ class Tables(NamedTuple):
         limits: Turns that elements may make, (w,).
         ends: Nodes of these elements from end to end, (w, 3).
         whole: Whether whole frames turn, (w,).
+        lengths: Unloaded lengths of those that are judged by their strain, else zero, (w,).
+        chords: Unloaded chords along the mean axes of both ends, (w, 3).
         supported: Which unknowns of the nodes are held from outside, (n, 6).
         assemblies: Those of elements, with their part of all nodes.
         terms: All that adds forces.
@@ -196,6 +198,8 @@ class Tables(NamedTuple):
     limits: Array
     ends: Indices
     whole: Indices
+    lengths: Array
+    chords: Array
     supported: Flags
     assemblies: Sequence[tuple[slice, BodyTerm]]
     terms: Sequence[Term]
@@ -211,6 +215,7 @@ class Tables(NamedTuple):
     def of(cls, system: System) -> Tables:
         """Those of a system."""
         attachment, connections = system.numbering.attachment, system.connections
+        limits, ends, whole, lengths, chords = system.turns.elements
         rates = system.terms.rates
         all_felt = system.scene.redundant is not Redundant.MINIMUM_NORM or not system.m
         return cls(
@@ -226,7 +231,11 @@ class Tables(NamedTuple):
             connections.packed,
             connections.packed_probes,
             *connections.reported,
-            *system.turns.elements,
+            limits,
+            ends,
+            whole,
+            lengths,
+            chords,
             supported(system),
             system.numbering.assemblies,
             list(system.terms),

@@ -1,4 +1,4 @@
-"""How far elements turn from end to end, and how far they may.
+"""How far elements rotate and strain from end to end, and how far they may.
 
 Every element that is interpolated between nodes has a turn beyond which it folds: its bending
 moment has a maximum over the turn, and states beyond it, though in equilibrium, are no solutions of
@@ -7,9 +7,13 @@ the beam or shell. Logarithms of relative motions end at π.
 | element | turn |
 | --- | --- |
 | geodesic, directors of two nodes | π, where the rotation has two logarithms |
-| directors of three nodes | 1.5266: the node inside runs away to one end |
+| directors of three nodes | 2.7312: the node inside runs away to one end |
 | shells with two nodes along an edge | π/2: the moment goes with the sine; π if decoupled |
 | shells with three | 3.0: nearly π, where their directors are opposite |
+
+Beams and rods have a linear law of their section, and an axis that is nearly straight in the axes
+of their mean frame: they are judged by their axial strain (10 %) and by the angle between both
+(0.3 rad), too. Neither ends a run, as the element remains a continuous function of its nodes.
 """
 
 from __future__ import annotations
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering
 
 _NEAR, _SUSPECT = 0.9, 0.7  # of the limit
+_STRETCH, _SHEAR = 0.1, 0.3  # axial strain, angle between axis and mean frame in rad
 
 
 Found: TypeAlias = tuple[int, float, bool]
@@ -34,7 +39,7 @@ Found: TypeAlias = tuple[int, float, bool]
 
 
 class CoarseElementsWarning(UserWarning):
-    """Elements turn almost as far as they may: results are not to be trusted much farther."""
+    """Elements rotate almost as far as they may, or strain farther than their law is meant for."""
 
 
 class Turn(NamedTuple):
@@ -61,13 +66,44 @@ class Turn(NamedTuple):
         )
 
 
+class Strain(NamedTuple):
+    """The beam element that is strained most.
+
+    Attributes:
+        body: Label of its body.
+        element: Its number there.
+        stretch: Axial strain of its axis.
+        shear: Angle between its axis and its mean frame, rad.
+    """
+
+    body: str
+    element: int
+    stretch: float
+    shear: float
+
+    def __str__(self) -> str:
+        """What is wrong, and the remedy."""
+        if abs(self.stretch) / _STRETCH > self.shear / _SHEAR:
+            verb = "stretched" if self.stretch > 0 else "compressed"
+            return (
+                f"element {self.element} of {self.body} is {verb} by {abs(self.stretch):.0%}, and "
+                f"the law of its section is meant for less than {_STRETCH:.0%}: check units, "
+                "stiffness and loads, or take a Solid"
+            )
+        return (
+            f"the axis of element {self.element} of {self.body} leans by {self.shear:.2g} rad from "
+            f"its mean frame, by which elements are accurate below {_SHEAR:.2g}: use more elements"
+        )
+
+
 class ElementTurns:
-    """The turns of all elements of a scene; it warns of them once."""
+    """Rotations and strains of all elements of a scene; it warns of each once."""
 
     def __init__(self, numbering: Numbering) -> None:
         """Collect the elements of all bodies."""
         self._bodies: list[str] = []
         rows, numbers, limits, whole = [], [], [], []
+        lengths, frames = [], []
         for body, nodes in numbering.nodes.items():
             turning = body.turning()
             if turning is None:
@@ -76,6 +112,8 @@ class ElementTurns:
             rows.append(along[:, [0, -1, -1]] if along.shape[1] == 2 else along)
             limits.append(np.full(count, turning.limit))
             whole.append(np.full(count, int(turning.whole)))
+            lengths.append(np.zeros(count) if turning.lengths is None else turning.lengths)
+            frames.append(body.frames[turning.nodes[:, [0, -1]]])
             self._bodies += [body.label] * count
             numbers.append(turning.elements)
         none = np.empty(0, dtype=np.int64)
@@ -83,12 +121,19 @@ class ElementTurns:
         self._limits: Array = np.concatenate([np.empty(0), *limits])
         self._whole: Indices = np.concatenate([none, *whole])
         self._numbers: Indices = np.concatenate([none, *numbers])
-        self._any, self._warned = bool(rows), False
+        self._lengths: Array = np.concatenate([np.empty(0), *lengths])
+        ends: Array = np.concatenate([np.empty((0, 2, 4, 3)), *frames])
+        self._chords = 0.5 * np.einsum("wnkj,wj->wk", ends[:, :, 1:], ends[:, 1, 0] - ends[:, 0, 0])
+        self._any, self._warned, self._warned_of_strain = bool(rows), False, False
 
     @property
-    def elements(self) -> tuple[Array, Indices, Indices]:
-        """Limits (w,), nodes from end to end (w, 3), and whether whole frames turn (w,)."""
-        return self._limits, self._nodes, self._whole
+    def elements(self) -> tuple[Array, Indices, Indices, Array, Array]:
+        """Limits (w,), nodes from end to end (w, 3), and whether whole frames turn (w,).
+
+        Then lengths (w,), zero for what is not judged by its strain, and unloaded chords along the
+        mean axes of both ends (w, 3).
+        """
+        return self._limits, self._nodes, self._whole, self._lengths, self._chords
 
     def largest(self, frames: Array) -> Turn | None:
         """The element nearest to its limit at frames of all nodes, (n, 4, 3); none if none turn."""
@@ -117,15 +162,67 @@ class ElementTurns:
         Raises:
             FoldedElementError: An element is beyond it.
         """
+        state = when if isinstance(when, str) else f"at time {when:g}"
+        self._check_strain(frames, state)
         row, angle, near = nearest(frames, self._nodes, self._limits, self._whole)
         if not near:
             return
-        turn, state = self._turn(row, angle), when if isinstance(when, str) else f"at time {when:g}"
+        turn = self._turn(row, angle)
         if turn.angle > turn.limit:
             raise FoldedElementError(f"{state} {turn}")
         if not self._warned:
             self._warned = True
             warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
+
+    def _check_strain(self, frames: Array, state: str) -> None:
+        """Warn, once, of the element that is strained most, if that is beyond its law."""
+        found = most_strained(frames, self._nodes, self._lengths, self._chords)
+        row, stretch, shear, excessive = found
+        if excessive and not self._warned_of_strain:
+            self._warned_of_strain = True
+            strain = Strain(self._bodies[row], int(self._numbers[row]), stretch, shear)
+            warnings.warn(f"{state} {strain}", CoarseElementsWarning, stacklevel=2)
+
+
+@uncounted
+def most_strained(
+    H: Array, nodes: Indices, lengths: Array, chords: Array
+) -> tuple[int, float, float, bool]:
+    """Row that is strained most, its axial strain and shear angle, and whether these are too large.
+
+    An axis is at least as long as its chord, and hardly longer than the arc that has this chord and
+    the angle between both ends: a stretch is that of the chord, a compression that of the arc.
+
+    Args:
+        H: Frames of all nodes, (N, 4, 3).
+        nodes: From end to end, (w, 3).
+        lengths: Unloaded arc lengths, zero for rows that are not judged, (w,).
+        chords: Unloaded, along the mean axes of both ends, (w, 3).
+    """
+    worst, row, most, angle = 0.0, 0, 0.0, 0.0
+    for w in range(nodes.shape[0]):
+        if lengths[w] == 0.0:
+            continue
+        a, b = nodes[w, 0], nodes[w, 2]
+        square, cosine, across = 0.0, -1.0, 0.0
+        for k in range(3):
+            along = 0.0
+            for j in range(3):
+                c = H[b, 0, j] - H[a, 0, j]
+                along += 0.5 * (H[a, 1 + k, j] + H[b, 1 + k, j]) * c
+                cosine += H[a, 1 + k, j] * H[b, 1 + k, j]
+            square += (H[b, 0, k] - H[a, 0, k]) ** 2
+            across += (along - chords[w, k]) ** 2 if k > 0 else 0.0
+        stretch = np.sqrt(square) / lengths[w] - 1.0
+        if stretch < 0.0:
+            half = 0.5 * np.arccos(min(1.0, max(-1.0, 0.5 * cosine)))
+            arc = half / np.sin(half) if half > 1e-4 else 1.0
+            stretch = min(0.0, (stretch + 1.0) * arc - 1.0)
+        shear = np.sqrt(across) / lengths[w]
+        size = max(abs(stretch) / _STRETCH, shear / _SHEAR)
+        if size > worst:
+            worst, row, most, angle = size, w, stretch, shear
+    return row, most, angle, worst > 1.0
 
 
 @uncounted

@@ -1,0 +1,138 @@
+"""Beams whose axial force is large beside the bending stiffness of their elements."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from benchmarks import coarse_beams
+from benchmarks.coarse_beams import line
+
+STEEL = fl.Material(2.1e11, 0.3, 7800.0)
+ELEMENTS = {"geodesic": fl.Geodesic(), "director 1": fl.Director(1), "director 2": fl.Director(2)}
+
+
+@pytest.fixture(params=ELEMENTS.values(), ids=ELEMENTS)
+def element(request):
+    return request.param
+
+
+@pytest.mark.parametrize("cells", [16, 32])
+def test_tensioned_wire_deflects_and_vibrates_as_its_closed_form(element, cells):
+    """The deflection was 54 % too large with 20 elements, unstable, and the frequency 17 % low."""
+    deflection, frequency = coarse_beams.wire(cells, element)
+    assert abs(deflection) <= 0.025
+    assert abs(frequency) <= 0.01
+
+
+@pytest.mark.parametrize("times", [1.0, 1e2, 1e4])
+def test_no_tension_makes_elements_unstable(element, times):
+    """They lost their stability at 12 EI/h² and 24 EI/h²."""
+    section, cells = fl.Section.circle(0.0005, STEEL), 4
+    limit = 12 * section.stiffness[4, 4] * cells**2
+    for tension in (0.5 * limit * times, 2.0 * limit * times):
+        if tension > 0.02 * section.stiffness[0, 0]:
+            continue
+        wire, scene = line((0, 0, 0), (1, 0, 0), section, cells, element), fl.Scene()
+        scene.add(wire)
+        scene.add(fl.Clamp(wire.start))
+        scene.add(fl.PointLoad(wire.end, (tension, 0, 0)))
+        assert fl.statics(scene).stable[-1]
+
+
+@pytest.mark.parametrize("cells", [2, 4, 8, 16])
+def test_pulled_column_does_not_buckle_by_its_mesh(element, cells):
+    """Factors were 417, 1526, 5748, 19 727 times Euler's load; tension beyond the shear stiffness,
+    where the sections of any shear beam tip over, is far beyond all linear laws."""
+    section = fl.Section.circle(0.01, STEEL)
+    column, scene = line((0, 0, 0), (1, 0, 0), section, cells, element), fl.Scene()
+    scene.add(column)
+    scene.add(fl.Clamp(column.start))
+    scene.add(fl.PointLoad(column.end, (section.stiffness[1, 1], 0, 0)))
+    with suppress(fl.ConvergenceError, ValueError):  # there is none
+        assert fl.buckling(scene, 1).factors[0] >= 0.5
+
+
+def heavy_bar(cells, element):
+    """Position of the tip, and the longest chord over its unloaded length."""
+    scene, section = fl.Scene(gravity=(0, 0, -9.81)), fl.Section.rectangle(0.02, 0.02, STEEL)
+    bar = scene.add(line((0, 0, 0), (30, 0, 0), section, cells, element))
+    scene.add(fl.Clamp(bar.start))
+    result = fl.statics(scene)
+    x = np.array([result.position(bar.node(k))[-1] for k in range(cells + 1)])
+    return x[-1], np.linalg.norm(np.diff(x, axis=0), axis=1).max() / (30 / cells)
+
+
+@pytest.mark.parametrize("cells", [8, 16])
+def test_heavy_bar_keeps_its_length(element, cells):
+    """A clamped bar of 30 m hangs down, against 256 rod elements."""
+    tip, chord = heavy_bar(cells, element)
+    assert chord <= 1.001
+    assert np.linalg.norm(tip - (2.61142, 0.0, -28.94141)) <= 0.02 * 30
+
+
+def test_heavy_bar_of_four_elements_is_named_as_coarse():
+    """Its chords were stretched by 42 % without a word."""
+    with pytest.warns(fl.CoarseElementsWarning, match="leans by .* use more elements"):
+        tip, chord = heavy_bar(4, fl.Geodesic())
+    assert chord <= 1.001
+    assert np.linalg.norm(tip - (2.61142, 0.0, -28.94141)) <= 0.005 * 30
+
+
+def test_spinning_strip_has_the_frequencies_of_a_tensioned_one(element):
+    """75.4 instead of 105.2 rad/s with ten elements."""
+    found = coarse_beams.spinning(10, element)
+    np.testing.assert_allclose(found, (105.193, 258.029), rtol=0.01)
+
+
+def test_mean_shear_that_is_bending_does_not_depend_on_the_axes_of_the_section(element):
+    """A strip under tension and a force across, its section turned by 30° in the beam's frame."""
+    tips = []
+    for angle in (0.0, np.pi / 6):
+        up = (0.0, -np.sin(angle), np.cos(angle))
+        section = fl.Section.rectangle(0.02, 0.004, STEEL).rotated(-angle)
+        strip, scene = line((0, 0, 0), (1, 0, 0), section, 6, element, up=up), fl.Scene()
+        scene.add(strip)
+        scene.add(fl.Clamp(strip.start))
+        scene.add(fl.PointLoad(strip.end, (2e4, 50.0, 30.0)))
+        tips.append(fl.statics(scene).position(strip.end)[-1])
+    np.testing.assert_allclose(tips[1], tips[0], atol=1e-9)
+
+
+def test_absurd_strains_are_named():
+    """12 orders of magnitude too large a load stretches a bar, which is stable all the same."""
+    bar, scene = (
+        fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, STEEL), cells=4),
+        fl.Scene(),
+    )
+    scene.add(bar)
+    scene.add(fl.Clamp(bar.start))
+    scene.add(fl.PointLoad(bar.end, (1e7, 0, 0)))
+    with pytest.warns(fl.CoarseElementsWarning, match="is stretched by 15%"):
+        fl.statics(scene)
+
+
+def test_axis_that_leans_from_its_element_is_named():
+    """A strip of two elements under a force across, a hundred times its stiffness."""
+    section = fl.Section.rectangle(0.02, 0.001, STEEL)
+    strip, scene = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2), fl.Scene()
+    scene.add(strip)
+    scene.add(fl.Clamp(strip.start))
+    scene.add(fl.PointLoad(strip.end, (0, 0, 100 * section.stiffness[4, 4])))
+    with pytest.warns(fl.CoarseElementsWarning, match="use more elements"):
+        fl.statics(scene)
+
+
+def test_rigid_motion_and_pure_bending_are_not_coarse():
+    """No warning, which tests make an error: two elements that bend by 1.2 rad each, anywhere."""
+    section = fl.Section.circle(0.01, STEEL)
+    bar, scene = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2), fl.Scene()
+    scene.add(bar)
+    scene.add(fl.Clamp(bar.start))
+    bar.turn((0.3, 0.2, -2.0), about=(0, 0, 0))
+    moment = bar.frames[0][1:].T @ (0, 0, 2.4 * section.stiffness[5, 5])
+    scene.add(fl.PointLoad(bar.end, moment=moment))
+    fl.statics(scene, load_steps=4)
