@@ -19,7 +19,16 @@ from fem_lie.linear.equilibrated import (
 )
 from fem_lie.linear.factors import Solution, addresses
 from fem_lie.linear.low_rank import Columns
-from fem_lie.linear.packages import CHAINS, DEFAULTS, NEGATIVE, ON_RANKS, RESCUES, Method
+from fem_lie.linear.packages import (
+    CHAINS,
+    DEFAULTS,
+    DIAGNOSIS,
+    NEGATIVE,
+    ON_RANKS,
+    RESCUES,
+    Method,
+    lacks_memory,
+)
 from fem_lie.ranks.shared_factors import SharedMatrix, shared
 from fem_lie.ranks.subdomains import Subdomains
 
@@ -114,6 +123,7 @@ class DirectSolver:
 
         Raises:
             SingularMatrixError: It cannot be factorised.
+            MemoryError: There is not enough memory for the factors.
         """
         # packages that met what is not finite fail on all that comes after
         self._own.take()
@@ -130,20 +140,37 @@ class DirectSolver:
         self._checked, self._refines, self._by_call = False, 0, None
         self.columns.forget()
         for tried, method in enumerate(self._methods):
-            self._ksp = self._solver(method)
-            self._ksp.setOperators(self._matrix)
-            try:
-                self._ksp.setUp()
-            except (PETSc.Error, ArithmeticError) as error:
-                _log.info("%s cannot factorise the matrix: %s", method, error)
-                # a factorisation that failed half-way is not used again
-                del self._solvers[method]
-                failure = error
-                continue
-            # what was indefinite once will be so again, and each failure costs a factorisation
-            self._methods = self._methods[tried:]
-            return
+            failure = self._failure(method)
+            if failure is None:
+                # what was indefinite once will be so again, and each failure costs a factorisation
+                self._methods, self._ksp = self._methods[tried:], self._solver(method)
+                return
+        if method.package == "klu":
+            failure = self._failure(DIAGNOSIS) or failure
+        if isinstance(failure, MemoryError):
+            raise failure
         raise SingularMatrixError("the matrix is singular") from failure
+
+    def _failure(self, method: Method) -> Exception | None:
+        """Factorise by a method; why it cannot, or ``None``."""
+        ksp, raised = self._solver(method), None
+        ksp.setOperators(self._matrix)
+        try:
+            ksp.setUp()
+        except (PETSc.Error, ArithmeticError, MemoryError) as error:
+            raised = error
+        failure: Exception | None = raised
+        if lacks_memory(method.factorising(ksp.getPC()), raised):
+            failure = MemoryError(
+                f"not enough memory to factorise the matrix of {len(self._own.left)} unknowns by "
+                f"{method.package}: give the process more, or the scene fewer elements"
+            )
+            failure.__cause__ = raised
+        if failure is not None:
+            _log.info("%s cannot factorise the matrix: %s", method, failure)
+            # a factorisation that failed is not used again
+            del self._solvers[method]
+        return failure
 
     def refresh(self) -> None:
         """Factorise because the border has changed; errors as :meth:`factorise`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -38,6 +39,10 @@ class Method:
         pc.setType(self.kind)
         pc.setFactorSolverType(self.package)
 
+    def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
+        """What of ``pc`` has the factors of the package, if there are any."""
+        return pc
+
 
 class Alone(Method):
     """One that takes a rank less time by itself than MUMPS on several, as there is little fill."""
@@ -52,6 +57,10 @@ class ByChains(Alone):
         """See the base class."""
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(Condensed(kkt, own, self.package))
+
+    def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
+        """See the base class."""
+        return pc.getPythonContext().factorising
 
 
 class Domains(Alone):
@@ -70,6 +79,10 @@ class Domains(Alone):
         assert kkt.part is not None
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(Interface(kkt.part, own, pc.getOptionsPrefix() or "", self.kind))
+
+    def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
+        """See the base class; subdomains say themselves what they lack."""
+        return None
 
 
 CHAINS = (Alone("lu", "klu"),)
@@ -112,3 +125,33 @@ ON_RANKS = ("mumps",)
 
 NEGATIVE = 12
 """MUMPS' INFOG of the number of negative pivots."""
+
+_FACTORS = PETSc.PC.Type.LU, PETSc.PC.Type.CHOLESKY
+_NO_MEMORY = 55  # PETSc's number of the error
+_STATUS = 1  # MUMPS' INFOG of what went wrong
+_MUMPS_MEMORY = {-5, -7, -8, -9, -11, -13, -14, -15, -19}  # too little, or not to be had
+_TEXTS = {"umfpack": "umfpack_", "cholmod": r"CHOLMOD .* with status -[23]\b"}
+"""What PETSc says where a package lacks memory: umfpack factorises singular matrices, too, and
+other errors are those of its arguments; statuses of cholmod are out of memory and too large."""
+
+DIAGNOSIS = Method("lu", "mumps")
+"""What says why a package failed that does not say it itself: KLU."""
+
+
+def lacks_memory(factorising: PETSc.PC | None, error: Exception | None) -> bool:
+    """Whether a factorisation failed for want of memory.
+
+    Args:
+        factorising: Has the factors; PETSc itself raises nothing for MUMPS.
+        error: What was raised, if anything.
+    """
+    if isinstance(error, MemoryError) or getattr(error, "ierr", None) == _NO_MEMORY:
+        return True
+    if factorising is None or factorising.getType() not in _FACTORS:
+        return False
+    package = factorising.getFactorSolverType()
+    if package == "mumps":
+        return int(factorising.getFactorMatrix().getMumpsInfog(_STATUS)) in _MUMPS_MEMORY
+    if error is not None:
+        return package in _TEXTS and re.search(_TEXTS[package], str(error)) is not None
+    return bool(factorising.getFailedReason() == PETSc.PC.FailedReason.FACTOR_OUTMEMORY)

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 import scipy.sparse as sp
 
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import NEGATIVE
+from fem_lie.linear.packages import NEGATIVE, lacks_memory
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
 _ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant
@@ -29,6 +29,7 @@ def inertia(A: sp.csr_matrix) -> tuple[int, int]:
 
     Raises:
         SingularMatrixError: It cannot be factorised.
+        MemoryError: There is not enough memory for the factors.
     """
     factors = _factors(A, PETSc.PC.Type.CHOLESKY, _NULL)
     return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))
@@ -39,6 +40,7 @@ def negative_determinant(A: sp.csr_matrix) -> bool:
 
     Raises:
         SingularMatrixError: It cannot be factorised.
+        MemoryError: There is not enough memory for the factors.
     """
     factors = _factors(A, PETSc.PC.Type.LU, _DETERMINANT)
     return bool(factors.getMumpsRinfog(_MANTISSA) < 0.0)
@@ -60,4 +62,6 @@ def _factors(A: sp.csr_matrix, kind: str, option: int) -> PETSc.Mat:
         pc.setUp()
     except PETSc.Error as error:
         raise SingularMatrixError("the matrix is singular or not finite") from error
+    if lacks_memory(pc, None):
+        raise MemoryError(f"not enough memory to factorise the matrix of {A.shape[0]} unknowns")
     return pc.getFactorMatrix()

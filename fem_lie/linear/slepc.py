@@ -13,6 +13,7 @@ from slepc4py import SLEPc
 
 from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.packages import lacks_memory
 
 Complex = npt.NDArray[np.complex128]
 
@@ -38,6 +39,7 @@ def set_up(solver: Any, wanted: int, kind: Any, prefix: str) -> None:
 
     Raises:
         ConvergenceError: SLEPc fails.
+        MemoryError: There is not enough memory for the factors.
     """
     solver.setOptionsPrefix(prefix)
     solver.setWhichEigenpairs(kind.Which.TARGET_MAGNITUDE)
@@ -65,6 +67,11 @@ def solve_factorised(solver: Any, prefix: str) -> None:
         with slepc_errors():
             solver.solve()
     except PETSc.Error as error:
+        if lacks_memory(linear.getPC(), error):
+            size = linear.getOperators()[0].size[0]
+            raise MemoryError(
+                f"not enough memory to factorise the matrix of {size} unknowns"
+            ) from error
         raise ConvergenceError(
             f"SLEPc failed (PETSc error {error.ierr}): the matrix may be singular; see its "
             f"options under the prefix {prefix!r}"

@@ -111,6 +111,11 @@ class Condensed:
         self._ksp.setOperators(self._matrix)
         self._ksp.setUp()
 
+    @property
+    def factorising(self) -> PETSc.PC | None:
+        """What has the factors of the rest, if there is one."""
+        return None if self._ksp is None else self._ksp.getPC()
+
     def _eliminate(self) -> None:
         """Make factors of the chains, unless they are there: constraints do not touch them."""
         if not len(self._plan.order):

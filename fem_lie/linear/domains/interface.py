@@ -129,8 +129,8 @@ class Interface:
         """Eliminate, and make the preconditioner of what is left.
 
         Raises:
-            ArithmeticError: The inside of a domain is singular.
-            PETSc.Error: The interface is.
+            MemoryError: Memory for the factors of a domain is lacking; on all ranks.
+            PETSc.Error: The interface is singular.
         """
         meet("subdomains")
         S = self._eliminated()
@@ -169,7 +169,7 @@ class Interface:
         self._fro = K[count:][:, :count].tocsr()
         direct = _factorised(inside.tocsr())
         if MPI.COMM_WORLD.allreduce(direct is None, op=MPI.LOR) or direct is None:
-            raise ArithmeticError("the inside of a subdomain is singular")
+            raise MemoryError("not enough memory to factorise the inside of a subdomain")
         self._direct = direct
         self._y, self._z = self._direct.getOperators()[0].createVecs()
         S: Array = K[count:][:, count:].toarray()
@@ -284,7 +284,10 @@ def _positive(S: Array, softest: float) -> Array:
 
 
 def _factorised(inside: sp.csr_matrix) -> PETSc.KSP | None:
-    """The inside of a domain, with its joints; ``None`` if it is singular."""
+    """The inside of a domain, with its joints; ``None`` if there is not enough memory.
+
+    umfpack factorises singular matrices, too: a solution then has a residual.
+    """
     pattern = inside.indptr.astype(PETSc.IntType), inside.indices.astype(PETSc.IntType)
     matrix = PETSc.Mat().createAIJ(inside.shape, csr=(*pattern, inside.data), comm=PETSc.COMM_SELF)
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)

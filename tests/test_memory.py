@@ -1,0 +1,117 @@
+"""A factorisation that lacks memory says so, and not that the matrix is singular."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from petsc4py import PETSc
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import fem_lie as fl
+from demos.hemisphere import pinched, quarter
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.packages import Method
+from fem_lie.linear.pivots import inertia
+from fem_lie.solve.statics.follow import SceneEquilibrium
+
+ROOT = Path(__file__).parents[1]
+
+LITTLE = """
+import resource
+from demos.hemisphere import pinched, quarter
+import fem_lie as fl
+from fem_lie.linear.direct import DirectSolver
+from fem_lie.linear.packages import Method
+from fem_lie.solve.statics.follow import SceneEquilibrium
+
+model = SceneEquilibrium(pinched(0.04, quarter(32), fl.HellingerReissner()), "test_")
+solver = DirectSolver(model.equations.system.kkt, "test_little_", [Method("{kind}", "{package}")])
+with open("/proc/self/status") as status:
+    kilobytes = next(int(line.split()[1]) for line in status if line.startswith("VmSize"))
+limit = 1024 * kilobytes + {room}
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+try:
+    solver.factorise()
+except MemoryError as error:
+    print("lacks memory:", error)
+else:
+    print("enough")
+"""
+
+
+@pytest.mark.parametrize(("room", "said"), [(4_000_000, "lacks memory: "), (2**32, "enough")])
+@pytest.mark.parametrize(
+    ("kind", "package"),
+    [("lu", "umfpack"), ("lu", "klu"), ("lu", "mumps"), ("cholesky", "cholmod")],
+)
+def test_a_package_that_gets_no_memory_says_so(kind, package, room, said):
+    script = LITTLE.format(kind=kind, package=package, room=room)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert said in done.stdout, done.stdout + done.stderr
+
+
+@pytest.fixture
+def little_for_mumps():
+    """Options of PETSc by which MUMPS may use one megabyte."""
+    names = [
+        "mat_mumps_icntl_23",
+        "test_memory_mat_mumps_icntl_23",
+        "test_memory_st_mat_mumps_icntl_23",
+    ]
+    options = PETSc.Options()
+    for name in names:
+        options[name] = 1
+    yield
+    for name in names:
+        del options[name]
+
+
+def solver(cells, method):
+    model = SceneEquilibrium(pinched(0.04, quarter(cells), fl.HellingerReissner()), "test_")
+    return DirectSolver(model.equations.system.kkt, "test_memory_", [method])
+
+
+@pytest.mark.parametrize("kind", ["lu", "cholesky"])
+def test_a_limit_of_mumps_is_no_singular_matrix(little_for_mumps, kind):
+    with pytest.raises(MemoryError, match=r"the matrix of \d+ unknowns by mumps"):
+        solver(24, Method(kind, "mumps")).factorise()
+
+
+def laplacian(n):
+    """Of a cube of n³ points; its factors take some megabytes."""
+    A, one = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n)), sp.eye(n)
+    plane = sp.kron(A, one) + sp.kron(one, A)
+    return sp.csr_matrix(sp.kron(plane, one) + sp.kron(sp.kron(one, one), A))
+
+
+def test_pivots_are_not_counted_without_memory(little_for_mumps):
+    with pytest.raises(MemoryError, match="the matrix of 8000 unknowns"):
+        inertia(laplacian(20))
+
+
+def test_eigenvalues_without_memory_say_so(little_for_mumps):
+    from slepc4py import SLEPc
+
+    from fem_lie.linear.slepc import set_up, to_petsc
+
+    eigen = SLEPc.EPS().create(PETSc.COMM_SELF)
+    eigen.setOperators(to_petsc(laplacian(20)))
+    eigen.setTarget(0.0)
+    with pytest.raises(MemoryError, match="the matrix of 8000 unknowns"):
+        set_up(eigen, 2, SLEPc.EPS, "test_memory_")
+
+
+def test_a_singular_matrix_is_still_called_so():
+    made = solver(4, Method("lu", "klu"))
+    made._kkt.csr[0][:] = 0.0
+    made._kkt.matrix.assemble()
+    with pytest.raises((SingularMatrixError, FloatingPointError, ValueError)):
+        made.factorise()
+        made.right_hand_side[:] = np.ones(len(made.solution))
+        made.solve()
