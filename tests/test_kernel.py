@@ -462,6 +462,23 @@ def test_local_fields_with_strain_energy(frames):
         local_frame_forms(models.director_energy(frames), frames, models.cellwise(mesh, D[:2]))
 
 
+@pytest.mark.parametrize(
+    ("family", "degree"), [("Lagrange", 1), ("Lagrange", 2), ("Bubble", 2), ("DG", 0), ("DG", 1)]
+)
+def test_local_fields_are_refused_if_cells_share_them(frames, family, degree):
+    """What is eliminated cell by cell must have no values at the ends of the cells."""
+    mesh = frames.function.function_space.mesh
+    element = basix.ufl.element(family, "interval", degree, shape=(6,))
+    local = fem.Function(fem.functionspace(mesh, element))
+    strain = models.director_energy(frames).strain
+    energy = (ufl.inner(local, strain) - 0.5 * ufl.inner(local, local)) * models.measure(mesh, 3)
+    if family == "Lagrange":
+        with pytest.raises(ValueError, match="must be discontinuous between cells"):
+            local_frame_forms(energy, frames, local)
+    else:
+        assert local_frame_forms(energy, frames, local).local is local
+
+
 def test_frames_need_a_mesh_in_space():
     mesh = dolfinx.mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
     with pytest.raises(ValueError, match="gdim 3, got gdim 2"):

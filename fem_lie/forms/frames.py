@@ -160,6 +160,9 @@ def local_frame_forms(
     Args:
         energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or strain and law.
         q: The nodal frames; see :class:`NodalFrames` for branching meshes on several processes.
-        local: Element-local fields of ``W``, condensed in the kernel.
+        local: Element-local fields of ``W``, discontinuous between cells, condensed in the kernel.
+
+    Raises:
+        ValueError: ``local`` is continuous between cells; see also :class:`LocalFrameForms`.
     """
     return LocalFrameForms(energy, q.function, q.increment, DIRECTORS, local=local)

@@ -90,15 +90,18 @@ class LocalFrameForms:
             increment: Function on the space of the local-frame unknowns.
             frame_map: How ``coordinates`` move with the nodes.
             coordinates: ``y``, if the map computes it from the state; otherwise it is the state.
-            local: Element-local fields ``s`` (a DG function), condensed and carried. The second
-                derivative of ``W`` in ``s`` must be regular.
+            local: Element-local fields ``s`` (a discontinuous function), condensed and carried. The
+                second derivative of ``W`` in ``s`` must be regular.
 
         Raises:
-            ValueError: The measure has no quadrature degree, the energy has no or several cell
+            ValueError: The local fields are continuous between cells, the measure has no quadrature
+                degree, the energy has no or several cell
                 integrals or does not depend on ``y``, both strain-and-law and local fields are
                 given, or the functions do not fit the map.
         """
         _check_spaces(state, increment, frame_map, coordinates)
+        if local is not None:
+            _check_local(local)
         self.increment, self.local = increment, local
         self.stress: fem.Function | None = None
         y = state if coordinates is None else coordinates
@@ -232,6 +235,18 @@ class LocalFrameForms:
         elif self.local is not None:
             fem.assemble_vector(self.local.x.array, self._carry)
             self.local.x.scatter_forward()
+
+
+def _check_local(local: fem.Function) -> None:
+    """Refuse fields that cells share: they cannot be eliminated cell by cell."""
+    space = local.function_space
+    layout, dim = space.dofmap.dof_layout, space.mesh.topology.dim
+    if any(layout.num_entity_dofs(below) for below in range(dim)):
+        raise ValueError(
+            "local fields must be discontinuous between cells, such as DG, as they are eliminated "
+            f"cell by cell, got {space.ufl_element()}; a field that cells share is one of the "
+            "unknowns of the whole problem"
+        )
 
 
 def _check_spaces(
