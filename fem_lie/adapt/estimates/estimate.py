@@ -63,7 +63,7 @@ class ErrorEstimate(ABC):
         for kind, way in self.ways().items():
             if isinstance(body, kind):
                 return way(result, body, scene, chosen)
-        raise AssertionError("steps_of refuses other bodies")
+        raise AssertionError("other bodies are refused before")
 
 
 def steps_of(

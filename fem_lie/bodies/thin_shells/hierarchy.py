@@ -138,7 +138,7 @@ def spline_mesh(
         TypeError: An argument is of another kind than wanted.
     """
     if isinstance(patches, SplineMesh):
-        raise TypeError("spline_mesh: patches must be SmoothPatches, got a SplineMesh")
+        raise TypeError("spline_mesh: patches must be a list of SmoothPatch, got a SplineMesh")
     surface = surface_of(patches, joined, (), "spline_mesh")
     _check_edges(surface.corners, len(surface.rows))
     m = len(surface.corners)

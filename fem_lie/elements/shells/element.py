@@ -199,7 +199,7 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
         ValueError: The cells have a bubble.
     """
     if cells.has_bubble:
-        raise ValueError("cells with a bubble need a mixed element: use hellinger_reissner")
+        raise ValueError("cells with a bubble need a mixed element: use fl.HellingerReissner()")
     if cells.drilling is None:
         return cells.forms(StrainEnergy(cells.strain, law, cells.dx))
     strains = ufl.as_vector([*cells.strain, cells.drilling])
