@@ -53,14 +53,20 @@ def diameter(points: Array) -> float:
         found, start = float(away.max()), points[away.argmax()]
 
 
+MOST = 2**31 - 1
+"""Largest count: DOLFINx and PETSc have indices of 32 bits."""
+
+
 def whole_number(cells: int) -> int:
-    """``cells`` as a number of at least 1, or ``ValueError``."""
+    """``cells`` as a number from 1 to :data:`MOST`, or ``ValueError``."""
     try:
         number = 0 if isinstance(cells, bool) else operator.index(cells)
     except TypeError:
         number = 0
     if number < 1:
         raise ValueError(f"cells must be a whole number of at least 1, got {cells!r}")
+    if number > MOST:
+        raise ValueError(f"cells must be at most {MOST}, got {cells!r}")
     return number
 
 
@@ -200,16 +206,18 @@ def choice(value: object, kind: type[Chosen], what: str) -> Chosen:
 
 
 def whole(value: object, what: str, least: int = 1) -> int:
-    """``value`` as a whole number of at least ``least``.
+    """``value`` as a whole number from ``least`` to :data:`MOST`.
 
     Raises:
-        ValueError: It is less.
+        ValueError: It is less or more.
         TypeError: It is no whole number.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise TypeError(f"{what} must be a whole number, got {shown(value)}")
     if value < least:
         raise ValueError(f"{what} must be at least {least}, got {value}")
+    if value > MOST:
+        raise ValueError(f"{what} must be at most {MOST}, got {value}")
     return int(value)
 
 

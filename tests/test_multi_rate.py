@@ -79,7 +79,7 @@ def test_bad_input():
     span = {"duration": 1e-3, "step": 1e-3}
     with pytest.raises(ValueError, match="stranger has steps of its own and is not in the scene"):
         fl.MultiRate({stranger: 10}).run(scene, **span)
-    with pytest.raises(ValueError, match=r"one step of .* or more in a whole one, got 0"):
+    with pytest.raises(ValueError, match=r"MultiRate: steps of .* must be at least 1, got 0"):
         fl.MultiRate({two: 0})
     with pytest.raises(ValueError, match="wanted EnergyMomentum"):
         fl.MultiRate({two: 2}, fl.EnergyDecaying())

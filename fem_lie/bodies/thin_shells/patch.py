@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, instance, vector
+from fem_lie._arrays import Array, instance, vector, whole
 
 Surface = Callable[[float, float], npt.ArrayLike]
 """A place (3,) for parameters (a, b) between 0 and 1, smooth."""
@@ -64,9 +64,7 @@ def grid(
     """
     instance(function, Callable, f"{what}: function", "a function of (a, b)")
     for name, count in zip("ab", cells, strict=True):
-        instance(count, int | np.integer, f"{what}: cells along {name}", "whole")
-        if count < 1:
-            raise ValueError(f"{what} needs at least one cell along {name}, got {count}")
+        whole(count, f"{what}: cells along {name}")
 
     def place(a: float, b: float) -> Array:
         return vector(function(a, b), 3, f"the place at ({a:g}, {b:g})")

@@ -212,8 +212,16 @@ def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy)
         )
 
 
+_MOST_STEPS = 2.0**53  # beyond, times of steps are no numbers of their own
+
+
 def _number_of_steps(duration: float, step: float) -> int:
     positive(step, "step")
+    if not duration / step < _MOST_STEPS:
+        raise ValueError(
+            f"duration {duration} is {duration / step:g} times the step {step}, and at most "
+            f"{_MOST_STEPS:.0e} steps can be counted"
+        )
     steps = round(duration / step)
     if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
         raise ValueError(f"duration {duration} is not a multiple of the step {step}")

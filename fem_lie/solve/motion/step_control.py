@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
 
-from fem_lie._arrays import positive
+from fem_lie._arrays import positive, whole
 
 AIM = 0.8
 """Error that is aimed at, over the tolerance."""
@@ -170,8 +170,7 @@ def _sorted(events: Sequence[float], jumps: Sequence[float], duration: float) ->
 
 
 def _check_refinement(parts: int) -> None:
-    if parts < 1:
-        raise ValueError(f"refinement must be at least 1, got {parts}")
+    whole(parts, "refinement")
 
 
 class Control:

@@ -25,9 +25,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-
-from fem_lie._arrays import instance
+from fem_lie._arrays import instance, whole
 from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import SLOPE
 from fem_lie.scene import Scene
@@ -77,12 +75,7 @@ class MultiRate(Integrator):
         instance(self.steps, Mapping, "MultiRate: steps", "a mapping such as {body: 10}")
         for body, count in self.steps.items():
             instance(body, Body, "MultiRate: steps", "bodies")
-            instance(count, int | np.integer, f"MultiRate: steps of {body.label}", "a whole number")
-            if count < 1:
-                raise ValueError(
-                    f"MultiRate: wanted one step of {body.label} or more in a whole one, got "
-                    f"{count}"
-                )
+            whole(count, f"MultiRate: steps of {body.label}")
         instance(self.scheme, EnergyMomentum, "MultiRate: scheme", "EnergyMomentum()")
         if isinstance(self.scheme, EnergyDecaying):
             raise ValueError(

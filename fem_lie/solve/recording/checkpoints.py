@@ -25,7 +25,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, whole
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.ranks.files import place, place_to_go_on
 from fem_lie.results import file as results_file
@@ -74,10 +74,10 @@ class Checkpoints:
             fingerprint: Of scene and scheme.
 
         Raises:
-            ValueError: ``every`` is not positive.
+            ValueError: ``every`` is not positive, or too large.
+            TypeError: It is no whole number.
         """
-        if every < 1:
-            raise ValueError(f"checkpoint_every must be at least 1, got {every}")
+        whole(every, "checkpoint_every")
         self._path, self.every, self.plan, self._fingerprint = place(path), every, plan, fingerprint
         self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, instance
+from fem_lie._arrays import MOST, Array, Indices, instance, whole
 from fem_lie.results.record import BOOKED, Record
 
 NEAR = 1e-9
@@ -59,11 +59,10 @@ class Saving:
 
         Raises:
             ValueError: They are bad, or both are given.
-            TypeError: ``record`` is none.
+            TypeError: ``record`` is none, or ``save_every`` no whole number.
         """
         instance(record, Record, "record", "a Record such as Record.VELOCITIES | Record.ENERGIES")
-        if save_every < 1:
-            raise ValueError(f"save_every must be at least 1, got {save_every}")
+        whole(save_every, "save_every")
         if save_at is None:
             return cls(int(save_every), record=record)
         if save_every != 1:
@@ -102,6 +101,11 @@ def _multiples(interval: float, duration: float) -> Array:
     if not (np.isfinite(interval) and 0.0 < interval <= (1.0 + NEAR) * duration):
         raise ValueError(
             f"save_at must be an interval within (0, {duration:g}] or times, got {interval}"
+        )
+    if duration / interval > MOST:
+        raise ValueError(
+            f"save_at must give at most {MOST} times, got {duration / interval:g} of them: "
+            f"{duration:g} by steps of {interval:g}"
         )
     times = interval * np.arange(int(duration / interval + NEAR) + 1)
     ends = abs(times[-1] - duration) <= NEAR * interval
