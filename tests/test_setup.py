@@ -1,0 +1,96 @@
+"""The set-up asks before it uses sudo."""
+
+import os
+import pty
+import shutil
+import subprocess
+import tempfile
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+SETUP = Path(__file__).parents[1] / "tools" / "setup"
+ASK = f'source {SETUP}; if may_be_root "apt-get install x"; then echo allowed; else echo no; fi'
+
+
+ORDINARY = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+"""Who asks: an ordinary user."""
+
+
+@pytest.fixture
+def ask():
+    """Call the set-up's question; its answer, whether sudo was called, what was said."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o777)
+        fake = Path(folder, "sudo")
+        fake.write_text(f'#!/bin/sh\necho "$@" >>{folder}/calls\n')
+        fake.chmod(0o755)
+        for needed in (SETUP, fake):
+            if subprocess.run(["cat", needed], stdout=subprocess.DEVNULL, **ORDINARY).returncode:
+                pytest.skip(f"an ordinary user cannot read {needed}")
+        yield partial(_answer, Path(folder))
+
+
+def _answer(folder, answer=None, **given):
+    environment = {k: v for k, v in os.environ.items() if k != "FEM_LIE_SUDO"} | given
+    environment["PATH"] = f"{folder}:{environment['PATH']}"
+    primary, terminal = pty.openpty()
+    try:
+        ends = {"stdin": terminal, "stderr": terminal}
+        if answer is None:
+            ends = {"stdin": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        else:
+            os.write(primary, f"{answer}\n".encode())
+        done = subprocess.run(
+            ["bash", "-c", ASK],
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            **ends,
+            **ORDINARY,
+        )
+        said = done.stderr if answer is None else os.read(primary, 4096).decode()
+    finally:
+        os.close(primary)
+        os.close(terminal)
+    return done.stdout.strip(), (folder / "calls").exists(), said
+
+
+def test_without_a_terminal_sudo_is_not_used(ask):
+    assert ask() == ("no", False, "")
+
+
+@pytest.mark.parametrize(
+    ("answer", "result"), [("y", "allowed"), ("yes", "allowed"), ("", "no"), ("n", "no")]
+)
+def test_on_a_terminal_it_says_what_and_asks(ask, answer, result):
+    found, _, said = ask(answer)
+    assert found == result
+    assert "with sudo: apt-get install x" in said and "go on? [y/N]" in said
+
+
+@pytest.mark.parametrize("answer", [None, "n"])
+def test_a_variable_allows_it_without_a_question(ask, answer):
+    found, used, said = ask(answer, FEM_LIE_SUDO="yes")
+    assert (found, used) == ("allowed", True)
+    assert "with sudo: apt-get install x" in said and "go on?" not in said
+
+
+def test_a_variable_forbids_it(ask):
+    assert ask("y", FEM_LIE_SUDO="no")[:2] == ("no", False)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="for root")
+def test_root_goes_on(tmp_path):
+    done = subprocess.run(["bash", "-c", ASK], stdin=subprocess.DEVNULL, capture_output=True)
+    assert done.stdout == b"allowed\n"
+
+
+def test_another_value_of_the_variable_is_named():
+    environment = os.environ | {"FEM_LIE_SUDO": "maybe"}
+    command = [shutil.which("bash"), str(SETUP), "--status"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "FEM_LIE_SUDO is 'maybe', wanted is yes, no or nothing" in done.stderr
