@@ -10,7 +10,7 @@ from benchmarks.conserving_any import JOINED, FixedAxes
 from benchmarks.conserving_any import SCENES as TURNING
 from fem_lie.lie.kinds import placed
 from fem_lie.mesh.curves import straight
-from fem_lie.solve.conserving.straight.run import stalls
+from fem_lie.solve.conserving.straight.patience import stalls
 from tests.test_composed import resumed_as_whole
 
 SCHEME = fl.EnergyMomentum()

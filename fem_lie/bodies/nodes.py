@@ -63,6 +63,14 @@ class Nodes(Loadable):
         return np.full(len(self.frames), int(self.node_kind), dtype=np.int64)
 
     @property
+    def node_lengths(self) -> Flags:
+        """Which halves of the unknowns of each node are lengths, shape (n, 2).
+
+        The others have no dimension: rotations, slopes. Default: all first ones, no second one.
+        """
+        return np.tile([True, False], (len(self.frames), 1))
+
+    @property
     def absent(self) -> Flags:
         """Which unknowns its nodes have not, beside those that their kind has not, (n, 6)."""
         return np.zeros((len(self.frames), 6), dtype=bool)

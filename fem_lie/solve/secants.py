@@ -33,9 +33,15 @@ class Secants:
         measure: Of unknowns in lengths of the model, nil for multipliers, shape (n,).
     """
 
-    def __init__(self, most: int, measure: Array) -> None:
-        """Nothing is known yet; at most so many changes are."""
-        self.measure = measure
+    def __init__(self, most: int, measure: Array, *, growth: float = 1.0) -> None:
+        """Nothing is known yet.
+
+        Args:
+            most: Changes that are kept.
+            measure: Of unknowns in lengths of the model, nil for multipliers, shape (n,).
+            growth: Ratio of a correction to the last one above which all is forgotten.
+        """
+        self.measure, self._growth = measure, growth
         self._made, self._changed = np.zeros((2, most, len(measure)))
         self._last, self._count = np.zeros((2, len(measure))), -1
 
@@ -46,10 +52,11 @@ class Secants:
     def improve(self, g: Array) -> None:
         """Replace a correction (n,), which is then made, by a better one.
 
-        One that is larger than the last is led astray by what has changed, and all is forgotten.
+        One that is much larger than the last is led astray by what has changed, and all is
+        forgotten.
         """
         made, changed, last = self._made, self._changed, self._last
-        if self._count >= 0 and _grows(self.measure, g, last[1]):
+        if self._count >= 0 and _grows(self.measure, g, last[1], self._growth):
             self.forget()
         if self._count >= 0:
             # the newest comes first
@@ -63,12 +70,12 @@ class Secants:
 
 
 @compiled
-def _grows(measure: Array, g: Array, before: Array) -> bool:
+def _grows(measure: Array, g: Array, before: Array, growth: float) -> bool:
     now = then = 0.0
     for i in range(g.shape[0]):
         now = max(now, abs(g[i]) * measure[i])
         then = max(then, abs(before[i]) * measure[i])
-    return now > then
+    return now > growth * then
 
 
 @compiled

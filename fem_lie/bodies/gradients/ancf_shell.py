@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, instance
+from fem_lie._arrays import Array, Flags, instance
 from fem_lie.bodies.beams.assembly import Damping
 from fem_lie.bodies.body import NO_HOLDS, Holds
 from fem_lie.bodies.gradients.plate_assembly import PlateAssembly
@@ -83,6 +83,13 @@ class AncfShell(SmoothSurface):
         n = np.cross(surface.rows[:, 1], surface.rows[:, 2])
         sizes = np.linalg.norm(n, axis=1, keepdims=True)
         return np.asarray(n / sizes), np.asarray(np.ones(len(surface.sizes)))
+
+    @property
+    def node_lengths(self) -> Flags:
+        """No slope is a length; the fourth vector is one, too."""
+        lengths = super().node_lengths
+        lengths[self.points_count :] = False
+        return lengths
 
     @property
     def kind(self) -> Hashable:

@@ -44,6 +44,13 @@ class SectionPoints(Sectioned):
         kinds = [int(NodeKind.SURFACE), int(NodeKind.CROSSING)]
         return np.repeat(kinds, self.points_count).astype(np.int64)
 
+    @property
+    def node_lengths(self) -> Flags:
+        """No slope is a length, nor are those that others have instead of a place."""
+        lengths = super().node_lengths
+        lengths[self.node_kinds == CROSSING] = False
+        return lengths
+
     def __getitem__(self, name: str) -> Point:
         """The point with this name, by its section.
 

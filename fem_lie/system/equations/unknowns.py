@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.forms.body_term import BodyTerm
@@ -30,6 +32,8 @@ class Unknowns(NamedTuple):
         size: All unknowns, ``6 n + m``.
         length: Of the model, that of tolerances.
         kinds: What each node is, (n,), see :mod:`fem_lie.lie.kinds`.
+        lengths: Which halves of the unknowns of the nodes are lengths, (n, 2); others have no
+            dimension.
         held: Which unknowns of the nodes are zero, (n, 6).
         supported: Nodes that something holds, (s,), of which reactions are told.
         uncoupled: Which nodes move by ``x + R u`` in statics, tilted and then drilled, (n,).
@@ -62,6 +66,7 @@ class Unknowns(NamedTuple):
     size: int
     length: float
     kinds: Indices
+    lengths: Flags
     held: Flags
     supported: Indices
     uncoupled: Flags
@@ -100,6 +105,7 @@ class Unknowns(NamedTuple):
             size=system.size,
             length=system.length,
             kinds=system.kinds,
+            lengths=_lengths(system),
             held=system.held,
             supported=system.supported,
             uncoupled=system.uncoupled,
@@ -126,6 +132,15 @@ class Unknowns(NamedTuple):
             apart=any(term.apart for term in system.terms),
             told=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
+
+
+def _lengths(system: System) -> Flags:
+    """Which halves of the unknowns of the moving nodes are lengths, (n, 2)."""
+    numbering = system.numbering
+    lengths = np.zeros((numbering.total, 2), dtype=np.bool_)
+    for body, nodes in numbering.nodes.items():
+        lengths[nodes] = body.node_lengths
+    return lengths[numbering.attachment.leaders]
 
 
 class Start(NamedTuple):

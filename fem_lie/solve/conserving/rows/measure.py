@@ -9,7 +9,7 @@ from math import sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie.tuples import combined, cross, dot, load_row, minus, plus
 from fem_lie.solve.conserving.between.discrete_gradient import ROUND_OFF
@@ -28,6 +28,9 @@ from fem_lie.solve.conserving.rows.halves import (
 
 _FEEL, _SEEN = 0.05, 1e-6
 """Motions, in lengths of a cell, by which it is seen whether forces balance, and to what."""
+_MIXED = (1 / 39) ** 2
+"""Weight of a mixed derivative, times lengths, beside that of a place: of the squares of Hermite's
+cubic functions on an edge, slopes have 1/39 of what places have, and this is across both."""
 _NEXT, _SAMPLES, _USUAL = 1e-9, 6, 16.0
 """Motions, in sizes of a cell, whose work is compared with the change of energy; how many; and how
 many times the round-off of a well-written energy the difference may be."""
@@ -37,33 +40,40 @@ and how many times the round-off of a well-written energy the difference may be.
 
 
 @compiled
-def measure_cells(cells: CellTable, H: Array, rest: Array) -> None:
-    """Set the weights of all cells, what they see of space, and what cancels, at rows ``H``."""
+def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
+    """Set the weights of all cells, what they see of space, and what cancels, at rows ``H``.
+
+    Args:
+        cells: Their ``weights``, ``sees`` and ``cancels`` are set.
+        lengths: Which halves of the nodes are lengths, others having no dimension, (n, 2).
+        H: Rows of all nodes, (≥ n, 4, 3).
+        rest: Digits of these that do not fit into them, (≥ n, 4, 3).
+    """
     room = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(room, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
         take_centre(cells, e, work.r)
-        _weigh(cells, e, work.r)
+        _weigh(cells, lengths, e, work.r)
         cells.cancels[e] = _cancelled(cells, e, H, work)
         cells.sees[e] = _seen(cells, e, H, work)
 
 
 @compiled
-def weigh_cells(cells: CellTable, H: Array, rest: Array) -> None:
-    """Find the weights alone."""
+def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
+    """Set the weights alone, see :func:`measure_cells`."""
     room = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(room, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
         take_centre(cells, e, work.r)
-        _weigh(cells, e, work.r)
+        _weigh(cells, lengths, e, work.r)
 
 
 @inlined
-def _weigh(cells: CellTable, e: int, r: Array) -> None:
+def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
     """1 for places; as much for a slope of the usual size as for a place at the usual distance."""
     begin, far, long, places, slopes = cells.first[e], 0.0, 0.0, 0, 0
     for a in range(r.shape[0]):
@@ -71,15 +81,16 @@ def _weigh(cells: CellTable, e: int, r: Array) -> None:
             arm = load_row(r[a], k)
             if k == 0 and has_place(cells.kinds[begin + a]):
                 far, places = far + dot(arm, arm), places + 1
-            elif dot(arm, arm) > 0.0:
+            elif dot(arm, arm) > 0.0 and not lengths[cells.nodes[begin + a], k]:
                 long, slopes = long + dot(arm, arm), slopes + 1
     share = far / places * slopes / long if slopes > 0 else 0.0
     if far == 0.0:  # all are at one place
         share = 1.0
     for a in range(r.shape[0]):
-        kind = cells.kinds[begin + a]
-        cells.weights[begin + a, 0] = 1.0 if has_place(kind) else share
-        cells.weights[begin + a, 1] = share
+        i = cells.nodes[begin + a]
+        for k in range(2):
+            place = k == 0 and has_place(cells.kinds[begin + a])
+            cells.weights[begin + a, k] = 1.0 if place else _MIXED if lengths[i, k] else share
 
 
 @inlined

@@ -106,7 +106,8 @@ class AnyState(Integration[Recorder]):
         )
         # mean accelerations of the last two steps, twice their trends, and sizes of the last three
         self._rates, self._sizes = z((2, n, 6)), z(3)
-        self._measure = np.tile(np.repeat([1.0 / unknowns.length, ROTATION], 3), n)
+        sizes = np.where(unknowns.lengths, 1.0 / unknowns.length, ROTATION)
+        self._measure = np.repeat(sizes.ravel(), 3)
         self._x, self._y = z((2, 6 * n + m))
         self._still, self._work = z((n, 6)), z(unknowns.size)
         at_rest = Instant(*equations.start[:2], self._still, self.s.weights)

@@ -119,7 +119,7 @@ class Joints:
             np.zeros(grips.count, dtype=np.int64),
             np.zeros(grips.count),
         )
-        weigh_cells(cells, frames, np.zeros_like(frames))
+        weigh_cells(cells, equations.unknowns.lengths, frames, np.zeros_like(frames))
         located, J = grips.locate(frames)
         entries = len(grips.nodes)
         self._span = GripSpan(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from math import log
 from typing import Any
 
 import numpy as np
@@ -18,42 +17,34 @@ from fem_lie.solve.conserving.step.dissipation import LENGTH
 from fem_lie.solve.conserving.straight import nodes as motion
 from fem_lie.solve.conserving.straight.acceptance import accept
 from fem_lie.solve.conserving.straight.any_state import AnyState
+from fem_lie.solve.conserving.straight.patience import (
+    ASTRAY,
+    PATIENCE,
+    STAGNANT,
+    is_lost,
+    lags,
+    stalls,
+)
 from fem_lie.solve.conserving.straight.records import ENERGY
 from fem_lie.solve.motion.convergence import ROUND_OFF, estimate, failure
-from fem_lie.solve.motion.policies import Decisions, EveryIteration, Policy
+from fem_lie.solve.motion.policies import Decisions, EveryIteration, Never, Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
+from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
 
-_STAGNANT, _FALLS, _PATIENCE = 1e3 * float(np.finfo(np.float64).eps), 0.5, 3
-"""Increments below the first, over lengths of the model, are noise if they have not fallen by the
-second in so many iterations."""
-_ASTRAY, _LOST = 1.0, 25
-"""Increments of that many lengths of the model lead to no solution that follows from the start of
-the step, and larger ones than noise that have not fallen in so many iterations to none at all."""
 HALVINGS = 6
 """Of a step that has no solution in full."""
 _SAME = 1e-9
 """Of the step, by which its size differs from itself."""
+_LEARNT, _SPIRALS = 8, 10.0
+"""Corrections that one learns from where the matrix alone fails, and the most that they may grow
+by."""
 _CANCELLED = 1e-13
 """Of the largest energy of a run, errors of energies that are reported."""
-_SHARE = 0.25
-"""Of the cost of a matrix, what a step that converges may go on for instead."""
-
-
-def _lags(decisions: Decisions, increment: float, ratio: float) -> bool:
-    """Whether at its rate the step goes on for longer than a matrix takes, where that counts."""
-    if decisions.rule is None or not decisions.rule.asks or ratio >= 1.0:
-        return True
-    return log(_STAGNANT / increment) < _SHARE * decisions.rule.cost * log(ratio)
-
-
-def stalls(seen: list[float], patience: int) -> bool:
-    """Whether increments, the last one at the end, have not fallen for so many iterations."""
-    return len(seen) > patience and seen[-1] > _FALLS * seen[-1 - patience]
 
 
 class StraightRun(AnyState):
@@ -163,11 +154,25 @@ class StraightRun(AnyState):
             return True
         if not self._rescues:
             return False
+        if self._made_learning():
+            return True
         _log.info("step %d: kept matrix diverges, new matrices", self.index + 1)
         return any(
             self._made_with(EveryIteration().begin(bound=False), still=still)
             for still in (False, True)
         )
+
+    def _made_learning(self) -> bool:
+        """The same with one new matrix, whose corrections learn from each other.
+
+        What cells feel of the rotation of a step is not in the matrix: a few directions, in which
+        no matrix helps.
+        """
+        kept, measure = self._secants, np.append(self._measure, np.zeros(len(self.s.weights)))
+        self._secants, self._factors = Secants(_LEARNT, measure, growth=_SPIRALS), None
+        made = self._made_with(Never().begin(bound=False), still=False)
+        self._secants = kept
+        return made
 
     def _begin(self, *, still: bool) -> float:
         """Where the iteration begins; the size of the largest motion."""
@@ -188,8 +193,8 @@ class StraightRun(AnyState):
             self._iterations += 1
             self._evaluate()
             # at the last digits no matrix helps: they are told neither of late nor of many of these
-            fine = previous <= _STAGNANT
-            asked = iteration == 1 or (not fine and _lags(decisions, previous, ratio))
+            fine = previous <= STAGNANT
+            asked = iteration == 1 or (not fine and lags(decisions, previous, ratio))
             due = asked and decisions.before_iteration(iteration)
             if self._factors is None or due:
                 try:
@@ -204,9 +209,9 @@ class StraightRun(AnyState):
             ratio, remaining = estimate(increment, previous, ratio)
             self._increment, largest = increment, max(largest, increment)
             seen.append(increment)
-            if not increment < _ASTRAY or (increment > _STAGNANT and stalls(seen, _LOST)):
+            if not increment < ASTRAY or (increment > STAGNANT and is_lost(seen)):
                 return False
-            noise = increment <= _STAGNANT and stalls(seen, _PATIENCE)
+            noise = increment <= STAGNANT and stalls(seen, PATIENCE)
             if noise or increment <= ROUND_OFF or remaining <= self._tolerance * largest:
                 if not noise:
                     motion.correct(model, s, this, self._x)

@@ -114,5 +114,5 @@ def _cells(equations: Equations) -> CellTable:
         np.zeros(count),
     )
     start = equations.start.frames
-    measure_cells(cells, start, np.zeros_like(start))
+    measure_cells(cells, equations.unknowns.lengths, start, np.zeros_like(start))
     return cells

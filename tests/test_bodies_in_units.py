@@ -1,0 +1,160 @@
+"""Every kind of body, by every scheme that takes it, moves alike in all systems of units."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+from fem_lie.lie.kinds import placed
+from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
+
+E, RHO = 4e7, 1000.0
+
+
+def rubber(u: UnitSystem) -> fl.Material:
+    return fl.Material(u.stress(E), 0.3, u.density(RHO))
+
+
+def bar(u: UnitSystem) -> fl.Section:
+    return fl.Section.rectangle(*u.length([0.05, 0.04]), rubber(u))
+
+
+def rope(u: UnitSystem) -> fl.Section:
+    return fl.Section.circle(u.length(0.02), rubber(u))
+
+
+def bow(u: UnitSystem, cells: int = 3) -> fl.LineMesh:
+    return fl.curve(lambda s: u.length([s, 0.1 * np.sin(np.pi * s), 0.05 * s * s]), cells)
+
+
+def sheet(u: UnitSystem, cell: str = "quadrilateral") -> fl.SurfaceMesh:
+    return fl.surface(lambda a, b: u.length([a, 0.4 * b, 0.1 * a * a]), (2, 2), cell=cell)
+
+
+def patch(u: UnitSystem) -> fl.SmoothPatch:
+    """Whose mixed derivative is not nil."""
+    return fl.smooth_patch(
+        lambda a, b: u.length([a, 0.4 * (b - 0.5), 0.1 * np.sin(1.5 * a) * (a + b)]), (2, 1)
+    )
+
+
+def layer(u: UnitSystem) -> fl.ShellSection:
+    return fl.ShellSection.layer(u.length(0.03), rubber(u))
+
+
+def solid(u: UnitSystem, law: type, **mesh: object) -> fl.Solid:
+    material = law(u.stress(E), 0.3, u.density(RHO))
+    return fl.Solid.brick(tuple(u.length([1.0, 0.2, 0.2])), material, cells=(2, 1, 1), **mesh)
+
+
+def rigid(u: UnitSystem) -> fl.RigidBody:
+    return fl.RigidBody(u.mass(1.5), u.inertia([0.01, 0.05, 0.055]), u.length([0.5, 0, 0]))
+
+
+def net(u: UnitSystem) -> fl.Net:
+    points = u.length([[0, 0, 0], [0.5, 0.2, 0], [0.5, -0.2, 0.1], [1, 0, 0]])
+    return fl.Net(points, [[0, 1, 3], [0, 2, 3], [1, 2]], rope(u))
+
+
+def reduced(u: UnitSystem) -> fl.ReducedBody:
+    scene = fl.Scene()
+    full = scene.add(fl.Beam(bow(u, 4), bar(u)))
+    return fl.reduced_body(scene, [full.start, full.end], 3)
+
+
+def spline(u: UnitSystem) -> fl.SplineCable:
+    return fl.SplineCable.through(
+        u.length([[0, 0, 0], [0.3, 0.1, 0], [0.6, 0.1, 0], [1, 0, 0]]), rope(u), cells=1
+    )
+
+
+BODIES: dict[str, Callable[[UnitSystem], fl.Body]] = {
+    "geodesic beam": lambda u: fl.Beam(bow(u), bar(u)),
+    "director beam": lambda u: fl.Beam(bow(u), bar(u), formulation=fl.Director(2)),
+    "rod": lambda u: fl.Rod(bow(u), bar(u)),
+    "discrete rod": lambda u: fl.Rod(bow(u), bar(u), formulation=fl.DiscreteRod()),
+    "cable": lambda u: fl.Cable(bow(u), rope(u)),
+    "discrete cable": lambda u: fl.Cable(bow(u), rope(u), formulation=fl.DiscreteCable()),
+    "spline cable": spline,
+    "net": net,
+    "shell": lambda u: fl.Shell(sheet(u), layer(u)),
+    "shell of six": lambda u: fl.Shell(sheet(u), layer(u), parameters=fl.Parameters.SIX),
+    "triangles": lambda u: fl.Shell(sheet(u, "triangle"), layer(u)),
+    "thin shell": lambda u: fl.ThinShell(patch(u), layer(u)),
+    "beam of gradients": lambda u: fl.AncfBeam(bow(u, 2), bar(u)),
+    "shell of gradients": lambda u: fl.AncfShell(patch(u), layer(u)),
+    "hexahedra": lambda u: solid(u, fl.NeoHooke),
+    "quadratic tetrahedra": lambda u: solid(
+        u, fl.SaintVenantKirchhoff, cell="tetrahedron", degree=2
+    ),
+    "rigid body": rigid,
+    "reduced body": reduced,
+}
+
+FRAMES = {"geodesic beam", "director beam", "rod", "shell", "triangles", "rigid body"}
+CORNERED = {"discrete rod", "shell of six", "reduced body"}
+OF_SLOPES = {"thin shell", "beam of gradients", "shell of gradients"}
+TAKES = {
+    "generalised-α": (fl.GeneralisedAlpha(), set(BODIES)),
+    "conserving": (fl.EnergyMomentum(), set(BODIES) - CORNERED),
+    "decaying": (fl.EnergyDecaying(radius=0.5), set(BODIES) - CORNERED),
+    "composed": (fl.Composed(), FRAMES),
+    "variational": (fl.Variational(), FRAMES | {"discrete rod"}),
+    "explicit": (fl.Explicit(), set(BODIES) - CORNERED - OF_SLOPES - {"quadratic tetrahedra"}),
+    "asynchronous": (fl.Asynchronous(), {"discrete cable", "net", "hexahedra"}),
+}
+"""Schemes, and the bodies that they take."""
+STEPS = {"explicit": 2e-6, "asynchronous": 2e-6}
+"""Of others: 2e-3 s, in which waves pass cells."""
+
+
+@cache
+def flown(u: UnitSystem, scheme: str, name: str) -> tuple[np.ndarray, int, int]:
+    """Places after five steps over their start, iterations, and steps that were divided."""
+    scene, step = fl.Scene(gravity=u.acceleration([0, 0, -9.81])), STEPS.get(scheme, 2e-3)
+    body = scene.add(BODIES[name](u))
+    body.turn(u.rate([1.0, 2.0, 3.0]), about=u.length([0.5, 0.1, 0]))
+    result = TAKES[scheme][0].run(
+        scene, duration=u.time(5 * step), step=u.time(step), progress=False
+    )
+    places = result.frames[-1][placed(body.node_kinds), 0] - body.frames[placed(body.node_kinds), 0]
+    return u.inverse.length(places), int(result.iterations[-1]), int(result.divided)
+
+
+@pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)
+@pytest.mark.parametrize(
+    ("scheme", "name"), [(s, name) for s, (_, names) in TAKES.items() for name in sorted(names)]
+)
+def test_all_bodies_move_alike_by_all_schemes(scheme, name, u):
+    """In as many iterations: what is round-off is so in all units."""
+    (moved, iterations, divided), (expected, as_many, parts) = (
+        flown(unit, scheme, name) for unit in (u, METRES)
+    )
+    np.testing.assert_allclose(moved, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    assert abs(iterations - as_many) <= 3 + 0.4 * as_many  # the last digits are noise
+    assert divided == parts == 0
+
+
+STEEL: dict[str, Callable[[fl.Material], fl.Body]] = {
+    "thin shell": lambda steel: fl.ThinShell(patch(METRES), fl.ShellSection.layer(0.005, steel)),
+    "beam of gradients": lambda steel: fl.AncfBeam.straight(
+        (0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.02, steel), cells=3
+    ),
+    "shell of gradients": lambda steel: fl.AncfShell(
+        patch(METRES), fl.ShellSection.layer(0.02, steel)
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STEEL)
+def test_steel_flies_in_full_steps(name):
+    """Where waves pass cells many times in a step, and no matrix has what rotation does in it."""
+    scene = fl.Scene()
+    body = scene.add(STEEL[name](fl.Material(2e11, 0.3, 7800.0)))
+    body.turn((1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
+    result = fl.EnergyMomentum().run(scene, duration=0.02, step=1e-3, progress=False)
+    assert result.divided == 0
+    assert result.factorisations <= 40
+    assert result.energy_error <= 1e-11
