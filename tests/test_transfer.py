@@ -5,6 +5,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from tests.unit_systems import UNIT_SYSTEMS, UnitSystem
 
 STEEL = fl.Material(E=2.1e9, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)
@@ -226,3 +227,31 @@ def test_momenta_of_shells():
     told = fl.transfer(result, coarse, fine)
     assert told.momentum_error < 1e-12
     assert abs(told.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
+
+
+def pinned(u: UnitSystem, cells: int, node: int | None) -> tuple[fl.Scene, fl.Beam]:
+    """A clamped beam of steel, of 1 m, with a pin on one of its nodes."""
+    steel = fl.Material(u.stress(2.1e11), 0.3, u.density(7800.0))
+    section = fl.Section.rectangle(*u.length([0.01, 0.01]), steel)
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam(fl.straight((0, 0, 0), u.length([1, 0, 0]), cells), section))
+    scene.add(fl.Clamp(beam.start))
+    if node is not None:
+        scene.add(fl.Spherical(fl.ground(), beam.node(node), name="pin"))
+    return scene, beam
+
+
+@pytest.mark.parametrize("u", UNIT_SYSTEMS, ids=str)
+@pytest.mark.parametrize(("deflection", "torn"), [(4e-4, True), (4e-8, False)])
+def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
+    """The pin is where its node was before a load moved it: by a millionth of the beam or more."""
+    scene, beam = pinned(u, 4, None)
+    force = u.force([0, 0, 3 * 2.1e11 * 0.01**4 / 12 * deflection])
+    scene.add(fl.PointLoad(beam.end, force=force))
+    result = fl.statics(scene)
+    finer, _ = pinned(u, 8, 4)
+    if torn:
+        with pytest.raises(ValueError, match="pin is violated by"):
+            fl.transfer(result, scene, finer)
+    else:
+        fl.transfer(result, scene, finer)

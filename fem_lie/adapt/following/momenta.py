@@ -46,9 +46,13 @@ def with_momenta(
     constraints = equations.constraints(H)
     C = sp.vstack([sp.csr_matrix(P), constraints.jacobian]).tocsr()[:, open_]
     own = M[open_][:, open_]
-    diagonal = own.diagonal()
-    light = diagonal <= _NO_INERTIA * diagonal.max()
-    factors = splu((own + sp.diags(np.where(light, diagonal.max(), 0.0))).tocsc())
+    # inertia of all unknowns as masses, and both momenta alike
+    length = equations.unknowns.length
+    units = np.repeat(np.where(equations.unknowns.lengths, 1.0, length).ravel(), 3)[open_]
+    masses = own.diagonal() / units**2
+    light = masses <= _NO_INERTIA * masses.max()
+    factors = splu((own + sp.diags(np.where(light, masses.max() * units**2, 0.0))).tocsc())
+    sizes = np.repeat([length, 1.0], 3)
     toward = factors.solve(C.toarray().T)
     S = C @ toward
     size = np.sqrt(np.maximum(np.diag(S), 1e-300))
@@ -58,7 +62,7 @@ def with_momenta(
         left = np.concatenate(
             [momenta - P @ found[:n].ravel(), rates - constraints.rates(found)[0]]
         )
-        if np.abs(left[:6]).max() <= _SAME * np.abs(momenta).max():
+        if np.abs(sizes * left[:6]).max() <= _SAME * np.abs(sizes * momenta).max():
             break
         weights, *_ = np.linalg.lstsq(S, left / size, rcond=_LOST)
         change = np.zeros(6 * n)

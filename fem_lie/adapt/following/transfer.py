@@ -29,10 +29,10 @@ from fem_lie.results.record import Record
 from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
-from fem_lie.system.equations import Equations
+from fem_lie.system.equations import Equations, Instant
 
 _ENOUGH = 4  # new nodes that take what momenta need all by themselves
-_VIOLATED = 1e-6  # of the model, or an angle
+_VIOLATED = 1e-6  # of the length of the model, or rad
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ def transfer(
     turned = _turned(result, at, scene) if equations.tables.turns else None
     equations.system.connections.remember(turned)
     told = equations.report(H, v[: equations.unknowns.moving])
-    _check_joints(told.joints.violations, equations)
+    _check_joints(equations, H)
     frames, twists = told.frames, told.twists
     for body, own in equations.unknowns.bodies.items():
         body.begins_at = np.array(frames[own])
@@ -193,14 +193,21 @@ def _kept(
     return with_momenta(equations, H, v, momenta, free, wanted)
 
 
-def _check_joints(violations: Array, equations: Equations) -> None:
-    """Refuse joints that the change of meshes has torn."""
-    worst = float(violations.max(initial=0.0))
-    if worst > _VIOLATED * max(equations.unknowns.length, 1.0):
-        joint = equations.info.joints[int(violations.argmax())]
+def _check_joints(equations: Equations, H: Array) -> None:
+    """Refuse joints that the change of meshes has torn, whatever the unit of length."""
+    unknowns, r = equations.unknowns, np.empty(equations.unknowns.size)
+    still = np.zeros((len(H), 6))
+    state = Instant(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
+    equations.residual(state, np.ones(unknowns.m), r)
+    violations = np.abs(r[6 * unknowns.moving :])
+    sizes = violations / np.where(unknowns.angular, 1.0, unknowns.length)
+    if sizes.max(initial=0.0) > _VIOLATED:
+        worst = int(sizes.argmax())
+        joint = equations.info.joints[int(equations.tables.owner[worst])]
+        unit = "rad" if unknowns.angular[worst] else f"of a model of the size {unknowns.length:.1e}"
         raise ValueError(
-            f"{joint.name} is violated by {worst:.1e} on the new mesh: it holds a place that was "
-            "no node; give it a named point of the mesh"
+            f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: it holds "
+            "a point that was no node; give it a named point of the mesh"
         )
 
 

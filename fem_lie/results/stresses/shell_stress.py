@@ -49,7 +49,10 @@ class ShellStress:
         self._unloaded = self._assembly.carried.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.own_mesh.cells), len(rule), 8
-        self._noise = 1e-12 * float(np.abs(shell.stiffness).max())
+        # of forces and moments alike, in roots of energy: what a strain of one is of each
+        diagonals = np.diagonal(shell.stiffness, axis1=-2, axis2=-1)
+        self._scale = 1.0 / np.sqrt(diagonals)[:, np.newaxis]
+        self._noise = 1e-12 * float((1.0 / self._scale[..., :3]).max())
         self.compliance = np.linalg.inv(shell.stiffness)
 
     def __call__(self, frames: Array) -> Array:
@@ -66,12 +69,12 @@ class ShellStress:
         for _ in range(_MOST_ROUNDS):
             assembly.reset_stress(H)
             before, found = found, self._carried()
-            change = np.abs(found - before).max()
-            if change <= _SETTLED * np.abs(found).max() + self._noise:
+            change = np.abs(self._scale * (found - before)).max()
+            if change <= _SETTLED * np.abs(self._scale * found).max() + self._noise:
                 return found
         raise RuntimeError(
             f"the stress fields of the cells did not settle in {_MOST_ROUNDS} rounds: the last "
-            f"change is {change:.2e} of {np.abs(found).max():.2e}"
+            f"change is {change:.2e} of {np.abs(self._scale * found).max():.2e}"
         )
 
     def _carried(self) -> Array:
