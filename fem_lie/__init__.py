@@ -192,7 +192,6 @@ from fem_lie.solve.motion.richardson import ErrorInTime, estimate_error
 from fem_lie.solve.motion.step_control import AdaptiveStep, ConstantStep
 from fem_lie.solve.multirate.multi_rate import MultiRate
 from fem_lie.solve.stability.branches import branch
-from fem_lie.solve.stability.buckling import buckling
 from fem_lie.solve.stability.controls import DisplacementControl, LoadControl
 from fem_lie.solve.stability.imperfections import (
     FieldImperfection,
@@ -201,6 +200,7 @@ from fem_lie.solve.stability.imperfections import (
     RandomImperfection,
     imperfect,
 )
+from fem_lie.solve.stability.linear_buckling.buckling import buckling
 from fem_lie.solve.stability.path import follow_path
 from fem_lie.solve.stability.path_options import PathEnds, PathOptions
 from fem_lie.solve.stability.vibrations import vibrations

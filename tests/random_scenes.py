@@ -64,6 +64,7 @@ class Wanted:
         pressure: Pressure on shells.
         damping: Of beams and springs.
         strains: Eigenstrain and pre-stress of beams.
+        following: Loads without a potential: moments, pressure on beams, forces that follow.
         bodies: At most.
         steps: In time.
     """
@@ -76,6 +77,7 @@ class Wanted:
     pressure: bool = True
     damping: bool = True
     strains: bool = True
+    following: bool = True
     bodies: int = 4
     steps: int = 25
 
@@ -86,7 +88,9 @@ CONSERVING = Wanted(sliding=False, rolling=False, six=False, pressure=False)
 """For the schemes that conserve."""
 HELD = Wanted(loose=False, sliding=False, rolling=False)
 """For statics and vibrations: nothing moves without strain."""
-PROPORTIONAL = replace(HELD, histories=False, damping=False, strains=False)
+PROPORTIONAL = replace(
+    HELD, histories=False, damping=False, strains=False, pressure=False, following=False
+)
 """For buckling: loads grow with the load factor."""
 
 STEP = 5e-3
@@ -523,24 +527,29 @@ class _Growth:
         else:
             self._load_shell(body)
 
+    def _follows(self, part: float) -> bool:
+        """Whether a load has no potential, by chance."""
+        return self._chance(part) and self.wanted.following
+
     def _load_point(self, point: PointRef) -> None:
         self.loads.append(
             PointLoadData(
                 point,
-                self._chance(0.5),
+                self._follows(0.5),
                 self._history(),
                 force=self._vector(self._between(1.0, 30.0)),
-                moment=self._vector(self._between(0.5, 5.0)) * self._chance(0.5),
+                moment=self._vector(self._between(0.5, 5.0)) * self._follows(0.5),
             )
         )
 
     def _load_beam(self, beam: BeamData) -> None:
-        kind, history = self.rng.integers(5 if self.wanted.strains else 3), self._history()
+        kinds = 5 if self.wanted.strains else 3 if self.wanted.following else 2
+        kind, history = self.rng.integers(kinds), self._history()
         if kind == 0:
             self._load_point(PointRef(beam.name, "end"))
         elif kind == 1:
-            force, moment = self._vector(20.0), self._vector(2.0) * self._chance(0.5)
-            self.loads.append(LineLoadData(beam.name, self._chance(0.5), history, force, moment))
+            force, moment = self._vector(20.0), self._vector(2.0) * self._follows(0.5)
+            self.loads.append(LineLoadData(beam.name, self._follows(0.5), history, force, moment))
         elif kind == 2:
             angle = self._between(0.0, 6.0)
             push = np.array([0.0, np.cos(angle), np.sin(angle)])
@@ -558,7 +567,7 @@ class _Growth:
             pressure = self._between(-100.0, 100.0)
             self.loads.append(SurfacePressureData(shell.name, history, pressure))
         elif kind == 1:
-            curve, following = self._one(("a=1", "b=1")), self._chance(0.4)
+            curve, following = self._one(("a=1", "b=1")), self._follows(0.4)
             force = self._vector(self._between(5.0, 20.0))
             self.loads.append(EdgeLoadData(shell.name, curve, following, history, force))
         else:

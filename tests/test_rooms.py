@@ -80,6 +80,7 @@ MAY_IMPORT = {
     "solve": {"system.equations", "results.stresses"},
     "solve.statics": {"solve"},
     "solve.stability": {"solve.statics"},
+    "solve.stability.linear_buckling": {"solve.stability"},
     "solve.recording": {"solve"},
     "adapt.estimates.cut": {"results.stresses"},
     "adapt.estimates": {"adapt.estimates.cut"},

@@ -189,7 +189,7 @@ def test_modes_that_do_not_exist_are_refused():
         fl.imperfect(scene)
 
 
-@pytest.mark.parametrize("seed", [60, 68])
+@pytest.mark.parametrize("seed", [60, 148])
 def test_round_off_is_no_load_factor(seed):
     """Constraints bring zeros that are defective: they came out as factors of 1e9 and above."""
     scene = build(random_scene(seed, PROPORTIONAL), static=True).scene

@@ -200,6 +200,20 @@ class Term(ABC):
             kept: What :meth:`add_forces` kept at these frames.
         """
 
+    def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
+        """The forces of :meth:`room` that increments ``h`` (n, 6) add, to first order.
+
+        Args:
+            H: Frames, the stress of which is carried.
+            kept: What :meth:`add_forces` kept at these frames.
+            h: Local increments of the nodes.
+        """
+        forces = self.room()
+        if len(forces):
+            rows, columns = self.pairs
+            np.add.at(forces, rows, np.einsum("pij,pj->pi", self.tangent(H, kept), h[columns]))
+        return forces
+
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
         """Add :meth:`tangent` to blocks of a larger matrix.
 

@@ -22,8 +22,9 @@ from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.spectrum import Pencil
 from fem_lie.scene import Scene
 from fem_lie.solve.methods import methods_on_paths
-from fem_lie.solve.stability.mode_scaling import node_lengths, scaled
+from fem_lie.solve.stability.mode_scaling import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
+from fem_lie.system.equations import LinearState, Plan
 
 _SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
 _LOOSE = 1e-14  # of the largest stiffness
@@ -158,6 +159,21 @@ class StableEquilibrium(SceneEquilibrium):
         self.equations.supports.turn_back(self._H, found)
         return found
 
+    def solve_free(self, b: Array) -> Array:
+        """Solve with the last tangent for free unknowns in their units, shape (free,)."""
+        right = np.zeros(self.equations.unknowns.size)
+        right[self._free] = b / self.weight[self._free]
+        return np.asarray(self.solve_raw(right)[self._free] / self.weight[self._free])
+
+    def largest(self, dx: Array) -> float:
+        """Largest translation over the diameter, or rotation, of increments ``dx``."""
+        return float(np.abs(self.twists(dx)).max(initial=0.0) / self.diameter)
+
+    def largest_strain(self, dx: Array) -> float:
+        """Largest elongation of an edge of a cell over its length by increments ``dx``."""
+        report = self.equations.report(self._H, dx[: 6 * self._moving].reshape(-1, 6))
+        return largest_elongation(self.equations.unknowns.bodies, report.frames, report.twists)
+
     def solve_finely(self, b: Array) -> Array:
         """Solve with the last tangent, refined by residuals of more digits than double ones.
 
@@ -171,15 +187,24 @@ class StableEquilibrium(SceneEquilibrium):
         self.equations.supports.turn_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
         return found
 
-    def stressed(self, dx: Array, factor: float) -> sp.csr_matrix:
-        """Tangent with ``factor`` times the stress and multipliers of linear theory along ``dx``.
+    def linear_state(self, dx: Array) -> LinearState:
+        """Stress and forces of linear theory along increments ``dx`` from the present state."""
+        self._forces_known = False
+        self._find(0.0)
+        return self.equations.linear_state(self._H, dx, self._found)
 
-        The nodes stay where they are; loads are times ``factor``, too.
+    def stressed(self, state: LinearState, factor: float) -> sp.csr_matrix:
+        """Tangent with ``factor`` times stress, forces, multipliers and loads of linear theory.
+
+        The nodes stay where they are.
         """
         self._forces_known = False
-        self.equations.memory.carry(self._H, factor * dx[: 6 * self._moving])
-        self._multipliers[:] = self._scale * factor * dx[6 * self._moving :]
-        self._fill(factor)
+        state.carry(factor)
+        self._multipliers[:] = self._scale * factor * state.multipliers
+        self._find(factor)
+        state.add_forces(factor, self._found)
+        self.equations.fill(self._now, self._found, Plan(self._zero, self._scale))
+        state.carry(0.0)
         return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:

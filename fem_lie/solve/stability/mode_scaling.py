@@ -28,15 +28,37 @@ def node_lengths(nodes: Mapping[Body, Indices]) -> Array:
     """
     lengths = np.zeros(sum(map(len, nodes.values())))
     for body, numbers in nodes.items():
-        corners = body.faces
-        pairs = np.stack([corners, np.roll(corners, 1, axis=1)], axis=-1).reshape(-1, 2)
-        edges = np.concatenate([body.cells, pairs])
+        edges = _edges(body)
         along = np.linalg.norm(np.diff(body.frames[edges, 0], axis=1)[:, 0], axis=1)
         own = np.zeros(len(numbers))
         for end in edges.T:
             np.maximum.at(own, end, along)
         lengths[numbers] = np.where(own > 0, own, body.size)
     return lengths
+
+
+def largest_elongation(nodes: Mapping[Body, Indices], frames: Array, twists: Array) -> float:
+    """Largest elongation of an edge of a cell over its length, to first order; 0 without cells.
+
+    Args:
+        nodes: Numbers of the nodes of each body among all.
+        frames: Of all nodes, shape (N, 4, 3).
+        twists: Increments (translation, rotation) of all nodes along them, shape (N, 6).
+    """
+    moved, largest = np.einsum("nij,ni->nj", frames[:, 1:], twists[:, :3]), 0.0
+    for body, numbers in nodes.items():
+        edges = numbers[_edges(body)]
+        chord, change = (np.diff(x[edges], axis=1)[:, 0] for x in (frames[:, 0], moved))
+        elongation = np.abs((chord * change).sum(axis=1)) / (chord * chord).sum(axis=1)
+        largest = max(largest, float(elongation.max(initial=0.0)))
+    return largest
+
+
+def _edges(body: Body) -> Indices:
+    """Nodes at both ends of each edge of the cells, shape (e, 2)."""
+    corners = body.faces
+    pairs = np.stack([corners, np.roll(corners, 1, axis=1)], axis=-1).reshape(-1, 2)
+    return np.concatenate([body.cells, pairs])
 
 
 def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:

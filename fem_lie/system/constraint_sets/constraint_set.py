@@ -160,6 +160,14 @@ class ConstraintSet(ABC):
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         return  # most sets have none
 
+    def stretch_springs(self, H: Array, h: Array) -> None:
+        """Change rest values of springs by what ``h`` (n, 6) changes coordinates, to first order.
+
+        From those of the scene on, so that the springs have the forces of the end of ``h`` at
+        frames ``H``.
+        """
+        return  # most sets have none
+
     def spring_energy(self, H: Array) -> float:
         """Of all springs."""
         return 0.0

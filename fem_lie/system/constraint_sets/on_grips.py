@@ -248,6 +248,11 @@ class OnGrips(ConstraintSet):
         self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
         self._add_pulled(J, blocks, place, K)
 
+    def stretch_springs(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        frames, J = self._seen(H)
+        self.inner.stretch_springs(frames, self._twists(J, h))
+
     def spring_energy(self, H: Array) -> float:
         """See the base class."""
         return self.inner.spring_energy(self._seen(H)[0])

@@ -11,6 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints import Joint, Tie
 from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import DISTANCE
+from fem_lie.joints.equations.spring_changes import spring_changes
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.branches import Branches
@@ -76,6 +77,7 @@ class RelativeMotions(ConstraintSet):
         self.packed = _packed(rows, pairs, self.m, springs, self.border, start.leg)
         self.table = views(self.packed)
         self.targets = self.table.targets
+        self._rest = self.table.springs[:, 2].copy()
         # without ties nothing is compiled for them, which would take seconds
         self._ties = len(self.table.nodes) > 0
         self.angular = self._angles()
@@ -172,6 +174,13 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         if len(self.table.springs):
             terms.add_springs(H, self.table, place, stiff, damp, K)
+
+    def stretch_springs(self, H: Array, h: Array) -> None:
+        """See the base class."""
+        if len(self.table.springs):
+            changes = np.zeros(len(self._rest))
+            spring_changes(H, h, self.table, changes)
+            self.table.springs[:, 2] = self._rest - changes
 
     def spring_energy(self, H: Array) -> float:
         """See the base class."""

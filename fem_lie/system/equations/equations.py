@@ -22,6 +22,7 @@ from fem_lie.system.balance.books import Books
 from fem_lie.system.equations.at_rest import fill_at_rest
 from fem_lie.system.equations.constraints_at import ConstraintsAt
 from fem_lie.system.equations.contents import contents
+from fem_lie.system.equations.linear_state import LinearState
 from fem_lie.system.equations.memory import Memory
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import Report
@@ -145,6 +146,10 @@ class Equations:
             self._terms.settle(state.H)
         self._system.residual(state, scale, r, found, per_increment=per_increment)
         return found
+
+    def linear_state(self, H: Array, dx: Array, forces: Forces) -> LinearState:
+        """Stress and forces of linear theory along ``dx`` (size,) from frames ``H``."""
+        return LinearState(self._system, self.memory, H, dx, forces)
 
     def fill(self, state: Instant, forces: Forces | None, plan: Plan) -> Array:
         """Derivative of :meth:`residual`, into :attr:`matrix`; not factorised.

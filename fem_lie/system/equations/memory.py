@@ -34,6 +34,14 @@ class Memory:
         else:
             self._terms.carry(H, h)
 
+    def stretch_springs(self, H: Array, h: Array) -> None:
+        """Give springs the forces that they have at the end of ``h`` (6 n,), at frames ``H``.
+
+        To first order, by rest values that are changed; with ``h`` zero these are the scene's own.
+        """
+        for each in self._connections.sets:
+            each.stretch_springs(H, h.reshape(-1, 6))
+
     def accept(self, H: Array, start: Array | None = None) -> None:
         """Go on from here: joints count their turns, and what rubs its slips.
 

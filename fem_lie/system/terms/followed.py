@@ -134,6 +134,10 @@ class Followed(Term):
             return None
         return FollowingTable(self.term.tables[0], self._leader, self._offset)
 
+    def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
+        """See the base class; on the term's nodes."""
+        return self.term.linear_forces(self._frames(H), kept, self._twists(h))
+
     def tangent(self, H: Array, kept: Array) -> Array:
         """See the base class."""
         return self._moved(self.term.tangent(self._frames(H), kept))

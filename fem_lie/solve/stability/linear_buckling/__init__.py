@@ -1,0 +1,1 @@
+"""Linear buckling: geometric stiffness, its symmetry, load factors."""
