@@ -98,13 +98,18 @@ def bar(cells: int, element: fl.Formulation) -> list[float]:
     return [float(np.linalg.norm(heavy_bar(cells, element) - reference(heavy_bar)) / 30)]
 
 
-def falling(cells: int, element: fl.Formulation | None) -> np.ndarray:
-    """Positions of the tip in time; without an element those of a cable."""
+def rubber() -> fl.Section:
+    """Of the pendulum of ANCF benchmarks, alike in all directions across, as cables are."""
     EA, EI, mass = 0.7e6 * 1.8e-3, 0.7e6 * 1.215e-8, 5540 * 1.8e-3
-    section = fl.Section.from_stiffness(
+    return fl.Section.from_stiffness(
         [EA, EA / 2.6, EA / 2.6, EI, EI, EI], mass=mass, rotary=(5540 * 1.215e-8,) * 2
     )
-    scene, ends = fl.Scene(gravity=(0, 0, -9.81)), ((0.0, 0.0, 0.0), (1.2, 0.0, 0.0))
+
+
+def falling(cells: int, element: fl.Formulation | None) -> np.ndarray:
+    """Positions of the tip in time; without an element those of a cable."""
+    section, ends = rubber(), ((0.0, 0.0, 0.0), (1.2, 0.0, 0.0))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
     beam: fl.Beam | fl.Cable
     if element is None:
         beam = scene.add(fl.Cable.straight(*ends, section, cells=cells))

@@ -79,7 +79,7 @@ def test_heavy_bar_of_four_elements_is_named_as_coarse():
     with pytest.warns(fl.CoarseElementsWarning, match="leans by .* use more elements"):
         tip, chord = heavy_bar(4, fl.Geodesic())
     assert chord <= 1.001
-    assert np.linalg.norm(tip - (2.61142, 0.0, -28.94141)) <= 0.005 * 30
+    assert np.linalg.norm(tip - (2.61142, 0.0, -28.94141)) <= 0.01 * 30
 
 
 def test_spinning_strip_has_the_frequencies_of_a_tensioned_one(element):
@@ -124,6 +124,24 @@ def test_axis_that_leans_from_its_element_is_named():
     scene.add(fl.PointLoad(strip.end, (0, 0, 100 * section.stiffness[4, 4])))
     with pytest.warns(fl.CoarseElementsWarning, match="use more elements"):
         fl.statics(scene)
+
+
+def test_soft_pendulum_of_few_elements_swings_as_a_fine_one():
+    """Rubber, 1.2 m: beyond a lean of 0.7 rad elements gained length, and the tip was 1 m off."""
+    scene, section = fl.Scene(gravity=(0, 0, -9.81)), coarse_beams.rubber()
+    beam = scene.add(line((0, 0, 0), (1.2, 0, 0), section, 8, fl.Geodesic(), up=(0, 0, 1)))
+    scene.add(fl.Spherical(fl.ground(), beam.start))
+    with pytest.warns(fl.CoarseElementsWarning):
+        motion = fl.GeneralisedAlpha(radius=0.6).run(scene, duration=0.8, step=2e-3)
+    tips = motion.position(beam.end)[[200, 250, 300, 350, 400]]
+    cable = [  # of 128 cable elements
+        (0.85287, 0, -0.78458),
+        (0.39504, 0, -1.21527),
+        (-0.33485, 0, -1.25101),
+        (-0.68729, 0, -1.09466),
+        (-0.88181, 0, -0.82106),
+    ]
+    assert np.linalg.norm(tips - cable, axis=1).max() <= 0.06 * 1.2
 
 
 def test_rigid_motion_and_pure_bending_are_not_coarse():

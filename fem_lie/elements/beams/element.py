@@ -253,20 +253,24 @@ def bending_share(section: Array, effective: Array) -> Array:
     return np.asarray((total - C) @ np.linalg.inv(total))
 
 
-S_SHAPE = 3 / 5
-"""Elongation of an axis that bends as a cubic between its ends, over the square of ``β``.
+S_SHAPE = 1 / 10
+"""Excess of an axis that bends between its ends over its chord, per square of the slope of that.
 
 The cubic that is parallel to the mean frame at both ends and deflects by ``β`` per length has the
-slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``; half of the mean square of this is ``3/5 β²``.
+slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``. Half of the mean square is ``3/5 β²``, of which the chord
+has ``1/2 β²``.
 """
 
 
 def with_elongation(strain: Expr, shear: Expr, share: Expr) -> Expr:
-    """Strain (6,) with the elongation of an axis that bends between the ends of its element.
+    """Strain (6,) with the length of an axis that bends between the ends of its element.
 
-    Without it the projection of the axis would count as its length. Tension ``N`` would then soften
-    the mean shear by ``N``, as it does with true shear, and an element of length ``h`` would buckle
-    in tension at ``N = 12 EI/h²``, though it is bending that the mean shear stands for.
+    With ``X = 1 + Γ₁`` along the mean frame and ``β = F Γ_t`` across it the chord is
+    ``C = √(X² + β²)``, and the axial strain ``C (1 + β²/10 C²) − 1``; for small slopes this is
+    ``Γ₁ + 3/5 β²``. With ``Γ₁`` alone the projection of the axis would count as its length. Tension
+    ``N`` would then soften the mean shear by ``N``, as it does with true shear, and an element of
+    length ``h`` would buckle in tension at ``N = 12 EI/h²``, though it is bending that the mean
+    shear stands for.
 
     Args:
         strain: Mean strain ``(Γ, κ)`` of the element, shape (6,).
@@ -274,7 +278,11 @@ def with_elongation(strain: Expr, shear: Expr, share: Expr) -> Expr:
         share: ``F`` of :func:`bending_share`, shape (2, 2).
     """
     β = share * shear
-    return strain + ufl.as_vector([S_SHAPE * ufl.inner(β, β), 0, 0, 0, 0, 0])
+    X, square = 1 + strain[0], ufl.inner(β, β)
+    C = ufl.sqrt(X**2 + square)
+    # C − X without cancellation
+    longer = square / (C + abs(X)) + abs(X) - X + S_SHAPE * square / C
+    return strain + ufl.as_vector([longer, 0, 0, 0, 0, 0])
 
 
 def flexible_cells(cells: CellData, relative: Array) -> CellData:

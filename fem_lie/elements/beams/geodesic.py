@@ -231,7 +231,7 @@ def geodesic_strain(d: Expr, d0: Expr, length: Expr, share: Expr) -> Expr:
 
     ``ε = (d − d₀)/ℓ``, with ``β = F Γ_t`` the part of the mean shear that is bending::
 
-        Γ₁ → Γ₁ + 3/5 |β|²,    Γ_t → Γ_t − (θ (θ·β) − θ₀ (θ₀·β))/60,    θ = (d₆, −d₅).
+        Γ₁ → Γ₁ + 3/5 β² + …,    Γ_t → Γ_t − (θ (θ·β) − θ₀ (θ₀·β))/60,    θ = (d₆, −d₅).
 
     The first is the length of an axis that is no straight line, see
     :func:`~fem_lie.elements.beams.element.with_elongation`. The second makes the bending

@@ -11,6 +11,8 @@ once more for the energy.
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numba
 
 from fem_lie import lie
@@ -49,7 +51,10 @@ def set_stress(data: Array, N: Array) -> float:
     β2, β3 = F22 * e[1] + F23 * e[2], F32 * e[1] + F33 * e[2]
     # θ = (d[5], −d[4]) and θ₀, their components along β
     p, p0 = d[5] * β2 - d[4] * β3, d0[5] * β2 - d0[4] * β3
-    e[0] += S_SHAPE * (β2 * β2 + β3 * β3)
+    X, square = 1.0 + e[0], β2 * β2 + β3 * β3
+    C = sqrt(X * X + square)
+    excess = S_SHAPE * square / (C * C)
+    e[0] += square / (C + abs(X)) + abs(X) - X + excess * C
     e[1] -= _ARC * (d[5] * p - d0[5] * p0)
     e[2] += _ARC * (d[4] * p - d0[4] * p0)
     work = 0.0
@@ -62,10 +67,12 @@ def set_stress(data: Array, N: Array) -> float:
         work += N[i] * e[i]
     # what does work on β and on θ
     q, q0 = d[5] * N[1] - d[4] * N[2], d0[5] * N[1] - d0[4] * N[2]
-    m2 = 2.0 * S_SHAPE * N[0] * β2 - _ARC * (d[5] * q - d0[5] * q0)
-    m3 = 2.0 * S_SHAPE * N[0] * β3 + _ARC * (d[4] * q - d0[4] * q0)
+    across = N[0] / C * (1.0 + 2.0 * S_SHAPE - excess)
+    m2 = across * β2 - _ARC * (d[5] * q - d0[5] * q0)
+    m3 = across * β3 + _ARC * (d[4] * q - d0[4] * q0)
     N[4] += length * _ARC * (N[2] * p + β3 * q)
     N[5] -= length * _ARC * (N[1] * p + β2 * q)
+    N[0] *= X / C * (1.0 - excess)
     N[1] += F22 * m2 + F32 * m3
     N[2] += F23 * m2 + F33 * m3
     return 0.5 * length * work

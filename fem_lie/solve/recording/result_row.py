@@ -245,7 +245,7 @@ def _fill(
             kept.impulses[row, 0, k] = booked[COLUMNS + k]
             kept.impulses[row, 1, k] = booked[COLUMNS + 6 + k]
     _, _, near = nearest(frames, given.ends, given.limits, given.whole)
-    _, _, _, strained = most_strained(frames, given.ends, given.lengths, given.chords)
+    _, _, _, _, strained = most_strained(frames, given.ends, given.lengths, given.chords)
     return potential, springs, near or strained
 
 

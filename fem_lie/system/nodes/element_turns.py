@@ -66,34 +66,22 @@ class Turn(NamedTuple):
         )
 
 
-class Strain(NamedTuple):
-    """The beam element that is strained most.
+class Strains(NamedTuple):
+    """The beam elements that are strained most.
 
     Attributes:
-        body: Label of its body.
-        element: Its number there.
-        stretch: Axial strain of its axis.
-        shear: Angle between its axis and its mean frame, rad.
+        stretched: Row with the largest axial strain.
+        stretch: That strain.
+        leaning: Row with the largest angle between its axis and its mean frame.
+        angle: That angle, rad.
+        excessive: Whether one of them is too large.
     """
 
-    body: str
-    element: int
+    stretched: int
     stretch: float
-    shear: float
-
-    def __str__(self) -> str:
-        """What is wrong, and the remedy."""
-        if abs(self.stretch) / _STRETCH > self.shear / _SHEAR:
-            verb = "stretched" if self.stretch > 0 else "compressed"
-            return (
-                f"element {self.element} of {self.body} is {verb} by {abs(self.stretch):.0%}, and "
-                f"the law of its section is meant for less than {_STRETCH:.0%}: check units, "
-                "stiffness and loads, or take a Solid"
-            )
-        return (
-            f"the axis of element {self.element} of {self.body} leans by {self.shear:.2g} rad from "
-            f"its mean frame, by which elements are accurate below {_SHEAR:.2g}: use more elements"
-        )
+    leaning: int
+    angle: float
+    excessive: bool
 
 
 class ElementTurns:
@@ -124,7 +112,8 @@ class ElementTurns:
         self._lengths: Array = np.concatenate([np.empty(0), *lengths])
         ends: Array = np.concatenate([np.empty((0, 2, 4, 3)), *frames])
         self._chords = 0.5 * np.einsum("wnkj,wj->wk", ends[:, :, 1:], ends[:, 1, 0] - ends[:, 0, 0])
-        self._any, self._warned, self._warned_of_strain = bool(rows), False, False
+        self._any, self._warned = bool(rows), False
+        self._warned_of_stretch = self._warned_of_shear = False
 
     @property
     def elements(self) -> tuple[Array, Indices, Indices, Array, Array]:
@@ -163,7 +152,7 @@ class ElementTurns:
             FoldedElementError: An element is beyond it.
         """
         state = when if isinstance(when, str) else f"at time {when:g}"
-        self._check_strain(frames, state)
+        self._check_strains(frames, state)
         row, angle, near = nearest(frames, self._nodes, self._limits, self._whole)
         if not near:
             return
@@ -174,21 +163,37 @@ class ElementTurns:
             self._warned = True
             warnings.warn(f"{state} {turn}", CoarseElementsWarning, stacklevel=2)
 
-    def _check_strain(self, frames: Array, state: str) -> None:
-        """Warn, once, of the element that is strained most, if that is beyond its law."""
-        found = most_strained(frames, self._nodes, self._lengths, self._chords)
-        row, stretch, shear, excessive = found
-        if excessive and not self._warned_of_strain:
-            self._warned_of_strain = True
-            strain = Strain(self._bodies[row], int(self._numbers[row]), stretch, shear)
-            warnings.warn(f"{state} {strain}", CoarseElementsWarning, stacklevel=2)
+    def _check_strains(self, frames: Array, state: str) -> None:
+        """Warn, once of each, of elements that are strained beyond what they are meant for."""
+        found = Strains(*most_strained(frames, self._nodes, self._lengths, self._chords))
+        if abs(found.stretch) > _STRETCH and not self._warned_of_stretch:
+            self._warned_of_stretch = True
+            self._warn(
+                f"{state} {self._name(found.stretched)} is "
+                f"{'stretched' if found.stretch > 0 else 'compressed'} by {abs(found.stretch):.0%}, "
+                f"and the law of its section is meant for less than {_STRETCH:.0%}: check units, "
+                "stiffness and loads, or take a Solid"
+            )
+        if found.angle > _SHEAR and not self._warned_of_shear:
+            self._warned_of_shear = True
+            self._warn(
+                f"{state} the axis of {self._name(found.leaning)} leans by {found.angle:.2g} rad "
+                f"from its mean frame, and elements are accurate below {_SHEAR:.2g}: "
+                "use more elements"
+            )
+
+    def _name(self, row: int) -> str:
+        return f"element {self._numbers[row]} of {self._bodies[row]}"
+
+    def _warn(self, message: str) -> None:
+        warnings.warn(message, CoarseElementsWarning, stacklevel=3)
 
 
 @uncounted
 def most_strained(
     H: Array, nodes: Indices, lengths: Array, chords: Array
-) -> tuple[int, float, float, bool]:
-    """Row that is strained most, its axial strain and shear angle, and whether these are too large.
+) -> tuple[int, float, int, float, bool]:
+    """The fields of :class:`Strains`.
 
     An axis is at least as long as its chord, and hardly longer than the arc that has this chord and
     the angle between both ends: a stretch is that of the chord, a compression that of the arc.
@@ -199,7 +204,7 @@ def most_strained(
         lengths: Unloaded arc lengths, zero for rows that are not judged, (w,).
         chords: Unloaded, along the mean axes of both ends, (w, 3).
     """
-    worst, row, most, angle = 0.0, 0, 0.0, 0.0
+    stretched, largest, leaning, angle = 0, 0.0, 0, 0.0
     for w in range(nodes.shape[0]):
         if lengths[w] == 0.0:
             continue
@@ -218,11 +223,11 @@ def most_strained(
             half = 0.5 * np.arccos(min(1.0, max(-1.0, 0.5 * cosine)))
             arc = half / np.sin(half) if half > 1e-4 else 1.0
             stretch = min(0.0, (stretch + 1.0) * arc - 1.0)
-        shear = np.sqrt(across) / lengths[w]
-        size = max(abs(stretch) / _STRETCH, shear / _SHEAR)
-        if size > worst:
-            worst, row, most, angle = size, w, stretch, shear
-    return row, most, angle, worst > 1.0
+        if abs(stretch) > abs(largest):
+            stretched, largest = w, stretch
+        if across > (angle * lengths[w]) ** 2:
+            leaning, angle = w, np.sqrt(across) / lengths[w]
+    return stretched, largest, leaning, angle, abs(largest) > _STRETCH or angle > _SHEAR
 
 
 @uncounted
