@@ -257,8 +257,8 @@ S_SHAPE = 1 / 10
 """Excess of an axis that bends between its ends over its chord, per square of the slope of that.
 
 The cubic that is parallel to the mean frame at both ends and deflects by ``β`` per length has the
-slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``. Half of the mean square is ``3/5 β²``, of which the chord
-has ``1/2 β²``.
+slope ``β (3/2 − 6 s²)`` at ``−½ ≤ s ≤ ½``. Half of the mean square is ``3/5 β²``, of which the
+chord has ``1/2 β²``.
 """
 
 

@@ -168,10 +168,10 @@ class ElementTurns:
         found = Strains(*most_strained(frames, self._nodes, self._lengths, self._chords))
         if abs(found.stretch) > _STRETCH and not self._warned_of_stretch:
             self._warned_of_stretch = True
+            verb = "stretched" if found.stretch > 0 else "compressed"
             self._warn(
-                f"{state} {self._name(found.stretched)} is "
-                f"{'stretched' if found.stretch > 0 else 'compressed'} by {abs(found.stretch):.0%}, "
-                f"and the law of its section is meant for less than {_STRETCH:.0%}: check units, "
+                f"{state} {self._name(found.stretched)} is {verb} by {abs(found.stretch):.0%}, and "
+                f" the law of its section is meant for less than {_STRETCH:.0%}: check units, "
                 "stiffness and loads, or take a Solid"
             )
         if found.angle > _SHEAR and not self._warned_of_shear:
