@@ -171,7 +171,7 @@ class ElementTurns:
             verb = "stretched" if found.stretch > 0 else "compressed"
             self._warn(
                 f"{state} {self._name(found.stretched)} is {verb} by {abs(found.stretch):.0%}, and "
-                f" the law of its section is meant for less than {_STRETCH:.0%}: check units, "
+                f"the law of its section is meant for less than {_STRETCH:.0%}: check units, "
                 "stiffness and loads, or take a Solid"
             )
         if found.angle > _SHEAR and not self._warned_of_shear:
