@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.kinds import AMPLITUDE, SLOPE
+from fem_lie.lie.kinds import AMPLITUDE, SLOPE, all_axes
 from fem_lie.results.resampling import between
 
 STEEL = fl.Material(2e11, 0.3, 7800.0)
@@ -119,8 +119,28 @@ def test_states_at_asked_times_are_those_between_all_steps(name, tmp_path):
     every.save(tmp_path / "every.h5")
     for found in (every, fl.Result.load(tmp_path / "every.h5")):
         same = found.resampled(times)
+        np.testing.assert_array_equal(same.times, times)
         np.testing.assert_array_equal(kept.frames, same.frames)
         np.testing.assert_array_equal(kept.velocities, same.velocities)
+
+
+@pytest.mark.parametrize("name", ["thin shell", "gradient shell"])
+def test_both_nodes_of_a_surface_point_have_the_same_axes_between_states(name):
+    result = fl.GeneralisedAlpha().run(scene_of(name), duration=0.06, step=STEP)
+    kinds, found = result.info.node_kinds, result.resampled([0.013, 0.055])
+    for state in found.frames:
+        of_points, of_others = np.split(all_axes(kinds, np.ascontiguousarray(state)), 2)
+        np.testing.assert_allclose(of_others, of_points, atol=1e-12)
+
+
+def test_a_file_that_does_not_say_what_nodes_are_is_read_but_not_interpolated(tmp_path):
+    result = fl.GeneralisedAlpha().run(scene_of("rigid"), duration=0.02, step=STEP)
+    bodies = tuple(replace(body, node_kinds=None) for body in result.info.bodies)
+    replace(result, info=replace(result.info, bodies=bodies)).save(tmp_path / "old.h5")
+    old = fl.Result.load(tmp_path / "old.h5")
+    np.testing.assert_array_equal(old.frames, result.frames)
+    with pytest.raises(ValueError, match="node types of RigidBody 'body' are not recorded"):
+        old.resampled([0.01])
 
 
 def test_rates_of_a_stretched_gradient_are_those_of_its_position():
