@@ -227,6 +227,11 @@ def test_drive_in_statics_follows_the_load_factor():
         (lambda j: fl.Gear(j.angle, j.angle, ratio=0.0), "ratio"),
         (lambda j: fl.Screw(j.a, j.b), "pitch"),
         (lambda j: fl.Universal(j.a, j.b, axis=Z, second=(0, 1, 1)), "across the axis"),
+        (lambda j: fl.Universal(j.a, j.b, axis=Z), r"expected second=\.\.\., a direction across"),
+        (
+            lambda j: fl.Spring(fl.Planar(j.a, j.b, axis=Z).displacements[0], 1.0),
+            r"expected second=\.\.\., .*, got none: directions of the two displacements",
+        ),
         (lambda j: fl.Distance(j.a, j.b), "a distance needs two"),
         (lambda j: fl.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be a positive"),
         (lambda j: fl.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "that of the plane"),

@@ -20,7 +20,7 @@ from fem_lie.system.equations import Equations, Instant
 from fem_lie.system.nodes.numbering import Numbering
 
 seeds = st.integers(0, 2**32 - 1)
-PLACE, AXIS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8)
+PLACE, AXIS, ACROSS = (0.3, -0.2, 0.5), (0.6, 0.0, 0.8), (-0.8, 0.0, 0.6)
 
 
 def joint_of(kind: type[fl.Joint], **options):
@@ -37,8 +37,8 @@ def spring(a, b):
 
 
 def drives(a, b):
-    cross = fl.Universal(a.centre, b.centre, at=PLACE, axis=AXIS)
-    planar = fl.Planar(a.centre, b.centre, at=PLACE, axis=AXIS)
+    cross = fl.Universal(a.centre, b.centre, at=PLACE, axis=AXIS, second=ACROSS)
+    planar = fl.Planar(a.centre, b.centre, at=PLACE, axis=AXIS, second=ACROSS)
     distance = fl.Distance(a.centre, b.centre, at=(0, 0, 1), to=PLACE)
     coordinates = (cross.second_angle, cross.angle, planar.displacements[1], distance.length)
     return [fl.Drive(coordinate) for coordinate in coordinates]
@@ -58,12 +58,17 @@ CONNECTIONS = {
         fl.Spherical,
         fl.Revolute,
         fl.InPlane,
-        fl.Universal,
         fl.Prismatic,
         fl.Cylindrical,
         fl.Planar,
     )
-} | {"Screw": joint_of(fl.Screw, pitch=0.4), "Spring": spring, "Drive": drives, "Gear": gear}
+} | {
+    "Universal": joint_of(fl.Universal, second=ACROSS),
+    "Screw": joint_of(fl.Screw, pitch=0.4),
+    "Spring": spring,
+    "Drive": drives,
+    "Gear": gear,
+}
 
 
 @cache

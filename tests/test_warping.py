@@ -133,6 +133,49 @@ def test_table_values_of_ipe_200(solved):
     assert p.torsion_constant == pytest.approx(6.98e-8, rel=0.03)
 
 
+def test_warping_constants_of_thin_walls():
+    """Vlasov's of an I and of a channel, by middle lines."""
+    b, h, t = 0.1, 0.2, 1e-3
+    found = fl.SectionShape.i_section(b, h + t, t, t).warping(STEEL).properties
+    assert found.warping_constant == pytest.approx(t * b**3 * h**2 / 24, rel=0.01)
+    found = fl.SectionShape.channel(b + t / 2, h + t, t, t).warping(STEEL).properties
+    of_channel = t * b**3 * h**2 / 12 * (3 * b + 2 * h) / (6 * b + h)
+    assert found.warping_constant == pytest.approx(of_channel, rel=0.01)
+    # the length over which held warping is felt
+    torsion = STEEL.G * found.torsion_constant
+    assert found.warping_length == pytest.approx(np.sqrt(STEEL.E * of_channel / torsion), rel=0.01)
+    assert found.offset(1.0, 2.0).rotated(0.3).warping_constant == found.warping_constant
+
+
+OPEN = {
+    "I": fl.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085, 0.012),
+    "channel": fl.SectionShape.channel(0.1, 0.2, 0.006, 0.009),
+}
+OTHERS = {
+    "box": fl.SectionShape.box(0.1, 0.2, 0.005),
+    "rectangle": fl.SectionShape.rectangle(0.1, 0.2),
+    "strip": fl.SectionShape.rectangle(0.1, 0.005),
+    "angle": fl.SectionShape.l_section(0.1, 0.1, 0.01),
+}
+
+
+@pytest.mark.parametrize("name", [*OPEN, *OTHERS])
+def test_open_profiles_in_beams_that_let_them_warp_are_named_in_the_log(name, caplog):
+    section = {**OPEN, **OTHERS}[name].section(STEEL)
+    fl.Beam.straight((0, 0, 0), (3, 0, 0), section, cells=4, name="girder")
+    said = [record.getMessage() for record in caplog.records if "warping" in record.getMessage()]
+    assert len(said) == (name in OPEN)
+    if said:
+        constant = section.properties.E * section.properties.warping_constant
+        assert said[0].startswith("girder has an open thin-walled section")
+        assert f"AncfBeam(warping={constant:.4g})" in said[0]
+    caplog.clear()
+    warping = None if name in OTHERS else 1.0
+    fl.AncfBeam.straight((0, 0, 0), (3, 0, 0), section, cells=4, up=(0, 0, 1), warping=warping)
+    fl.Beam.straight((0, 0, 0), (300, 0, 0), section, cells=4)  # nobody feels it there
+    assert not caplog.records
+
+
 def test_shear_centre_of_channels_tends_to_that_of_thin_walls():
     """e = 3 b² t / (h t + 6 b t) from the web's middle; what is left falls with the thickness."""
     errors = []

@@ -184,6 +184,14 @@ class Screw(_Turning, _Gliding):
 class _WithSecondAxis(Joint):
     second: npt.ArrayLike | None = None
 
+    def _require_second(self, why: str) -> None:
+        """Raise ``ValueError`` if there is none: global axes must not decide."""
+        if self.second is None:
+            raise ValueError(
+                f"{self.label}: expected second=..., a direction across the axis {self.axis}, "
+                f"got none: {why}"
+            )
+
     def _first_axis(self, e3: Array) -> Array:
         if self.second is None:
             return super()._first_axis(e3)
@@ -200,7 +208,8 @@ class Planar(_WithSecondAxis, _Turning):
     """Displacements in the plane across the common axis e₃ and rotation about it.
 
     Attributes:
-        second: Direction of the first of the two displacements, fixed to ``a``; default: any.
+        second: Direction of the first of the two displacements, fixed to ``a``; default: any, which
+            is enough where nothing acts along one of them.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -213,19 +222,29 @@ class Planar(_WithSecondAxis, _Turning):
 
     @property
     def displacements(self) -> tuple[Coordinate, Coordinate]:
-        """Displacements of ``b`` along e₁ = ``second`` and e₂ of ``a``, zero at the start."""
+        """Displacements of ``b`` along e₁ = ``second`` and e₂ of ``a``, zero at the start.
+
+        Raises:
+            ValueError: There is no second axis, without which they have no direction.
+        """
+        self._require_second("directions of the two displacements are along it and across")
+        return self._displacements()
+
+    def _displacements(self) -> tuple[Coordinate, Coordinate]:
         return self._linear("displacement 1", 0), self._linear("displacement 2", 1)
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Angle and the two displacements."""
-        return (self.angle, *self.displacements)
+        return (self.angle, *self._displacements())
 
 
 class Universal(_WithSecondAxis):
     """Common point; ``axis`` fixed to ``a`` stays perpendicular to ``second`` fixed to ``b``.
 
+    At the start it holds the rotation about ``axis × second``, and no other.
+
     Attributes:
-        second: Direction of the axis that is fixed to ``b``, across ``axis``; default: any.
+        second: Direction of the axis that is fixed to ``b``, across ``axis``; it must be given.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -235,6 +254,11 @@ class Universal(_WithSecondAxis):
     """
 
     selection = rows(*_COINCIDE, {9: 1.0})
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if the joint is bad, or has no second axis."""
+        super().check()
+        self._require_second("the joint holds the rotation about axis × second")
 
     @property
     def angle(self) -> Coordinate:

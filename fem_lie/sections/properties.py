@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, pi, sin
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 
@@ -30,6 +30,8 @@ class SectionProperties:
         torsion_constant: Saint-Venant's, length⁴; weighted by G in a composite.
         shear_centre: Where a shear force does not twist, (y, z).
         shear_factors: Effective over true shear area, symmetric, shape (2, 2).
+        warping_constant: ``I_ω = ∫ω² dA`` of the warping function about the shear centre, length⁶,
+            weighted by E in a composite; ``None`` if it is not known.
     """
 
     E: float
@@ -40,6 +42,18 @@ class SectionProperties:
     torsion_constant: float
     shear_centre: Array
     shear_factors: Array
+    warping_constant: float | None = None
+
+    @property
+    def warping_length(self) -> float:
+        """``√(E I_ω/(G J))``: how far held warping is felt along a beam; 0 if it is not known."""
+        warping = self.E * (self.warping_constant or 0.0)
+        return sqrt(warping / (self.G * self.torsion_constant))
+
+    @property
+    def polar_radius(self) -> float:
+        """Radius of gyration about the centroid, length."""
+        return sqrt(float(np.trace(self.second_moments)) / self.area)
 
     @property
     def stiffness(self) -> Array:
@@ -110,6 +124,8 @@ class SectionProperties:
             ("shear centre (y, z)", "{:.6g}, {:.6g}".format(*self.shear_centre)),
             ("shear factors 22, 33, 23", f"{k2:.6g}, {k3:.6g}, {k23:.6g}"),
         ]
+        if self.warping_constant is not None:
+            rows.append(("warping constant", f"{self.warping_constant:.6g}"))
         return "\n".join(f"{name:<26}{value}" for name, value in rows)
 
 

@@ -78,6 +78,7 @@ class Warping:
             torsion_constant=size**4 * torsion.stiffness * fields.area / fields.GA,
             shear_centre=middle + size * (fields.centroid + torsion.shear_centre),
             shear_factors=factors,
+            warping_constant=size**6 * torsion.warping * fields.area / fields.EA,
         )
         units = np.array([size, size**2, size**2, size**2])
         self._inertia = fields.inertia * np.outer(units, units)

@@ -66,11 +66,12 @@ _DRAWN_PIECES = 4  # of a cell's edge
 
 @dataclass(frozen=True, eq=False)
 class Torsion:
-    """``GJ``, the shear centre from the centroid, and ``ω_s`` with its right-hand side."""
+    """``GJ``, the shear centre from the centroid, ``ω_s`` and ``EI_ω = ∫E ω_s² dA``."""
 
     stiffness: float
     shear_centre: Array
     function: Array
+    warping: float
 
 
 class WarpingFields:
@@ -127,7 +128,8 @@ class WarpingFields:
         zs, minus_ys = self._mean_gradient(about_centroid)
         function = about_centroid - zs * y - minus_ys * z
         function -= (self.mass_E @ function).sum() / self.EA
-        return Torsion(stiffness, np.array([-minus_ys, zs]), function)
+        warping = float(function @ self.mass_E @ function)
+        return Torsion(stiffness, np.array([-minus_ys, zs]), function, warping)
 
     def shear_factors(self, torsion: Torsion) -> Array:
         """From the flexibility ``Γ = F Q``, shape (2, 2)."""

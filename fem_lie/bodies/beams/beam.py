@@ -11,7 +11,12 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, flag, instance, number
 from fem_lie.bodies.beams.assembly import Damping
-from fem_lie.bodies.beams.given_sections import Sections, section_per_cell, without_rotary_inertia
+from fem_lie.bodies.beams.given_sections import (
+    Sections,
+    log_open_profiles,
+    section_per_cell,
+    without_rotary_inertia,
+)
 from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.beams.orientation import (
     Chains,
@@ -124,6 +129,7 @@ class Beam(LineBody):
         super().__init__(mesh, _refined(placed, formulation), sections, formulation, damping, name)
         if not rotary_inertia:
             self.density = without_rotary_inertia(self.density)
+        log_open_profiles(self.label, sections, float(chains.arc.max(initial=0.0)))
 
     @classmethod
     def straight(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -11,6 +12,10 @@ from fem_lie.bodies.beams.orientation import Chains
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.section import Section
+
+_log = logging.getLogger(__name__)
+_OPEN = 2.0  # warping length over polar radius: of solid, closed and angle sections about 1 at most
+_FELT = 0.01  # of the length of a beam
 
 Sections = Section | Mapping[str, Section] | Callable[[float], Section]
 
@@ -31,6 +36,29 @@ def section_per_cell(mesh: LineMesh, chains: Chains, section: Sections) -> list[
             instance(value, Section, "the section at an arc length", "a Section")
         return found
     return of_groups(section, Section, "a Section", len(mesh.cells), mesh.group)
+
+
+def log_open_profiles(label: str, sections: Sequence[Section], length: float) -> None:
+    """Say in the log which open thin-walled sections would resist twist by warping, too.
+
+    Args:
+        label: What the beam is called.
+        sections: Of its cells.
+        length: Of all of it.
+    """
+    for section in {id(each): each for each in sections}.values():
+        known = section.properties
+        if known is None or known.warping_length <= max(_OPEN * known.polar_radius, _FELT * length):
+            continue
+        assert known.warping_constant is not None
+        _log.warning(
+            "%s has an open thin-walled section and no stiffness against warping: where warping is "
+            "held or changes along the beam it is too soft in torsion, up to %.2g from there "
+            "(√(EI_ω/GJ)); AncfBeam(warping=%.4g) has the EI_ω of this section",
+            label,
+            known.warping_length,
+            known.E * known.warping_constant,
+        )
 
 
 def outline_of(sections: Sequence[Section], pieces: int) -> Array | None:
