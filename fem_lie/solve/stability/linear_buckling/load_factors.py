@@ -15,7 +15,7 @@ from fem_lie.linear.slepc import padded, solve_factorised, to_petsc
 
 _TOLERANCE = 1e-10
 _TRUE = 1e-4  # relative difference of an eigenvalue from the quotient of its vector
-_TRIES = 4  # each asks for twice as many: load factors of the other sign come with them
+_TRIES = 4  # each asks for twice as many: those of round-off come with them
 
 
 def lowest_positive(
@@ -42,7 +42,7 @@ def lowest_positive(
 def _largest(
     K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, wanted: int, prefix: str
 ) -> tuple[Array, Array]:
-    """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``, among the largest of either sign."""
+    """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``."""
     n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
     size = float(np.mean(np.abs(K.diagonal())))
     bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
@@ -50,9 +50,8 @@ def _largest(
     types = SLEPc.EPS.ProblemType
     solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
     solver.setOptionsPrefix(prefix)
-    solver.setWhichEigenpairs(
-        SLEPc.EPS.Which.LARGEST_MAGNITUDE if B.shape[0] else SLEPc.EPS.Which.LARGEST_REAL
-    )
+    # of the largest in size, members in tension would have all in a structure with many of them
+    solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
     solver.setDimensions(wanted)
     solver.setTolerances(_TOLERANCE, 500)
     solve_factorised(solver, prefix)
