@@ -44,16 +44,17 @@ _ARC = 1 / 60  # see geodesic_strain
 def set_stress(data: Array, N: Array) -> float:
     """Forces ``N`` (6,) that do work on the relative motion in ``data``; returns the energy."""
     e, length = numba.carray(stack(6), (6,)), data[_LENGTH]
-    d, d0 = data[_Y:_LENGTH], data[_UNLOADED:_SHARE]
+    d, d0, inverse = data[_Y:_LENGTH], data[_UNLOADED:_SHARE], 1.0 / length
     for i in range(6):
-        e[i] = (d[i] - d0[i]) / length
+        e[i] = (d[i] - d0[i]) * inverse
     F22, F23, F32, F33 = data[_SHARE], data[_SHARE + 1], data[_SHARE + 2], data[_SHARE + 3]
     β2, β3 = F22 * e[1] + F23 * e[2], F32 * e[1] + F33 * e[2]
     # θ = (d[5], −d[4]) and θ₀, their components along β
     p, p0 = d[5] * β2 - d[4] * β3, d0[5] * β2 - d0[4] * β3
     X, square = 1.0 + e[0], β2 * β2 + β3 * β3
     C = sqrt(X * X + square)
-    excess = S_SHAPE * square / (C * C)
+    per_C = 1.0 / C
+    excess = S_SHAPE * square * per_C * per_C
     e[0] += square / (C + abs(X)) + abs(X) - X + excess * C
     e[1] -= _ARC * (d[5] * p - d0[5] * p0)
     e[2] += _ARC * (d[4] * p - d0[4] * p0)
@@ -67,12 +68,12 @@ def set_stress(data: Array, N: Array) -> float:
         work += N[i] * e[i]
     # what does work on β and on θ
     q, q0 = d[5] * N[1] - d[4] * N[2], d0[5] * N[1] - d0[4] * N[2]
-    across = N[0] / C * (1.0 + 2.0 * S_SHAPE - excess)
+    across = N[0] * per_C * (1.0 + 2.0 * S_SHAPE - excess)
     m2 = across * β2 - _ARC * (d[5] * q - d0[5] * q0)
     m3 = across * β3 + _ARC * (d[4] * q - d0[4] * q0)
     N[4] += length * _ARC * (N[2] * p + β3 * q)
     N[5] -= length * _ARC * (N[1] * p + β2 * q)
-    N[0] *= X / C * (1.0 - excess)
+    N[0] *= X * per_C * (1.0 - excess)
     N[1] += F22 * m2 + F32 * m3
     N[2] += F23 * m2 + F33 * m3
     return 0.5 * length * work
