@@ -25,7 +25,7 @@ def results():
 
 if __name__ == "__main__":
     # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(100, exit=True)
+    faulthandler.dump_traceback_later(500, exit=True)
     for kind in ("statics", "dynamics"):
         PETSc.Options(f"fem_lie_{kind}_")["domains"] = sys.argv[2]
     arrays, told = results()

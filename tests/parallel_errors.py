@@ -28,6 +28,6 @@ def go_wrong(fault):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(60, exit=True)
+    faulthandler.dump_traceback_later(500, exit=True)
     end_together()
     go_wrong(sys.argv[1])

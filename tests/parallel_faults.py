@@ -60,12 +60,16 @@ MESSAGES = {name: message for name, (_, message) in (IN_TIME | AT_ONCE).items()}
 
 
 def scene(fault="", rank=-1):
-    """The pendulum, pushed; after ``FAILS_AT`` the fault comes on one rank, if there is any."""
-    built = parallel_scenes.pendulum()
+    """The pendulum, pushed; the fault comes on one rank when all have passed ``FAILS_AT``."""
+    built, met = parallel_scenes.pendulum(), []
 
     def push(t):
-        if t > FAILS_AT and fault in IN_TIME and MPI.COMM_WORLD.rank == rank:
-            IN_TIME[fault][0]()
+        if t > FAILS_AT and fault in IN_TIME and not met:
+            # ranks that solve alone do not wait for each other: without this the first one, which
+            # writes, may be at its first step when another one fails, and has written nothing yet
+            met.append(MPI.COMM_WORLD.Barrier())
+            if MPI.COMM_WORLD.rank == rank:
+                IN_TIME[fault][0]()
         return t
 
     built.add(fl.PointLoad(built.bodies[1].end, force=(0, 0, 1.0), history=push))
@@ -79,7 +83,7 @@ def run(file, fault="", rank=-1):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(60, exit=True)
+    faulthandler.dump_traceback_later(500, exit=True)
     name, where, shares = sys.argv[1].split(",")
     if name in AT_ONCE and MPI.COMM_WORLD.rank == int(where):
         AT_ONCE[name][0]()

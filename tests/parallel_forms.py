@@ -69,7 +69,7 @@ def results(comm: MPI.Comm) -> dict:
 
 if __name__ == "__main__":
     # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(60, exit=True)
+    faulthandler.dump_traceback_later(500, exit=True)
     record = results(MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         Path(sys.argv[1]).write_text(json.dumps(record))

@@ -96,7 +96,7 @@ def results(file):
 
 if __name__ == "__main__":
     # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(100, exit=True)
+    faulthandler.dump_traceback_later(500, exit=True)
     share_factors()
     out = Path(sys.argv[1])
     found = results(out.with_suffix(".h5"))

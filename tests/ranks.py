@@ -35,6 +35,6 @@ def output_of_ranks(script: ModuleType, ranks: int, *given: str) -> tuple[int, s
     many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
     arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), *given]
     run = subprocess.run(
-        [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=120
+        [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=600
     )
     return run.returncode, run.stdout + run.stderr
