@@ -197,3 +197,24 @@ def test_forces_in_the_loop_are_those_of_the_equations():
     r[equations.unknowns.held.ravel()] = 0.0
     assert np.abs(r).max() > 0.0
     np.testing.assert_array_equal(run.r, r)
+
+
+def thin_shell() -> fl.ThinShell:
+    """A square thin shell of four cells."""
+    patch = fl.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2))
+    return fl.ThinShell(patch, fl.ShellSection.layer(0.01, fl.Material(1e9, 0.3, 1000.0)))
+
+
+def ancf_beam() -> fl.AncfBeam:
+    """A straight ANCF beam of two cells."""
+    section = fl.Section.rectangle(0.1, 0.1, fl.Material(1e9, 0.3, 1000.0))
+    return fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), section, cells=2)
+
+
+@pytest.mark.parametrize("scheme", [fl.Explicit(), fl.Asynchronous()], ids=["all", "by cell"])
+@pytest.mark.parametrize("body", [thin_shell, ancf_beam])
+def test_bodies_whose_nodes_share_mass_are_refused_by_name(scheme, body):
+    scene = fl.Scene()
+    scene.add(body())
+    with pytest.raises(ValueError, match=r"has no .*use .*GeneralisedAlpha"):
+        scheme.run(scene, duration=1e-3, step=1e-4, progress=False)

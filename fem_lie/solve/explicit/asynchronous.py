@@ -243,4 +243,7 @@ def _refuse(equations: Equations) -> None:
     }
     for what, given in reasons.items():
         if given:
-            raise ValueError(f"Asynchronous has no {what}: use Explicit or GeneralisedAlpha")
+            raise ValueError(
+                f"Asynchronous has no {what}: use Explicit, where that takes the scene, or "
+                "GeneralisedAlpha"
+            )

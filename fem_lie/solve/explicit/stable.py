@@ -173,4 +173,7 @@ def refuse_surfaces(equations: Equations) -> None:
             "GeneralisedAlpha"
         )
     if (equations.unknowns.kinds >= SURFACE).any():
-        raise ValueError("Explicit has no thin shells, whose points share mass: use Shell")
+        raise ValueError(
+            "Explicit has no thin shells and no ANCF bodies, whose nodes share mass: use "
+            "GeneralisedAlpha, or Shell and Beam"
+        )

@@ -132,7 +132,8 @@ def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     np.add.at(whole, rows, inertia.blocks)
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
     sloped = (kinds >= SLOPE) & (kinds < AMPLITUDE)  # amplitudes have nothing of their own
-    gained = whole[sloped, 0, 0] / own[sloped, 0, 0]
+    mass = own[sloped, 0, 0]  # none where points share mass, which schemes refuse by name
+    gained = np.divide(whole[sloped, 0, 0], mass, out=np.zeros_like(mass), where=mass > 0.0)
     diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)
     whole[sloped] = diagonal[:, :, np.newaxis] * np.eye(4)
     return Inertia(np.arange(count + 1), np.arange(count), whole)
