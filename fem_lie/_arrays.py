@@ -192,6 +192,11 @@ def positive(value: object, what: str) -> float:
     return found
 
 
+def positive_or_zero(value: object, what: str) -> float:
+    """Zero, or ``value`` as :func:`positive` has it, whose errors it raises."""
+    return 0.0 if number(value, what) == 0.0 else positive(value, what)
+
+
 def choice(value: object, kind: type[Chosen], what: str) -> Chosen:
     """A member of an enumeration, given by itself or by its value.
 

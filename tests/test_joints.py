@@ -1,5 +1,6 @@
 """Laws of joints: derivatives, invariance, and what is refused."""
 
+import re
 from functools import cache
 from itertools import pairwise
 
@@ -364,3 +365,21 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         conditions.append(np.linalg.cond(matrix))
     # between stiffness and mass that make up a flexible body's matrix lies a factor of its own
     assert max(conditions) / min(conditions) < (10 if flexible else 1.01), conditions
+
+
+def test_a_gap_between_joined_points_is_closed_by_the_advice():
+    """Points that coincide to seven digits, as in a file: the message has what to write."""
+    section = fl.Section.circle(0.1, fl.Material(1e6, 0.3, 1.0))
+    scene = fl.Scene()
+    first = scene.add(fl.Beam.straight((0, 0, 0), (1 / 3, 0, 0), section, cells=1))
+    second = scene.add(fl.Beam.straight((0.3333333, 0, 0), (1, 0, 0), section, cells=1))
+    with pytest.raises(ValueError, match="more than 1e-09 of the size") as caught:
+        scene.add(fl.Fixed(first.end, second.start))
+    advised = re.search(r"at=\(([^)]*)\)", str(caught.value))
+    assert advised is not None
+    at = [float(x) for x in advised[1].split(",")]
+    np.testing.assert_allclose(at, (1 / 3, 0, 0), atol=1e-7)
+    scene.add(fl.Fixed(first.end, second.start, at=at))
+    scene.add(fl.Clamp(first.start))
+    scene.add(fl.PointLoad(second.end, force=(0, 0, 1e-3)))
+    assert fl.statics(scene).position(second.end)[-1][2] > 0.0

@@ -356,3 +356,44 @@ def test_singular_structure_is_reported():
     scene.add(fl.PointLoad(beam.end, force=(0, 1, 0)))
     with pytest.raises(fl.ConvergenceError, match=r"held by clamps or joints|singular"):
         fl.statics(scene)
+
+
+def weightless(density: float) -> dict[str, fl.Body]:
+    """Bodies of one material, held at their starts."""
+    soft = fl.Material(1e6, 0.3, density)
+    section, layer = fl.Section.circle(0.05, soft), fl.ShellSection.layer(0.1, soft)
+    rubber = fl.NeoHooke(1e6, 0.3, density)
+    ends = (0, 0, 0), (1, 0, 0)
+    bodies: dict[str, fl.Body] = {
+        "beam": fl.Beam.straight(*ends, section, cells=2),
+        "rod": fl.Rod.straight(*ends, section, cells=2),
+        "ancf": fl.AncfBeam.straight(*ends, section, cells=2),
+        "shell": fl.Shell(fl.surface(lambda a, b: (a, 0.5 * b, 0.0), (2, 1)), layer),
+        "solid": fl.Solid.brick((1.0, 0.2, 0.2), rubber, cells=(2, 1, 1)),
+    }
+    return bodies
+
+
+@pytest.mark.parametrize("name", weightless(1.0))
+def test_statics_without_gravity_needs_no_density(name):
+    found = []
+    for density in (0.0, 7.0):
+        body = weightless(density)[name]
+        scene = fl.Scene()
+        scene.add(body)
+        if name == "ancf":
+            body.clamp(body.start)
+            tip = body.end
+        elif name in ("shell", "solid"):
+            body.clamp("a=0")
+            tip = body["11"] if name == "shell" else body["111"]
+        else:
+            scene.add(fl.Clamp(body.start))
+            tip = body.end
+        scene.add(fl.PointLoad(tip, force=(0, 0, 1e-2)))
+        found.append(fl.statics(scene).position(tip)[-1])
+        if density == 0.0:
+            with pytest.raises(ValueError, match="density"):
+                fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.1)
+    np.testing.assert_array_equal(*found)
+    assert found[0][2] > 1e-9

@@ -15,6 +15,9 @@ from fem_lie.bodies.points import require_point
 from fem_lie.joints.connection import NO_ANGLE, Connection, Coordinate, Tie, rows
 from fem_lie.joints.equations import functions as joint_functions
 
+_COINCIDENT = 1e-9
+"""Distance of the two points over the size of their bodies, below which they are one place."""
+
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 """Sine and cosine, times 1 + Q₃₃, of the rotation about the axis: Q₂₁ − Q₁₂, Q₁₁ + Q₂₂."""
 
@@ -140,9 +143,12 @@ class Joint(Connection):
         places = [point.position for point in moving]
         size = max(point.size for point in moving)
         gap = np.linalg.norm(places[-1] - places[0])
-        if gap > 1e-9 * size:
+        if gap > _COINCIDENT * size:
+            middle = ", ".join(f"{x:.9g}" for x in 0.5 * (places[0] + places[-1]))
             raise ValueError(
-                f"{self.label}: the points are {gap:g} apart, at {places[0]} and {places[-1]}; "
-                "let them coincide, or give at=... to join them there by rigid links"
+                f"{self.label}: the points are {gap:g} apart, at {places[0]} and {places[-1]}, "
+                f"more than {_COINCIDENT:g} of the size {size:g} of their bodies; let them "
+                f"coincide, or give at=... to join them there by rigid links over any gap, such as "
+                f"at=({middle})"
             )
         return places[0]

@@ -16,6 +16,7 @@ from fem_lie.bodies.points import require_point
 from fem_lie.elements.beams.geodesic import Geodesic
 from fem_lie.joints.connection import Connection, History, SlidingTie, Tie, rows
 
+_ON_AXIS = 1e-6  # of the beam's size: places nearer to its axis are on it
 _ON_LINE = ({1: 1.0}, {2: 1.0})
 
 
@@ -118,8 +119,13 @@ class Sliding(Connection):
         place = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
         starts = np.cumsum(lengths) - lengths
         frame, s, gap = _nearest(self.beam, elements, starts, place)
-        if gap > 1e-6 * self.beam.size:
-            raise ValueError(f"{self.label}: the place {place} is {gap:g} off the beam's axis")
+        if gap > _ON_AXIS * self.beam.size:
+            raise ValueError(
+                f"{self.label}: the place {place} is {gap:g} off the beam's axis, more than "
+                f"{_ON_AXIS:g} of its size {self.beam.size:g}; give at=... on the axis, such as "
+                f"at=({', '.join(f'{x:.9g}' for x in frame[0])}), to which the point is joined by "
+                "a rigid link"
+            )
         frame[0] = place
         if self.travel is not None:
             begin = at_time(self.travel, 0.0, f"{self.label}: travel")

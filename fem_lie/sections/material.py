@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie._arrays import instance, number, positive
+from fem_lie._arrays import instance, number, positive, positive_or_zero
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Material:
     Attributes:
         E: Young's modulus, force per area.
         nu: Poisson's ratio, -1 < nu <= 0.5.
-        density: Mass per volume.
+        density: Mass per volume; 0 for statics without gravity.
 
     Raises:
         ValueError: A number is outside its range.
@@ -26,7 +26,7 @@ class Material:
 
     def __post_init__(self) -> None:
         positive(self.E, "Young's modulus E")
-        positive(self.density, "density")
+        positive_or_zero(self.density, "density")
         if not -1.0 < number(self.nu, "Poisson's ratio nu") <= 0.5:
             raise ValueError(f"Poisson's ratio nu must satisfy -1 < nu <= 0.5, got {self.nu!r}")
 

@@ -231,7 +231,7 @@ def _from_closed_form(properties: SectionProperties, density: float, outline: Ar
     """Of one material, with its centroid on the axis."""
     (yy, _), (_, zz) = properties.second_moments
     inertia = np.diag([density * properties.area, 0.0, density * yy, density * zz])
-    return Section(properties.stiffness, inertia, outline, properties)
+    return Section(properties.stiffness, inertia if density else None, outline, properties)
 
 
 def _circle(radius: float) -> Array:

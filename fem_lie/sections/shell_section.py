@@ -16,7 +16,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from fem_lie._arrays import Array, instance, number, positive
+from fem_lie._arrays import Array, instance, number, positive, positive_or_zero
 from fem_lie.sections.material import Material
 from fem_lie.sections.matrices import definite, semidefinite
 
@@ -34,10 +34,10 @@ class Orthotropic:
         G12: Shear modulus in the plane.
         G13: Transverse shear modulus along the fibres.
         G23: Transverse shear modulus across them.
-        density: Mass per volume.
+        density: Mass per volume; 0 for statics without gravity.
 
     Raises:
-        ValueError: A modulus or the density is not positive, or nu12 is too large.
+        ValueError: A modulus is not positive, the density negative, or nu12 is too large.
     """
 
     E1: float
@@ -49,8 +49,9 @@ class Orthotropic:
     density: float
 
     def __post_init__(self) -> None:
-        for name in ("E1", "E2", "G12", "G13", "G23", "density"):
+        for name in ("E1", "E2", "G12", "G13", "G23"):
             positive(getattr(self, name), name)
+        positive_or_zero(self.density, "density")
         if not number(self.nu12, "nu12") ** 2 < self.E1 / self.E2:
             raise ValueError(
                 f"nu12 must satisfy nu12² < E1/E2 = {self.E1 / self.E2:g}, got {self.nu12!r}"

@@ -81,7 +81,8 @@ class Warping:
             warping_constant=size**6 * torsion.warping * fields.area / fields.EA,
         )
         units = np.array([size, size**2, size**2, size**2])
-        self._inertia = fields.inertia * np.outer(units, units)
+        inertia = fields.inertia * np.outer(units, units)
+        self._inertia = inertia if inertia[0, 0] > 0.0 else None
 
     def section(self, at: npt.ArrayLike | None = None, angle: float = 0.0) -> Section:
         """Stiffness and inertia with the beam's axis through a point, in axes turned by an angle.

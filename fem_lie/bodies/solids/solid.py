@@ -191,7 +191,7 @@ class Solid(SupportedSolid):
                     f"got {self.material} and {other}; join two Solids instead"
                 )
         self.parameters = np.array([of.parameters for of in each], dtype=np.float64)
-        self.has_mass = all(of.density is not None for of in each)
+        self.has_mass = all(bool(of.density) for of in each)
         self.density = np.array([0.0 if of.density is None else of.density for of in each])
         return list({id(of): of for of in each}.values())
 

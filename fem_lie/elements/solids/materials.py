@@ -14,7 +14,7 @@ import numpy as np
 import ufl
 from ufl.core.expr import Expr
 
-from fem_lie._arrays import instance, number, positive
+from fem_lie._arrays import instance, number, positive, positive_or_zero
 from fem_lie.elements.solids.small_changes import det_minus_one, log1p
 
 _SMALL = 1e-3  # strain
@@ -24,7 +24,7 @@ class SolidMaterial(ABC):
     """What a solid is made of: subclass it as a frozen dataclass.
 
     Attributes:
-        density: Mass per unloaded volume, or ``None`` for statics without gravity.
+        density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
     """
 
     density: float | None
@@ -66,7 +66,7 @@ class SolidMaterial(ABC):
 
     def _check_density(self) -> None:
         if self.density is not None:
-            positive(self.density, "density")
+            positive_or_zero(self.density, "density")
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class _Isotropic(SolidMaterial):
     Attributes:
         E: Young's modulus of small strains, force per area.
         nu: Poisson's ratio of small strains, -1 < nu < 0.5.
-        density: Mass per unloaded volume, or ``None``.
+        density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
 
     Raises:
         ValueError: A number is outside its range.
@@ -137,7 +137,7 @@ class Hyperelastic(SolidMaterial):
             of larger numbers, as ``tr C − 3 − ln det C``, it is round-off at small strains, and
             energy is conserved no better; :func:`~fem_lie.log1p`, :func:`~fem_lie.expm1` and
             :func:`~fem_lie.det_minus_one` have all digits there.
-        density: Mass per unloaded volume, or ``None``.
+        density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
         parameters: Numbers for the function; groups of cells of one solid may differ in these.
 
     Raises:
