@@ -255,3 +255,33 @@ def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
             fl.transfer(result, scene, finer)
     else:
         fl.transfer(result, scene, finer)
+
+
+@pytest.mark.parametrize("place", ["node", "attachment frame"])
+def test_a_drive_is_added_to_a_hinge_that_has_made_turns(place):
+    """The drive takes over the whole turns that the hinge has counted."""
+    stiffness, moment = 5.0, 50.0
+
+    def wound(cells):
+        scene = fl.Scene()
+        beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, name="beam"))
+        point = beam.start if place == "node" else beam.at(0.3)
+        hinge = scene.add(fl.Revolute(fl.ground(), point, name="hinge"))
+        spring = scene.add(fl.Spring(hinge.angle, stiffness, name="spring"))
+        scene.add(fl.PointLoad(beam.end, moment=(0, 0, moment)))
+        return scene, hinge, spring
+
+    (coarse, _, before), (fine, hinge, spring) = wound(2), wound(4)
+    result = fl.statics(coarse, load_steps=10)
+    angle = moment / stiffness
+    assert result.joint_force(before)[-1][5] == pytest.approx(stiffness * angle, rel=1e-9)
+    motor = fine.add(fl.Drive(hinge.angle, lambda factor: angle * factor**2, name="motor"))
+    fl.transfer(result, coarse, fine)
+    driven = fl.statics(fine, levels=(1.0, 1.1))
+    np.testing.assert_array_equal(driven.factors[[0, -1]], [1.0, 1.1])
+    ends = [0, -1]
+    # what the spring has, the load does not give: the drive
+    wanted = stiffness * angle * np.array([1.0, 1.21])
+    np.testing.assert_allclose(driven.joint_force(spring)[ends, 5], wanted, rtol=1e-8)
+    rest = moment * np.array([1.0, 1.1]) - wanted
+    np.testing.assert_allclose(driven.joint_force(motor)[ends, 5], rest, atol=1e-6)

@@ -5,7 +5,7 @@ It numbers the constraints, set by set, and goes over the sets; what they are it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.bordered import Border
 from fem_lie.scene import Scene
 from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, MemoryKey, Numbered
 from fem_lie.system.constraint_sets.kinds import sets_of
 from fem_lie.system.constraint_sets.rows import SystemRows
 from fem_lie.system.constraint_sets.targets import Targets
@@ -279,6 +279,20 @@ class Connections:
                 f"{values.shape} angles of joints, wanted {wanted}"
             )
         self.memory = values
+
+    @property
+    def keyed_memory(self) -> dict[MemoryKey, float]:
+        """:attr:`memory` by what its entries belong to, for other scenes with the same joints."""
+        return dict(zip(self._memory_keys, map(float, self.memory), strict=True))
+
+    def remembering(self, values: Mapping[MemoryKey, float]) -> Array:
+        """:attr:`memory` of another scene for this one; what that did not have stays as it is."""
+        pairs = zip(self._memory_keys, map(float, self.memory), strict=True)
+        return np.array([values.get(key, own) for key, own in pairs])
+
+    @property
+    def _memory_keys(self) -> list[MemoryKey]:
+        return [key for each in self.sets for part in each.memory_keys for key in part]
 
     def _remembered(self) -> list[Array]:
         return [part for each in self.sets for part in each.memory]

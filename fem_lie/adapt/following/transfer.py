@@ -86,8 +86,9 @@ def transfer(
     Args:
         result: Of dynamics, of statics or of a path of ``scene``.
         scene: What was solved.
-        onto: With the same bodies, joints and supports on other meshes: Beams, Rods with frames,
-            and Shells of triangles. It is changed.
+        onto: With the same bodies on other meshes: Beams, Rods with frames, and Shells of
+            triangles. Joints and what acts along them are those of ``scene`` where they have the
+            same names; there may be more. It is changed.
         step: Which state; default: the last.
 
     Raises:
@@ -126,19 +127,26 @@ def transfer(
     H, v = _gathered(result, at, found, equations, after)
     if isinstance(result, Result) and result.velocities[at].any():
         v = _kept(result, at, found, equations, after, H, v)
-    turned = _turned(result, at, scene) if equations.tables.turns else None
-    equations.system.connections.remember(turned)
+    began = (
+        Began(scene.began.time + float(result.times[at]), 0.0)
+        if isinstance(result, Result)
+        else Began(0.0, float(result.factors[at]))
+    )
+    # drives and motions are where they are then, of time or of the load factor
+    now = equations.prescribed(began.time + began.factor - onto.began.time)
+    now.act(began.factor or 1.0)
+    H[equations.unknowns.moving + 1 :] = now.frames
+    connections = equations.system.connections
+    if connections.first.turns or len(connections.sets) > 1:
+        began = began._replace(turned=connections.remembering(_turned(result, at, scene)))
+    connections.remember(began.turned)
     told = equations.report(H, v[: equations.unknowns.moving])
     _check_joints(equations, H)
     frames, twists = told.frames, told.twists
     for body, own in equations.unknowns.bodies.items():
         body.begins_at = np.array(frames[own])
         body.velocities[:] = twists[own]
-    onto.began = (
-        Began(scene.began.time + float(result.times[at]), 0.0, turned)
-        if isinstance(result, Result)
-        else Began(0.0, float(result.factors[at]), turned)
-    )
+    onto.began = began
     return _told(result, at, scene, equations, H, v)
 
 
@@ -211,14 +219,16 @@ def _check_joints(equations: Equations, H: Array) -> None:
         )
 
 
-def _turned(result: Result | StaticResult, at: int, scene: Scene) -> Array:
+def _turned(
+    result: Result | StaticResult, at: int, scene: Scene
+) -> Mapping[tuple[str, str], float]:
     """Turns that joints have made up to a state, by going through those before."""
     equations = Equations(scene, dynamics=isinstance(result, Result))
     H = equations.start.frames.copy()
     for frames in result.frames[: at + 1]:
         H[: equations.unknowns.moving] = frames[equations.unknowns.leaders]
         equations.memory.accept(H)
-    return equations.memory.saved()["joints"]
+    return equations.system.connections.keyed_memory
 
 
 def _told(

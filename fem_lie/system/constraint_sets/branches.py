@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.equations import turns
+from fem_lie.joints.equations.functions import ANGLE
 from fem_lie.joints.equations.table import JointTable
 
 _QUARTER = 0.5 * np.pi * (1.0 + 1e-9)
@@ -33,7 +34,10 @@ class Branches:
         self._labels, self._item = labels, item
         self._accepted = table.turned.copy()
         bound = table.rows < len(table.targets)
-        ends = zip(table.first[:-1], table.first[1:], strict=True)
+        ends = list(zip(table.first[:-1], table.first[1:], strict=True))
+        self._counted: Flags = np.array(
+            [table.functions[a:b, ANGLE].any() for a, b in ends], dtype=bool
+        )
         self._aligned = np.array(
             [turns.fixed_rotations(table.selection[a:b, 3:][bound[a:b]]) for a, b in ends]
         ).reshape(-1, 3, 3)
@@ -55,10 +59,10 @@ class Branches:
             LostBranchError: An angle has changed by more than a quarter turn, or axes are opposite.
         """
         table = self._table
-        if table.functions.any():
+        if self._counted.any():
             angles = np.empty(len(table.nodes))
             turns.angles(H, table, angles)
-            change = np.abs(angles - self._accepted)
+            change = np.where(self._counted, np.abs(angles - self._accepted), 0.0)
             self._refuse(change > _QUARTER, "rotates by more than a quarter turn in one step")
         if self._any_aligned:
             found = np.empty(len(table.nodes))

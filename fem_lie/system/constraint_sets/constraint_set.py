@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints import Connection
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.rows import Rows
+
+MemoryKey: TypeAlias = tuple[str, str]
+"""Label of a joint, and name of its coordinate."""
 
 
 class Numbered(NamedTuple):
@@ -222,6 +225,11 @@ class ConstraintSet(ABC):
     @property
     def memory(self) -> tuple[Array, ...]:
         """What :meth:`accept` remembers, to be written into."""
+        return ()
+
+    @property
+    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
+        """What each entry of :attr:`memory` belongs to, whatever else is in a scene."""
         return ()
 
     # --- results ---

@@ -16,7 +16,7 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.forms.term import add_at
 from fem_lie.linear.bordered import Border
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start
+from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, MemoryKey, Numbered, Start
 from fem_lie.system.constraint_sets.rows import Rows, SystemRows
 from fem_lie.system.nodes.held_grips import HeldGrips
 
@@ -296,6 +296,11 @@ class OnGrips(ConstraintSet):
     def memory(self) -> tuple[Array, ...]:
         """See the base class."""
         return self.inner.memory
+
+    @property
+    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
+        """See the base class."""
+        return self.inner.memory_keys
 
     # --- results ---
 

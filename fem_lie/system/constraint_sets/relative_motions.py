@@ -8,15 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.joints import Joint, Tie
+from fem_lie.joints import Connection, Joint, Tie
 from fem_lie.joints.equations import terms, turns
-from fem_lie.joints.equations.functions import DISTANCE
+from fem_lie.joints.equations.functions import ANGLE, DISTANCE
 from fem_lie.joints.equations.spring_changes import spring_changes
 from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.branches import Branches
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
+    MemoryKey,
     Numbered,
     Start,
     stacked,
@@ -98,6 +99,13 @@ class RelativeMotions(ConstraintSet):
         labels = [item.label for item, _, _ in items]
         of = np.repeat(np.arange(len(items)), counts)
         self._branches = Branches(self.table, self.probes, labels, of)
+        pairs_of = [
+            key
+            for (item, _, _), group in zip(items, groups, strict=True)
+            for key in _keys(item, group)
+        ]
+        coordinates = [c for item, _, _ in items for c in item.coordinates()]
+        self._keys = pairs_of, [(c.joint.label, c.name) for c in coordinates]
         sprung = [item for item, _, _ in items if item.spring is not None]
         self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
         self._rest, self._start = self.table.springs[:, 2].copy(), np.empty(0)
@@ -230,6 +238,11 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         return self.table.turned, self.probes.turned
 
+    @property
+    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
+        """See the base class."""
+        return self._keys
+
     def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
         """See the base class."""
         if not self._ties:
@@ -258,6 +271,17 @@ class RelativeMotions(ConstraintSet):
         """See the base class."""
         table = self.table
         return bool((table.nodes >= self._count).any() or table.springs[:, 1].any())
+
+
+def _keys(item: Connection, pairs: Sequence[Pair]) -> list[MemoryKey]:
+    """Whose angle the pairs of an item count: a coordinate's along which it acts, or its own."""
+    coordinates = [] if isinstance(item, Joint) else list(item.coordinates())
+    own = [(item.label, "angle")] * len(pairs)
+    acts = [(c.joint.label, c.name) for c in coordinates]
+    found = acts if len(acts) == len(pairs) else own
+    counted = [pair.tie.functions[:, ANGLE].any() for pair in pairs]
+    # pairs without an angle have nothing to remember
+    return [key if c else (item.label, "") for key, c in zip(found, counted, strict=True)]
 
 
 def _pair(rows: Rows, tie: Tie, first: int) -> Pair:

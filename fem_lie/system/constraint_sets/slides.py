@@ -14,6 +14,7 @@ from fem_lie.joints.equations.sliding import SlidingTable
 from fem_lie.linear.bordered import Border
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
+    MemoryKey,
     Numbered,
     Start,
     stacked,
@@ -109,6 +110,11 @@ class Slides(ConstraintSet):
     def memory(self) -> tuple[Array, ...]:
         """See the base class."""
         return (self.table.arclength,)
+
+    @property
+    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
+        """See the base class."""
+        return ([(label, "arclength") for label in self._labels],)
 
     def wrenches(self, H: Array, v: Array, weights: Array, out: Array) -> None:
         """See the base class."""
