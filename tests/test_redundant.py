@@ -1,5 +1,7 @@
 """Redundant constraints: mechanisms that move, that cannot, and the joint forces of both."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -7,6 +9,7 @@ import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie.linear.redundancy import IdleMultipliers, redundant_constraints
+from fem_lie.system.equations import Equations
 from tests.unit_systems import METRES, UNIT_SYSTEMS, UnitSystem
 
 Z = (0.0, 0.0, 1.0)
@@ -135,3 +138,55 @@ def test_one_constraint_too_many_of_a_long_ring_is_found(count):
         scene.add(fl.Revolute(bodies[k - 1].centre, body.centre, at=place))
     with pytest.raises(ValueError, match=f"3 of {5 * count} constraints are redundant"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)
+
+
+def test_what_motions_can_mend_is_no_contradiction():
+    """Violations along a motion of the loop's bodies are those of an unfinished iteration."""
+    equations = Equations(four_bar(0.0), dynamics=True)
+    constraints = equations.constraints(equations.start.frames)
+    B = constraints.jacobian
+    motion = np.random.default_rng(0).normal(size=B.shape[1])
+    mended = 1e-6 * (B @ motion)
+    assert np.abs(mended).max() > 1e-6
+    assert constraints.contradiction(mended, 1e-9) == ""
+    idle = scipy.linalg.null_space(B.toarray().T, rcond=1e-9)
+    assert idle.shape[1]
+    said = constraints.contradiction(mended + 3e-8 * idle[:, 0] / np.abs(idle[:, 0]).max(), 1e-9)
+    assert "contradict each other" in said
+    # what motions can mend, a hundred times as large, is not in the number
+    number = re.search(r"violation of (\S+) ", said)
+    assert number is not None
+    assert 1e-8 < float(number[1]) < 3.1e-8
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_of_round_off_are_redundant(seed):
+    """Where both sides are on one body a row is what is left of terms that cancel."""
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(5, 12))
+    noise = 1e-15 * rng.normal(size=(2, 12))
+    B = sp.csr_matrix(np.vstack([rows[:2], noise[:1], rows[2:], noise[1:]]))
+    np.testing.assert_array_equal(redundant_constraints(B, 1.0, np.ones(7)), [2, 6])
+
+
+def test_a_joint_within_one_rigid_body_is_redundant():
+    """Two places of one body, far from its centre: its rows are round-off."""
+    scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1), (1 / 3, 0.1, -0.7))
+    scene.add(body)
+    at = (1 / 7, 1 / 9, 1 / 11)
+    scene.add(fl.Fixed(body.at(at), body.centre, at=at, name="within"))
+    with pytest.raises(ValueError, match=r"6 of 6 constraints are redundant.*Remove within"):
+        fl.statics(scene)
+
+
+def test_what_binds_nothing_that_is_free_is_to_be_removed():
+    scene = fl.Scene()
+    steel = fl.Material(2.1e11, 0.3, 7850.0)
+    beam = scene.add(
+        fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, steel), cells=2)
+    )
+    scene.add(fl.Clamp(beam.start))
+    scene.add(fl.Fixed(fl.ground(), beam.start, name="twice"))
+    with pytest.raises(ValueError, match="Remove twice: the rest holds all") as caught:
+        fl.statics(scene)
+    assert "Spherical" not in str(caught.value)

@@ -60,12 +60,24 @@ def catalogue(
 
 def refuse(redundant: Indices, connections: Connections) -> None:
     """Raise ``ValueError`` that names the joints of redundant constraints if there are any."""
-    if len(redundant):
-        owner = dict.fromkeys(connections.owner[redundant])
-        names = "; ".join(connections.items[int(k)].label for k in owner)
-        raise ValueError(
-            f"{len(redundant)} of {len(connections.owner)} constraints are redundant, they follow "
-            f"from the other joints and clamps: {names}. Replace a joint by one with fewer "
-            "constraints (e.g. Spherical instead of Revolute) or remove it, or see "
-            "Scene(redundant=...)"
+    if not len(redundant):
+        return
+    labels = [item.label for item in connections.items]
+    sizes, excess = (
+        np.bincount(owner, minlength=len(labels))
+        for owner in (connections.owner, connections.owner[redundant])
+    )
+    names = "; ".join(labels[int(k)] for k in dict.fromkeys(connections.owner[redundant]))
+    # of what binds nothing that is free no joint with fewer constraints would do
+    whole = [label for label, n, k in zip(labels, sizes, excess, strict=True) if 0 < n == k]
+    advice = [f"Remove {'; '.join(whole)}: the rest holds all that it holds"] if whole else []
+    if ((excess > 0) & (excess < sizes)).any():
+        advice.append(
+            "Replace a joint by one with fewer constraints (e.g. Spherical instead of Revolute) or "
+            "remove it"
         )
+    raise ValueError(
+        f"{len(redundant)} of {len(connections.owner)} constraints are redundant, they follow "
+        f"from the other joints and clamps: {names}. {'. '.join(advice)}, or see "
+        "Scene(redundant=...)"
+    )

@@ -20,7 +20,7 @@ from fem_lie.solve.alpha.step.nodes import State, accept, correct, predict
 from fem_lie.solve.alpha.step.records import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
 from fem_lie.solve.methods import methods_in_time, on_domains
 from fem_lie.solve.motion.consistent import check_velocities
-from fem_lie.solve.motion.convergence import ROTATION, contradicts, estimate
+from fem_lie.solve.motion.convergence import ROTATION, estimate, explained
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.renewal import Update
@@ -195,10 +195,12 @@ class RunState(Integration[Recorder]):
         values = self.r[6 * self._moving :] / self.scale
         # increments of an iteration that goes nowhere explain nothing
         allowed = tolerance if stagnant else max(tolerance, float(self.numbers[INCREMENT]))
-        if not contradicts(values, self.measure, allowed):
+        bound = explained(allowed)
+        if float((np.abs(values) * self.measure).max(initial=0.0)) <= bound:
             return False
-        self.reason = self.equations.constraints(self.s.H1).contradiction(values)
-        return True
+        # with a tolerance near round-off what is left may still be what motions can mend
+        self.reason = self.equations.constraints(self.s.H1).contradiction(values, bound)
+        return bool(self.reason)
 
     def _staleness(self) -> float:
         """See :mod:`fem_lie.solve.alpha.staleness`; in the direction of the last correction."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array
 from fem_lie._jit import inlined
 
 ROTATION = 0.1
@@ -63,12 +62,10 @@ def estimate(increment: float, previous: float, ratio: float) -> tuple[float, fl
     return ratio, remaining
 
 
-def contradicts(values: Array, measure: Array, allowed: float) -> bool:
-    """Whether constraints are violated by what the iteration does not explain.
+def explained(allowed: float) -> float:
+    """Violation of constraints that an iteration explains, over the model, or rad.
 
     Args:
-        values: Of the constraints before the last increment, shape (m,).
-        measure: Of multipliers in the size of an increment, which makes violations comparable.
         allowed: The larger of the last increment and the tolerance.
     """
-    return float((np.abs(values) * measure).max(initial=0.0)) > max(FAR * allowed, CLOSED)
+    return max(FAR * allowed, CLOSED)

@@ -41,8 +41,10 @@ class ConstraintsAt:
         """
         return rigid_motions(self._system, self._H, weight)
 
-    def contradiction(self, values: Array) -> str:
+    def contradiction(self, values: Array, bound: float) -> str:
         """What to say of joints that contradict each other: no motion can mend what is violated.
+
+        It is empty where motions can mend all but ``bound`` of it.
 
         With redundant constraints the iteration leaves alone what multipliers without force would
         have to meet. In a mechanism that can move there is nothing of that. In one that cannot, and
@@ -50,18 +52,22 @@ class ConstraintsAt:
 
         Args:
             values: Of the constraints.
+            bound: Over the length of the model, or rad.
         """
         system = self._system
         connections = system.connections
         idle = IdleMultipliers.of(self.jacobian, system.length, system.kkt.measure)
         # lengths over that of the model beside angles
-        sizes = np.abs(idle.part(values)) * np.where(connections.angular, 1.0, 1.0 / system.length)
+        left = idle.part(values)
+        sizes = np.abs(left) * np.where(connections.angular, 1.0, 1.0 / system.length)
+        if sizes.max(initial=0.0) <= bound:
+            return ""
         owners = dict.fromkeys(connections.owner[sizes > _INVOLVED * sizes.max(initial=0.0)])
         names = ", ".join(connections.items[int(k)].label for k in owners)
         worst = int(sizes.argmax())
         unit = "rad" if connections.angular[worst] else "length"
         return (
             f"{names} contradict each other: no motion can mend a violation of "
-            f"{abs(values[worst]):.2e} ({unit}). The mechanism cannot move as it is driven; check "
+            f"{abs(left[worst]):.2e} ({unit}). The mechanism cannot move as it is driven; check "
             "the axes of its joints, or give it joints with fewer constraints"
         )
