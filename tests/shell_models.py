@@ -224,6 +224,9 @@ class Statics:
     def check_turns(self, factor: float) -> None:
         """Cells of these shells are fine enough for their turns."""
 
+    def check_passage(self, before) -> None:
+        """Nothing touches."""
+
     def turn_hint(self) -> str:
         return ""
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fem_lie.contact.sides.apart import are_apart
 from fem_lie.contact.sides.curves import Opposite, Strands, at, overlaps, set_curves
 from fem_lie.contact.sides.detection import near, near_between
+from fem_lie.contact.sides.passage import are_apart
 from fem_lie.contact.sides.table import GROUND
 
 RADIUS = 0.1

@@ -316,6 +316,34 @@ def test_tolerance_saves_iterations():
     assert loose.energy_error <= 1e-6
 
 
+@pytest.mark.parametrize("scheme", [fl.EnergyMomentum(), fl.EnergyDecaying(radius=0.8)])
+@pytest.mark.parametrize("beside_a_cable", [False, True])
+@pytest.mark.parametrize("rotation", [np.radians(8.0), np.radians(18.0)])
+def test_large_rotations_in_a_step_are_too_slow_and_logged(
+    scheme, beside_a_cable, rotation, caplog
+):
+    """By the Cayley map: 2 atan(θ/2) for θ, 0.81 % of 18°; from 10° on the log says so."""
+    top, step = fl.RigidBody(1.0, (0.1, 0.2, 0.3)), 1e-2
+    top.turn((0, 0, rotation / step), about=top.centre)
+    scene = fl.Scene()
+    scene.add(top)
+    if beside_a_cable:
+        section = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0))
+        scene.add(fl.Cable.straight((0, 0, 5), (1, 0, 5), section, cells=2))
+    with caplog.at_level("WARNING"):
+        result = scheme.run(scene, duration=10 * step, step=step, progress=False)
+    R = result.frames[:, 0, 1:]
+    cosines = 0.5 * (np.einsum("kij,kij->k", R[:-1], R[1:]) - 1.0)
+    wanted = 2.0 * np.arctan(0.5 * rotation)
+    np.testing.assert_allclose(np.arccos(cosines), wanted, rtol=1e-8)
+    messages = [m for m in caplog.messages if "turn by up to" in m]
+    if rotation < np.radians(10.0):
+        assert not messages
+    else:
+        assert messages == [m for m in messages if "18° in a step, and 0.81 % too slowly" in m]
+        assert len(messages) == 1
+
+
 def test_bad_input():
     with pytest.raises(ValueError, match="tolerance ≥ 0"):
         fl.EnergyMomentum(tolerance=-1.0)

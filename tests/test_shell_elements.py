@@ -379,6 +379,9 @@ class Truss:
     def check_turns(self, factor: float) -> None:
         """Bars have no turn that they must not make."""
 
+    def check_passage(self, before) -> None:
+        """Nothing touches."""
+
     def turn_hint(self) -> str:
         return ""
 

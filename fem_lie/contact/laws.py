@@ -14,8 +14,9 @@ class Penalty:
     The force is ``p = max(0, −k g − c ġ)``: it never pulls. It is for statics, for
     :class:`~fem_lie.GeneralisedAlpha` and, without damping, for conserving schemes. A body of
     mass m that meets a fixed one at a speed v goes in by ``v √(m/k)``, and is in contact for
-    ``π √(m/k)``, which steps have to resolve where nothing conserves energy. Along lines all is per
-    length of the first one.
+    ``π √(m/k)``, which steps have to resolve where nothing conserves energy: ten steps keep it to
+    1 %, and :class:`~fem_lie.UnresolvedContactWarning` says where too few change it. Along lines
+    all is per length of the first one.
 
     Attributes:
         stiffness: k, force per length; default: a fifth of that of the softest element of beams

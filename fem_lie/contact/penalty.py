@@ -8,13 +8,15 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
+from fem_lie.contact.energy.numbers import Numbers, damping
+from fem_lie.contact.energy.watch import EnergyWatch
 from fem_lie.contact.laws import Penalty
 from fem_lie.contact.over_steps import CHANGE, END, SLOPE, add_secants, mixed
-from fem_lie.contact.penalty_tangents import Numbers, damping, normal_rows, speed_of, tangents
+from fem_lie.contact.penalty_tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.rubbing import Friction
 from fem_lie.contact.sides.gauss_points import Meeting
 from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
-from fem_lie.contact.sides.meeting import Sides
+from fem_lie.contact.sides.meeting import Sides, copied
 from fem_lie.contact.sides.table import GROUND
 from fem_lie.forms.term import Done, Ends, Pairs, PassedThroughError, StiffRows, Term
 from fem_lie.lie.tuples import minus, scaled, store_row
@@ -70,6 +72,7 @@ class PenaltyForces(Term):
     """The forces of one contact by penalty, with damping as forces that depend on twists."""
 
     label = "contacts by penalty"
+    watches = True
 
     def __init__(
         self,
@@ -95,7 +98,7 @@ class PenaltyForces(Term):
         self.on_ground = sides.on_ground
         self._friction = friction
         self.carries = self.rubs = friction is not None
-        self.watches = sides.watches
+        self._watch = EnergyWatch(name, self._law, self._now)
         if friction is not None:
             self.label = "contacts by penalty with friction"
         self.apart = not self.viscous and friction is None
@@ -141,7 +144,10 @@ class PenaltyForces(Term):
             part, self._allowed = 100 * _DEEP * most / self._allowed, np.inf
             k = self._law.k
             _log.warning(
-                "%s: overlap is %.0f %% of a radius (stiffness %g): raise it", self._name, part, k
+                "%s: overlap is %.0f %% of a radius (stiffness %g). In motion smaller steps show "
+                "whether steps or the stiffness allow it; at rest the stiffness is too low for "
+                "the load",
+                *(self._name, part, k),
             )
         held = 0.0 if self._friction is None else self._friction.energy(H)
         return 0.5 * float(found[1] @ deep) + held
@@ -208,12 +214,26 @@ class PenaltyForces(Term):
 
     def check_passage(self, start: Array, end: Array) -> None:
         """See the base class."""
-        if (moved := self._sides.passed(start, end)) is not None:
-            raise PassedThroughError(
-                f"{self._name}: one side went through the other (it moved by {moved:.2g}, both are "
-                f"{2.0 * self._sides.radius:.2g} thick or more): smaller steps, AdaptiveStep, or "
-                "thicker surfaces"
-            )
+        if (found := self._sides.passed(start, end)) is not None:
+            raise PassedThroughError(self._name, *found)
+
+    def _now(self, H: Array) -> Meeting:
+        """Where the sides meet at frames, by the list of pairs that there is."""
+        at = self._sides.meet_again(H)
+        return at if self._sides.of_balls else copied(at)
+
+    def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
+        """See the base class: the energy balance."""
+        self._watch.add(start, end, h, middle)
+
+    @property
+    def watched(self) -> Array:
+        """See the base class."""
+        return self._watch.memory
+
+    def watch_again(self, watched: Array) -> None:
+        """See the base class."""
+        self._watch.restore(watched)
 
     def carry(self, H: Array, h: Array) -> None:
         """See the base class; anchors wait for accepted frames."""

@@ -2,43 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.energy.numbers import Numbers, damping
 from fem_lie.contact.over_steps import BY_GAP, SLOPE
 from fem_lie.contact.sides.gauss_points import Meeting, set_slide, slides
 from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, place, rate, slot
 from fem_lie.contact.sides.table import Side
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, minus, scaled
-
-
-class Numbers(NamedTuple):
-    """Of a law, for a weight of one.
-
-    Attributes:
-        k: Stiffness.
-        c: Damping.
-        ramp: Overlap over which that grows.
-    """
-
-    k: float
-    c: float
-    ramp: float
-
-
-@inlined_uncounted
-def damping(law: Numbers, g: float, speed: float) -> tuple[float, float, float]:
-    """What damping adds to ``k g``, and how that changes with ``g`` and ``ġ``: nothing pulls."""
-    part, by_gap = 1.0, 0.0
-    if -g < law.ramp:
-        part, by_gap = -g / law.ramp, -1.0 / law.ramp
-    if law.k * g + part * law.c * speed >= 0.0:
-        return -law.k * g, -law.k, 0.0
-    return part * law.c * speed, by_gap * law.c * speed, part * law.c
 
 
 @inlined_uncounted

@@ -300,8 +300,11 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
 def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
     """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6); zero elsewhere."""
     kernel, w, c, at, x, _, _, _, first, nodes = cells
-    place = stack(6 * 64)
-    out, zero = numba.carray(place, (6 * 64,)), np.zeros_like(H)
+    size = 1
+    for e in range(x.shape[0]):
+        size = max(size, 6 * (first[e + 1] - first[e]))
+    place = stack(size)
+    out, zero = numba.carray(place, (size,)), np.zeros_like(H)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
         count = mine.shape[0]

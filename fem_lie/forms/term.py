@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from math import ceil
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -40,6 +41,23 @@ def add_at(target: Array, place: Indices, blocks: Array) -> None:
 
 class PassedThroughError(ArithmeticError):
     """Surfaces went through each other within a step."""
+
+    def __init__(self, who: str, moved: float, thickness: float) -> None:
+        """Say who did, and what helps.
+
+        Args:
+            who: Name of the contact, or of both bodies.
+            moved: Relative displacement in the step, m.
+            thickness: Of both surfaces together, m.
+        """
+        times = ceil(2.0 * moved / thickness)
+        helps = "a higher stiffness, for what presses on them is more than they can hold"
+        if times > 1:
+            helps = f"steps {times} times smaller, AdaptiveStep, or thicker surfaces"
+        super().__init__(
+            f"{who}: one side went through the other within a step (it moved by {moved:.2g}, both "
+            f"together are {thickness:.2g} thick): take {helps}"
+        )
 
 
 class PushedPieces(NamedTuple):
@@ -157,7 +175,8 @@ class Term(ABC):
             :meth:`stiff_rows` are taken in.
         rubs: Whether forces depend on how nodes have moved since the last accepted frames.
         parts: Whether it is to be told of accepted frames for other reasons.
-        watches: Whether surfaces might go through each other in a step.
+        watches: Whether accepted steps are to be checked: surfaces might go through each other in
+            one, or a step might not resolve how long they touch.
         amplitude: Factor of a load, which may be changed.
     """
 
@@ -324,6 +343,26 @@ class Term(ABC):
         Raises:
             PassedThroughError: They did.
         """
+        raise NotImplementedError
+
+    def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
+        """Note a step of a scheme that does not conserve energy; asked of terms that watch.
+
+        Args:
+            start: Frames at the start of the step.
+            end: At its end.
+            h: Its size.
+            middle: Where forces act in the step; None: at both ends.
+        """
+        raise NotImplementedError
+
+    @property
+    def watched(self) -> Array:
+        """What :meth:`watch` has noted, flat; default: nothing."""
+        return np.empty(0)
+
+    def watch_again(self, watched: Array) -> None:
+        """Have noted again what was :attr:`watched` once."""
         raise NotImplementedError
 
     def clear_stress(self) -> None:

@@ -8,6 +8,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.impact.records import Masses, Touch
 from fem_lie.contact.sides.kinematics import gap, place
+from fem_lie.contact.sides.passage import jumps
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,
@@ -16,8 +17,8 @@ from fem_lie.lie.tuples import (
     load_row,
     minus,
     negative,
-    plus,
     scaled,
+    store_row,
 )
 
 
@@ -30,24 +31,27 @@ def set_gaps(touch: Touch, H: Array, out: Array) -> None:
 
 
 @uncounted
-def find_crossed(touch: Touch, before: Array, H: Array) -> int:
-    """A pair of balls one of which has gone through the other between frames, or −1.
+def set_centres(H: Array, touch: Touch, c: int, out: Array) -> None:
+    """Centres of both sides of a pair at frames ``H``, shape (2, 3)."""
+    i, j = touch.pairs[c]
+    store_row(out, 0, place(H, touch.a, i))
+    store_row(out, 1, place(H, touch.b, j))
 
-    They face the other way then, and on a straight way would have overlapped.
+
+@uncounted
+def find_crossed(touch: Touch, before: Array, H: Array) -> int:
+    """A pair of balls whose contact was missed between frames, or −1.
+
+    See :func:`~fem_lie.contact.sides.passage.jumps`.
     """
     for c in range(touch.pairs.shape[0]):
         i, j = touch.pairs[c]
         if touch.flat[c] or touch.b.radii[j] < 0.0:
             continue
-        reach = touch.a.radii[i] + touch.b.radii[j]
         D = minus(place(before, touch.a, i), place(before, touch.b, j))
         E = minus(place(H, touch.a, i), place(H, touch.b, j))
-        way = minus(E, D)
-        if dot(D, E) < 0.0 and dot(way, way) > reach * reach:
-            part = -dot(D, way) / dot(way, way)
-            least = plus(D, scaled(part, way))
-            if dot(least, least) < reach * reach:
-                return c
+        if jumps(D, E, touch.a.radii[i] + touch.b.radii[j]):
+            return c
     return -1
 
 

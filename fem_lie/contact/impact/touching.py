@@ -7,13 +7,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import CLOSED, Touch, Work, work_of
-from fem_lie.contact.impact.rows import set_gaps
+from fem_lie.contact.impact.rows import find_crossed, set_centres, set_gaps
 from fem_lie.contact.impact.shown import PAIR
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws import Impact
 from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.passage import Passage
 from fem_lie.contact.sides.table import Nodes, Side
 
 
@@ -132,6 +134,38 @@ class Touching:
         places = self.touch.pairs[pair] - self._first[of]
         parts = shown[:, :PAIR], self._keys[of, np.newaxis], places, shown[:, PAIR + 1 :]
         return np.concatenate(parts, axis=1)
+
+    def passed(self, start: Array, end: Array) -> tuple[int, Passage] | None:
+        """A pair whose contact was missed in a step, and how far it moved; None: there is none.
+
+        Args:
+            start: Frames at the start of the step.
+            end: At its end.
+        """
+        pair = find_crossed(self.touch, start, end)
+        return None if pair < 0 else (pair, self.way(pair, start, end))
+
+    def way(self, pair: int, start: Array, end: Array) -> Passage:
+        """How a pair moved in a step."""
+        i, j = self.touch.pairs[pair]
+        X = np.empty((2, 2, 3))
+        for k, H in enumerate((start, end)):
+            set_centres(H, self.touch, pair, X[k])
+        apart = X[:, 0] - X[:, 1]
+        reach = self._a.radii[i] + self._b.radii[j]
+        return Passage(float(np.linalg.norm(apart[1] - apart[0])), float(reach))
+
+    def names(self, pair: int, bodies: Mapping[Body, Indices]) -> list[str]:
+        """Of the bodies of a pair.
+
+        Args:
+            pair: Its number.
+            bodies: Nodes of each body, those that lead.
+        """
+        labels = {int(node): body.label for body, nodes in bodies.items() for node in nodes}
+        i, j = self.touch.pairs[pair]
+        nodes = self._a.nodes[i, 0], self._b.nodes[j, 0]
+        return [labels.get(int(node), "ground") for node in nodes]
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

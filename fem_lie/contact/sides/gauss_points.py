@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.sides.apart import are_apart
 from fem_lie.contact.sides.curves import (
     Opposite,
     Strands,
@@ -22,6 +21,7 @@ from fem_lie.contact.sides.curves import (
     weights,
 )
 from fem_lie.contact.sides.curves import at as place_at
+from fem_lie.contact.sides.passage import are_apart
 from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
 from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, number_of
 from fem_lie.lie.motions import local_components

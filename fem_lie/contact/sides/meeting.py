@@ -26,6 +26,7 @@ from fem_lie.contact.sides.gauss_points import (
     strands_of,
 )
 from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.passage import Passage, first_jump, first_line_through, polygon
 from fem_lie.contact.sides.surfaces import Piece
 from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, least
 
@@ -54,10 +55,9 @@ class Sides(ABC):
         on_ground: Whether a side is on ground.
         radius: The least of what is round, infinite if nothing is.
         of_balls: Whether places are material ones, and not where curves are nearest.
-        watches: Whether :meth:`passed` looks.
     """
 
-    of_balls = watches = False
+    of_balls = False
     near: NearPairs
     on_ground: bool
     radius: float
@@ -75,6 +75,10 @@ class Sides(ABC):
             self.near.cover(start, end)
         return [self._meet(start)]
 
+    def meet_again(self, H: Array) -> Meeting:
+        """Where they do at frames, by the list of pairs that there is."""
+        return self._meet(H)
+
     @abstractmethod
     def _meet(self, H: Array) -> Meeting:
         """Likewise at frames, by that list."""
@@ -83,8 +87,8 @@ class Sides(ABC):
     def stations(self, H: Array) -> Stations:
         """Pairs of places where anchors of friction stand at frames ``H``."""
 
-    def passed(self, start: Array, end: Array) -> float | None:
-        """How far a place moved that went through the other side between frames; default: none."""
+    def passed(self, start: Array, end: Array) -> Passage | None:
+        """A pair that went through each other between frames; default: none can."""
         return None
 
     @abstractmethod
@@ -133,6 +137,20 @@ class Balls(Sides):
         """See the base class."""
         self.near.update(H)
         return self._meet(H)
+
+    def passed(self, start: Array, end: Array) -> Passage | None:
+        """See the base class: on straight ways."""
+        # behind a plane, and around a hollow, there is no other side to go to
+        if self.near.fixed:
+            return None
+        before, after, pairs = self.near.in_step(start, end)
+        radii = self._a.radii, self._b.radii
+        e = first_jump(before, after, radii, pairs)
+        if e < 0:
+            return None
+        i, j = pairs[e]
+        way = after[0][i] - before[0][i] - (after[1][j] - before[1][j])
+        return Passage(float(np.linalg.norm(way)), float(radii[0][i] + radii[1][j]))
 
     def _meet(self, H: Array) -> Meeting:
         if self.near.version != self._version:
@@ -199,6 +217,26 @@ class Lines(Sides):
         room = self._room
         k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, room)
         return room._replace(pairs=room.pairs[:k])
+
+    def passed(self, start: Array, end: Array) -> Passage | None:
+        """See the base class: on straight ways of the ends of pieces and the tangents there."""
+        if self.flat:
+            return None
+        before, after, pairs = self.near.in_step(start, end)
+        curves = []
+        for strands in (self._a, self._b):
+            ends = np.empty((2, *strands.curves.shape))
+            for k, H in enumerate((start, end)):
+                room = strands._replace(curves=ends[k], bulges=np.empty_like(strands.bulges))
+                set_curves(H, room, False)
+            curves.append(ends)
+        radii = self._a.radii, self._b.radii
+        e = first_line_through(curves[0], curves[1], radii, pairs, polygon(), polygon())
+        if e < 0:
+            return None
+        i, j = pairs[e]
+        way = after[0][i] - before[0][i] - (after[1][j] - before[1][j])
+        return Passage(float(np.linalg.norm(way)), float(radii[0][i] + radii[1][j]))
 
     def stations(self, H: Array) -> Stations:
         """See the base class: Gauss points of whole elements, which stay where they are."""

@@ -129,11 +129,15 @@ class NearPairs:
 
     def _moved(self, H: Array) -> float:
         """How far places have moved since the list was made."""
-        n = len(self._a.radii)
-        places(H, self._a, self._at[:n])
-        if not self._same:
-            places(H, self._b, self._at[n:])
+        self._set_places(H, self._at)
         return moved_by(self._at, self._before)
+
+    def _set_places(self, H: Array, out: Array) -> None:
+        """Places of the first side, then those of the second, (n, 3)."""
+        n = len(self._a.radii)
+        places(H, self._a, out[:n])
+        if not self._same:
+            places(H, self._b, out[n:])
 
     @property
     def seen(self) -> Array:
@@ -153,6 +157,32 @@ class NearPairs:
         else:
             self._widen(float(seen[n, 0]))
             self._look(seen[:n])
+
+    def in_step(
+        self, start: Array, end: Array
+    ) -> tuple[tuple[Array, Array], tuple[Array, Array], Indices]:
+        """Places at both ends of a step, and which of them may have met on straight ways.
+
+        Args:
+            start: Frames at the start of the step.
+            end: At its end.
+
+        Returns:
+            Places of both sides at the start, shapes (n, 3) and (m, 3), at the end, and pairs.
+        """
+        X = np.empty((2, *self._at.shape))
+        for at, H in zip(X, (start, end), strict=True):
+            self._set_places(H, at)
+        ways = X[1] - X[0]
+        # what moves alike never meets
+        ways -= ways.mean(axis=0)
+        far = np.linalg.norm(ways, axis=1)
+        pairs = self.now
+        if not 2.0 * far.max(initial=0.0) <= self.patience:
+            pairs = self.within(0.5 * (X[0] + X[1]), self._reach - self._skin + 0.5 * far)
+        n = len(self._a.radii)
+        before, after = ((at[:n], at if self._same else at[n:]) for at in X)
+        return before, after, pairs
 
     def _look(self, at: Array) -> None:
         """Make the list for places."""

@@ -11,6 +11,7 @@ from fem_lie.contact.sides.gauss_points import Meeting, no_sliding
 from fem_lie.contact.sides.kinematics import places
 from fem_lie.contact.sides.meeting import Sides, Stations, copied
 from fem_lie.contact.sides.pairs import NearPairs
+from fem_lie.contact.sides.passage import Passage
 from fem_lie.contact.sides.patches import NET, ROWS, VALUE, Patches, set_nets, set_shapes
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, Side, empty_side, least
@@ -21,8 +22,6 @@ _STILL = 0.5
 
 class Facing(Sides):
     """Places that meet patches."""
-
-    watches = True
 
     def __init__(self, a: Side, fixed: Side, areas: Array, b: Patches, left_out: Indices) -> None:
         """Keep both sides.
@@ -83,7 +82,7 @@ class Facing(Sides):
             self.near.cover(start, end)
         return [copied(self._meet(H)) for H in (start, end)]
 
-    def passed(self, start: Array, end: Array) -> float | None:
+    def passed(self, start: Array, end: Array) -> Passage | None:
         """See the base class: on straight ways, with all that moves alike taken away."""
         X = np.empty((2, len(self._a.radii), 3))
         N = np.empty((2, *self._b.nets.shape))
@@ -110,7 +109,8 @@ class Facing(Sides):
         if e < 0:
             return None
         i, j = pairs[e]
-        return float(np.linalg.norm(X[1, i] - X[0, i] - (Y[1, j] - Y[0, j])))
+        moved = float(np.linalg.norm(X[1, i] - X[0, i] - (Y[1, j] - Y[0, j])))
+        return Passage(moved, float(self._a.radii[i] + self._b.radii[j]))
 
     def settle(self) -> None:
         """See the base class; there is nothing."""

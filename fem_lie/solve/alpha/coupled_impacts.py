@@ -15,6 +15,7 @@ from fem_lie.contact.impact.records import CONTACTS, FRICTION, IMPACT, RESIDUAL
 from fem_lie.contact.impact.records import TOLD as SIZE
 from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.laws import Impact
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.lie.kinds.kind import SLOPE
 from fem_lie.results import Result
 from fem_lie.scene import Scene
@@ -26,7 +27,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
-from fem_lie.system.equations import Equations
+from fem_lie.system.equations import Equations, Instant
 
 LARGEST = 1e-3
 """Residual of the cones with which a step has failed."""
@@ -98,18 +99,33 @@ class CoupledRun(Run):
                 "are bodies wedged? Try smaller steps, or Penalty"
             )
             return False
+        if contacts.overlap > 0.0:
+            self.reason = (
+                f"{int(told[CONTACTS])} contacts still overlap by {contacts.overlap:.2g} after all "
+                "of them took part; are bodies wedged? Try smaller steps, or Penalty"
+            )
+            return False
+        if (found := contacts.near.passed(start, s.H)) is not None:
+            pair, way = found
+            leader = self.equations.tables.leader
+            own = self.equations.unknowns.bodies.items()
+            who = contacts.near.names(pair, {body: leader[nodes] for body, nodes in own})
+            self.reason = str(PassedThroughError(" and ".join(who), *way))
+            return False
         return self._remembered(start)
 
     def _record(self, history: Recorder) -> bool:
-        free = self.weights.copy()
-        # joints carry what contacts have pushed
-        self.weights += self._contacts.reactions / self.h
         kept = super()._record(history)
-        self.weights[:] = free
         if kept and self.index:
             shown = self._contacts.shown(self.s.H, self.index * self.h)
             self._shown = np.concatenate([self._shown, shown])
         return kept
+
+    @property
+    def _recorded(self) -> Instant:
+        """See the base class: joint forces have what contacts push through them."""
+        weights = self.weights + self._contacts.reactions / self.h
+        return self._accepted._replace(weights=weights)
 
     def _result(self, history: Recorder) -> Result:
         found = contact_steps(self._told, self.h, self._shown)

@@ -26,6 +26,7 @@ from fem_lie.contact.impact.shown import WIDTH
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.impact.velocities import largest_speed
 from fem_lie.contact.laws import Impact
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.lie.motions import Group
 from fem_lie.results import Result
 from fem_lie.results.steps import ContactSteps
@@ -221,27 +222,20 @@ class Run(free_bodies.Run):
 
     def _failure(self, index: int, steps: int, failed: np.ndarray) -> str:
         if self._why == CROSSED:
-            one, other = self._names(self._touching.touch.pairs[self._contacts.crossed[0]])
+            who = " and ".join(self._names(int(self._contacts.crossed[0])))
             moved = self.p.h * largest_speed(self.s.v, self._contacts.arm)
-            return (
-                f"step {index} of {steps}: {one} crossed {other} (places moved by up to "
-                f"{moved:.2g}, both are {self._touching.thin:.2g} thick): smaller steps, please"
-            )
+            return f"step {index} of {steps}: {PassedThroughError(who, moved, self._touching.thin)}"
         if self._why != UNSETTLED:
             return super()._failure(index, steps, failed)
         reached = float(self._contacts.told[index - 1, RESIDUAL])
         count = int(self._contacts.told[index - 1, CONTACTS])
         work = self._touching.work
         worst = int(np.argmax(np.abs(work.cones.r[:count]).max(axis=1)))
-        one, other = self._names(self._touching.touch.pairs[work.chosen[worst]])
+        one, other = self._names(int(work.chosen[worst]))
         return (
             f"step {index} of {steps}: {count} contacts did not settle (residual {reached:.0e}); "
             f"are bodies wedged, such as {one} and {other}? Try smaller steps, or Penalty"
         )
 
-    def _names(self, pair: Indices) -> list[str]:
-        """Of the bodies of a pair of places."""
-        touch, bodies = self._touching.touch, self.equations.unknowns.bodies
-        labels = {int(nodes[0]): body.label for body, nodes in bodies.items()}
-        nodes = touch.a.nodes[pair[0], 0], touch.b.nodes[pair[1], 0]
-        return [labels.get(int(node), "ground") for node in nodes]
+    def _names(self, pair: int) -> list[str]:
+        return self._touching.names(pair, self.equations.unknowns.bodies)

@@ -14,7 +14,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.forms.fixed_arrays import FixedArrays
-from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
@@ -45,7 +44,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.renewal import Update
-from fem_lie.system.equations import Equations
+from fem_lie.system.equations import Equations, Instant
 
 _log = logging.getLogger(__name__)
 
@@ -254,21 +253,18 @@ class Run(Newton):
         self.books.add(self.h, end, *self._accepted)
         return True
 
-    def _remembered(self, start: Array | None) -> bool:
-        try:
-            self.equations.memory.accept(self.s.H, start)
-        except PassedThroughError as error:
-            self.reason = str(error)
-            return False
-        return True
-
     # --- results ---
 
     def _record(self, history: Recorder) -> bool:
         if self._filled == self.index > 0:
             history.show_progress(self.index)
             return True
-        return history.record(self.index, *self._accepted, self.books.total)
+        return history.record(self.index, *self._recorded, self.books.total)
+
+    @property
+    def _recorded(self) -> Instant:
+        """The present state as results have it."""
+        return self._accepted
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver

@@ -44,6 +44,15 @@ class Run(Steps):
     # --- steps ---
 
     def _advance(self, history: History) -> bool:
+        first = history.row
+        made = self._reaches(history)
+        # steps of the compiled loop are seen by the rows that it has filled
+        self._turning.note(self.this.step[:, 3:])
+        self._turning.note(self.h * history.velocities[first : history.row, :, 3:])
+        return made
+
+    def _reaches(self, history: History) -> bool:
+        """Whether the next step at which there is something to do is reached."""
         if self._alone:
             return self._stretch(history)
         last = history.next_stop(self.index)
@@ -102,6 +111,7 @@ class Run(Steps):
         rescued = self.options.policy.rescue
         index = self.index + 1
         text = failure(index, steps, self.h, limit, increment, largest, tolerance, rescued)
+        text = self._because(text, steps, index)
         return f"{text}. Nor did it in {2**HALVINGS} parts" if rescued else text
 
     # --- results ---
@@ -117,6 +127,7 @@ class Run(Steps):
         return wanted
 
     def _result(self, history: History) -> Result:
+        self._turning.report()
         divided = int(self.told[DIVIDED])
         if divided:
             _log.warning(

@@ -16,6 +16,7 @@ from fem_lie.lie.kinds import inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.between.screws import half_way
+from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.end_rates import EndRates, spatial
 from fem_lie.solve.conserving.memory import (
     legs_of,
@@ -103,7 +104,7 @@ class RunState(Integration[History]):
         self.this: Step = (
             room_for_step(*room, dissipates=dissipates) if shared is None else shared.this
         )
-        self._pushes = pushes_of(equations)
+        self._pushes, self._turning = pushes_of(equations), Turning()
         scheme = Scheme(self.h, options.loss, options.learning)
         self.model = model_of(equations, self.cells, scheme, legs)
         self._packed = Packed(self.model, self.s, self.this)

@@ -82,7 +82,8 @@ class Steps(Touching):
         numbers = self.numbers
         if self.counters[corrections.STALLS] >= _LONG and numbers[corrections.LEAST] <= _SETTLED:
             numbers[corrections.FLOOR] = numbers[corrections.LEAST]
-        return self._again() or self._in_parts(start, end, 1)
+        # a step that surfaces go through does so again
+        return (not self.reason and self._again()) or self._in_parts(start, end, 1)
 
     def _again(self) -> bool:
         """The step that failed from its start, with new matrices until it converges fast."""
@@ -92,6 +93,8 @@ class Steps(Touching):
                 self.told[STILL] = _UNPREDICTED if still else 0
                 return True
             self.s.weights[:] = self.this.weights
+            if self.reason:
+                break
         return False
 
     def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:
@@ -103,6 +106,7 @@ class Steps(Touching):
                 as large as their velocities say, far beyond what they are at its end.
             always: Whatever else the policy says.
         """
+        self.reason = ""
         self._begin()
         if still:
             self.this.step[:] = 0.0
@@ -152,6 +156,7 @@ class Steps(Touching):
         limit = self.options.max_iterations * (_SLOW if always else 1)
         if not self._pushes:
             return self._go_free(last, rule, limit, always=always)
+        self.reason = ""
         if self.counters[corrections.ITERATION] == 0:
             self._begin()
         if not self._pushes_ahead():
@@ -159,6 +164,9 @@ class Steps(Touching):
             before = self._kept_copy()
             code = self._go_free(last, rule, limit, always=always)
             if code != loop.DONE or not self._pushes.overlap(self.s.H):
+                if code == loop.DONE and not self._keep_apart(before.s.H, self.s.H):
+                    self._take_again(before)
+                    return loop.FAILED
                 if code == loop.DONE:
                     self._pushes.rub(self.s.H)
                 return code

@@ -18,7 +18,7 @@ from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import acceptance, corrections, nodes
 from fem_lie.solve.conserving.step.balance import packed_residual
 from fem_lie.solve.conserving.step.dissipation import LEAK
-from fem_lie.solve.conserving.step.records import State, solution_of
+from fem_lie.solve.conserving.step.records import Span, State, solution_of
 
 _NOISE = {1e-15: 1, 1e-9: 8}
 """Increments, in lengths of the model, that are round-off after so many that fell no more."""
@@ -103,6 +103,8 @@ class Touching(RunState):
             stalls, least = (0, increment) if increment <= _FALLS * least else (stalls + 1, least)
             settled = (increment < size and stalls >= wait for size, wait in _NOISE.items())
             if increment == 0.0 or any(settled):
+                if not self._keep_apart(self.s.H, Span(*this.rows).end):
+                    return False
                 self._accept_touching(iteration)
                 return True
             if not np.isfinite(increment):

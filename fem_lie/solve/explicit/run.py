@@ -65,6 +65,7 @@ class ExplicitRun(Integration[Recorder]):
         books, table = self.books, self._forces.table
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
+        self._remembers = any(term.watches or term.parts for term in known.terms)
         self.counters = np.zeros(2, dtype=np.int64)
         others = _NOWHERE if table is None else table.copy()
         # the loop sums cells by itself
@@ -165,9 +166,13 @@ class ExplicitRun(Integration[Recorder]):
             self.equations.prescribed((index + 1) * self.h).act()
         if self._joints is not None:
             return self._joined(self._joints)
-        how = self._how
+        how, start = self._how, self.H.copy()
         while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
+            if self._remembers:
+                if not self._remembered(start):
+                    return False
+                start[:] = self.H
         if not np.isfinite(self.p).all():
             return False
         self._look()
@@ -181,13 +186,15 @@ class ExplicitRun(Integration[Recorder]):
     def _joined(self, joints: Joints) -> bool:
         """The next step, with joints; whether it is made."""
         self.counters[loop.STEP] += 1
-        if not joints.step(self.h, self.H, self.p, self.r):
+        start = self.H.copy()
+        if not joints.step(self.h, self.H, self.p, self.r) or not self._remembered(start):
             return False
-        self.equations.memory.accept(self.H)
         self._look()
         return True
 
     def _failure(self, steps: int) -> str:
+        if self.reason:
+            return self._because("", steps, self.index)
         if self._joints is not None and np.isfinite(self.p).all():
             return (
                 f"step {self.index} of {steps} (h = {self.h:g}) failed: joints were left open by "

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.motion.policies import Policy
@@ -125,6 +126,46 @@ class Integration(ABC, Generic[Kept]):
             self.equations.report(self.frames).check_turns(time)
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
+
+    def _remembered(self, start: Array | None, middle: Array | None = None) -> bool:
+        """Go on from the present frames; whether surfaces did not go through each other.
+
+        Args:
+            start: Frames at the start of the step; without them it is not looked whether they did.
+            middle: Frames at which forces act in the step; default: at both ends.
+        """
+        try:
+            self.equations.memory.accept(self.frames, start)
+        except PassedThroughError as error:
+            self.reason = str(error)
+            return False
+        if start is not None:
+            self.equations.memory.watch(start, self.frames, self.h, middle)
+        return True
+
+    def _keep_apart(self, start: Array, end: Array) -> bool:
+        """Whether no surfaces go through each other in a step that is not yet accepted.
+
+        If they do, :attr:`reason` names them.
+
+        Args:
+            start: Frames of all rows at its start.
+            end: At its end.
+        """
+        self.reason = ""
+        try:
+            self.equations.memory.check_passage(start, end)
+        except PassedThroughError as error:
+            self.reason = str(error)
+        return not self.reason
+
+    def _because(self, text: str, steps: int, index: int) -> str:
+        """What failed: :attr:`reason` if it is known, else ``text``."""
+        return (
+            f"step {index} of {steps} (h = {self.h:g}) failed: {self.reason}"
+            if self.reason
+            else text
+        )
 
     def memory(self) -> dict[str, Array]:
         """All that the next steps depend on."""

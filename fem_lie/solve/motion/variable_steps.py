@@ -209,6 +209,7 @@ class VariableSteps:
         except PassedThroughError as error:
             stepper.reason = str(error)
             return False
+        stepper.equations.memory.watch(start, stepper.frames, stepper.h)
         return True
 
     def _try_again(self, time: float, index: int) -> None:

@@ -13,6 +13,7 @@ from math import acos, inf, sqrt
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.stability.controls import Arc, Control, DisplacementControl, Load, LoadControl
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
@@ -69,7 +70,7 @@ class Pursuit:
         self._places = equations.start.unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
-        self._to = inf
+        self._to, self._passed = inf, ""
         if isinstance(control, DisplacementControl):
             assert control.point.body is not None
             of_all = unknowns.bodies[control.point.body][control.point.node]
@@ -146,7 +147,7 @@ class Pursuit:
         """What to say of the state beyond which nothing goes."""
         self.model.restore(here.state)
         hint = self.model.turn_hint()
-        return f".{hint}" if hint else ""
+        return f".{hint}" if hint else self._passed
 
     def _arc(self, here: Station) -> Arc:
         """The metric of a step: displacements over the largest so far."""
@@ -174,6 +175,14 @@ class Pursuit:
         except LostError as error:
             self.found.failed_steps += 1
             self.found.failed_iterations += error.iterations + 1
+            return None
+        self._passed = ""
+        try:
+            self.model.check_passage(here.state)
+        except PassedThroughError as error:
+            self._passed = f". {error}"
+            self.found.failed_steps += 1
+            self.found.failed_iterations += new.iterations
             return None
         if self._fixed is None and self._bends(here, new, arc, length):
             self.found.failed_steps += 1

@@ -29,6 +29,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, numbers
 from fem_lie.bodies.turning import FoldedElementError
+from fem_lie.forms.term import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
@@ -86,6 +87,10 @@ class Equilibrium(Protocol):
             FoldedElementError: An element rotates too far.
             LostBranchError: A joint rotates too far in the step.
         """
+        ...
+
+    def check_passage(self, before: Any) -> None:
+        """Raise ``PassedThroughError`` if surfaces went through each other since a copied state."""
         ...
 
     def turn_hint(self) -> str:
@@ -201,7 +206,7 @@ class _Follower:
     def _step(self, cap: float) -> None:
         model, before, factor = self._model, self._model.state(), self._factor
         origin = model.positions()
-        done, count = self._found(cap, origin)
+        done, count = self._found(cap, origin, before)
         twist = model.twists(self._moved) if done else None
         # a step has its length at two states and more: one is behind, others on other paths
         if twist is not None and (self._twist is None or cosine(twist, self._twist) > _AHEAD):
@@ -211,7 +216,7 @@ class _Follower:
         self._factor = factor
         self._halve(count)
 
-    def _found(self, cap: float, origin: Array) -> tuple[bool, int]:
+    def _found(self, cap: float, origin: Array, before: Any) -> tuple[bool, int]:
         """Whether there is equilibrium at the end of a step, and iterations."""
         model, count, done = self._model, 0, False
         try:
@@ -224,7 +229,8 @@ class _Follower:
                     done = self._iterate(residual, load, cap, origin, first=count == 1)
             if done:
                 model.check_turns(self._factor)
-        except (FoldedElementError, LostBranchError) as error:
+                model.check_passage(before)
+        except (FoldedElementError, LostBranchError, PassedThroughError) as error:
             done, self._refused = False, f" The step was refused: {error}."
         except (_Lost, SingularMatrixError):
             done = False

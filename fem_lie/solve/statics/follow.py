@@ -313,6 +313,10 @@ class SceneEquilibrium:
         """
         self.equations.report(self._H).check_turns(f"at load factor {factor:g}")
 
+    def check_passage(self, before: _State) -> None:
+        """Raise ``PassedThroughError`` if surfaces went through each other since a state."""
+        self.equations.memory.check_passage(before.frames, self._H)
+
     def turn_hint(self) -> str:
         """Which element turns far, if that may be why it does not go on."""
         return self.equations.report(self._H).turn_hint

@@ -72,9 +72,7 @@ class VariationalRun(RunState):
             given = self._driven, self.twists
             prescribe(self.equations, self.H, self.time, self.h, self.rows, given)
         made = self._made_with(self.decisions) or self._rescued()
-        if made:
-            self._accept()
-        return made
+        return made and self._accept()
 
     def _rescued(self) -> bool:
         """The step that failed, with new matrices."""
@@ -116,10 +114,7 @@ class VariationalRun(RunState):
                 code = loop.FAILED
         if code == loop.DONE:
             return True
-        made = self._rescued()
-        if made:
-            self._accept()
-        return made
+        return self._rescued() and self._accept()
 
     def _renewed(self) -> bool:
         """Make a new matrix; whether it has factors."""
@@ -210,9 +205,10 @@ class VariationalRun(RunState):
             previous = increment
         return False
 
-    def _accept(self) -> None:
-        delta, _, end, _ = self.rows
-        n = self._n
+    def _accept(self) -> bool:
+        """Make the end of the step the start of the next; whether surfaces let it."""
+        delta, _, end, middle = self.rows
+        n, start = self._n, self.H.copy()
         advance(self.H[:n], self.rest, delta[:n])
         self.H[n:] = end[n:]
         self.gap += self._change
@@ -221,9 +217,11 @@ class VariationalRun(RunState):
         ahead = 2.0 * self.weights - self.earlier if self.index else self.weights.copy()
         self.earlier[:] = self.weights
         self._made += 1
-        self.equations.memory.accept(self.H)
+        if not self._remembered(start, middle):
+            return False
         if not self.books.empty:
             self._book(ahead)
+        return True
 
     def _book(self, weights: Array) -> None:
         """By the trapezoidal rule, with velocities along a line through the last two steps."""
@@ -237,7 +235,8 @@ class VariationalRun(RunState):
         options = self.options
         left = float(np.abs(self._r).max(initial=0.0))
         numbers = options.max_iterations, self._increment, left, options.tolerance
-        return failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
+        text = failure(self.index + 1, steps, self.h, *numbers, options.policy.rescue)
+        return self._because(text, steps, self.index)
 
     # --- results ---
 

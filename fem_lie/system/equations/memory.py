@@ -63,6 +63,29 @@ class Memory:
         """Let joints count their angles along the increment ``h`` (6 n,) made from frames ``H``."""
         self._connections.follow(H, h.reshape(-1, 6))
 
+    def check_passage(self, start: Array, end: Array) -> None:
+        """Look whether surfaces go through each other in a step that is not yet accepted.
+
+        Args:
+            start: Frames of all rows at its start.
+            end: At its end.
+
+        Raises:
+            PassedThroughError: They do.
+        """
+        self._terms.check_passage(start, end)
+
+    def watch(self, start: Array, end: Array, h: float, middle: Array | None = None) -> None:
+        """Note an accepted step of a scheme that does not conserve energy by itself.
+
+        Args:
+            start: Frames of all rows at its start.
+            end: At its end.
+            h: Its size.
+            middle: Where forces act in the step; default: at both ends.
+        """
+        self._terms.watch(start, end, h, middle)
+
     def turn_axes(
         self, H: Array, motion: Array | None = None, written: Written | None = None
     ) -> None:
@@ -83,6 +106,7 @@ class Memory:
         """All that what comes depends on but the state and the time; ``matrix``: that, too."""
         saved = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
         saved["joints"] = self._connections.memory
+        saved |= {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
         if matrix:
             kkt = self._system.kkt
             saved |= {"matrix": kkt.csr[0], "blocks": self._system.tangent.A}
@@ -104,6 +128,9 @@ class Memory:
         self._connections.memory = saved["joints"]
         count = sum(name.startswith("carried.") for name in saved)
         self._terms.restore([saved[f"carried.{k}"] for k in range(count)])
+        # checkpoints of earlier versions do not have it
+        if watched := sum(name.startswith("watched.") for name in saved):
+            self._terms.watch_again([saved[f"watched.{k}"] for k in range(watched)])
         if "matrix" in saved:
             for k, term in enumerate(self._terms):
                 term.see_again(saved[f"seen.{k}"])

@@ -167,6 +167,20 @@ class Terms:
         for term in self._watching:
             term.check_passage(start, end)
 
+    def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
+        """Note a step of a scheme that does not conserve energy, see :meth:`.Term.watch`."""
+        for term in self._watching:
+            term.watch(start, end, h, middle)
+
+    def watched(self) -> list[Array]:
+        """What has been noted of steps, term by term."""
+        return [term.watched for term in self._watching]
+
+    def watch_again(self, watched: Sequence[Array]) -> None:
+        """Have noted again what was :meth:`watched` once."""
+        for term, each in zip(self._watching, watched, strict=True):
+            term.watch_again(each)
+
     def accept(self, H: Array) -> None:
         """Go on from frames ``H``."""
         for term in self._rubbing:

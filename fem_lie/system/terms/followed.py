@@ -221,6 +221,20 @@ class Followed(Term):
         """See the base class."""
         self.term.check_passage(self._frames(start), self._frames(end))
 
+    def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
+        """See the base class."""
+        half = None if middle is None else self._frames(middle)
+        self.term.watch(self._frames(start), self._frames(end), h, half)
+
+    @property
+    def watched(self) -> Array:
+        """See the base class."""
+        return self.term.watched
+
+    def watch_again(self, watched: Array) -> None:
+        """See the base class."""
+        self.term.watch_again(watched)
+
     def restore(self, carried: Array) -> None:
         """See the base class."""
         self.term.restore(carried)

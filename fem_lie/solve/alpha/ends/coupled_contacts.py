@@ -38,8 +38,8 @@ from fem_lie.solve.alpha.step.node import Scheme
 from fem_lie.solve.alpha.step.nodes import State
 from fem_lie.system.equations import Equations
 
-_PASSES, _GROWING = 2, 8
-"""Passes, in the second of which velocities after impacts are known; times contacts may join."""
+_PASSES = 2
+"""Passes, in the second of which velocities after impacts are known."""
 
 _TINY = 1e-6
 """Part of speeds below which they are known to round-off alone."""
@@ -52,6 +52,8 @@ class CoupledContacts(CoupledPlaces):
         told: What they did in the last step, see :data:`~fem_lie.contact.impact.records.TOLD`.
         reactions: Impulses of the joints with those of contacts, over the step, shape (m,).
         work: Of drives and prescribed motions by these impulses.
+        overlap: By which bodies still overlap at the end of the last step, beyond what counts as
+            closed; 0: they do not.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class CoupledContacts(CoupledPlaces):
         """As the base class."""
         super().__init__(contacts, equations, scheme, kept)
         self.told, self.reactions, self.work = np.zeros(SIZE), np.zeros(self._m), 0.0
+        self.overlap = 0.0
         self._last = Last.nothing()
 
     # --- which contacts take part ---
@@ -96,7 +99,7 @@ class CoupledContacts(CoupledPlaces):
             weights: Multipliers, changed.
             time: Of the end.
         """
-        self.told[:], self.reactions[:] = 0.0, 0.0
+        self.told[:], self.reactions[:], self.overlap = 0.0, 0.0, 0.0
         smooth = self._gaps(s.H)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
@@ -106,15 +109,17 @@ class CoupledContacts(CoupledPlaces):
         defect = self._rates(end, V, time)
         old = self._accelerations(end, V, time)
         joined = np.zeros(len(smooth), dtype=np.bool_)
-        for _ in range(_GROWING):
+        # those that overlap without taking part join; this ends, for there are so many pairs
+        while True:
             chosen = self._choose(smooth, joined)
             moved, v, impulses = self._passes(chosen, s, end, V, defect, time)
             gaps = self._gaps(moved.H)
-            more = gaps < -self.near.touch.closed
-            more[chosen.pairs] = False
-            if not more.any():
+            deep = gaps < -self.near.touch.closed
+            self.overlap = -float(gaps[deep].min(initial=0.0))
+            deep[chosen.pairs] = False
+            if not deep.any():
                 break
-            joined |= more
+            joined |= deep
         self._take_over(s, weights, moved.H, v, old, time)
         speeds = moved.rows @ self._all_rows(v, time).ravel()
         self._tell(chosen, gaps, impulses, speeds)

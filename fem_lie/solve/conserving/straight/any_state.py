@@ -13,6 +13,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.solve.conserving.between.pushes import Pushes
 from fem_lie.solve.conserving.between.screws import half_way
+from fem_lie.solve.conserving.between.turning import Turning
 from fem_lie.solve.conserving.rows.cells import energies_at
 from fem_lie.solve.conserving.rows.changes import forces_at
 from fem_lie.solve.conserving.step.dissipation import REMEMBERS
@@ -117,6 +118,7 @@ class AnyState(Integration[Recorder]):
         known = equations.tables
         self._pushes = Pushes(known.terms, known.leader, known.offset, n)
         self._pushed = self._pushes.room(n)
+        self._turning = Turning()
         self._factors: Factors | None = None
         self._made = self._factorisations = 0
         self._secants: Secants | None = None

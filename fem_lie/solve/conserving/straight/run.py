@@ -86,6 +86,7 @@ class StraightRun(AnyState):
         before, divided = self._iterations, self._parts
         made = self._go(self.index * self.h, (self.index + 1) * self.h, HALVINGS)
         history.count += self._iterations - before
+        self._turning.note(self.this.step[self._frames, 3:])
         if made:
             self._made += 1
             self._divided += self._parts > divided
@@ -102,7 +103,8 @@ class StraightRun(AnyState):
         self._resize(end - start)
         self._set_step(start, end)
         self._before[:] = self.s.weights
-        if self._step():
+        self.reason = ""
+        if self._step() and self._stays_apart():
             self._accept()
             return True
         if not self._rescues or halvings == 0:
@@ -111,6 +113,12 @@ class StraightRun(AnyState):
         self.s.weights[:] = self._before
         middle = 0.5 * (start + end)
         return self._go(start, middle, halvings - 1) and self._go(middle, end, halvings - 1)
+
+    def _stays_apart(self) -> bool:
+        """Whether no surfaces go through each other in the step that has converged."""
+        H = self.s.H.copy()
+        H[: self._n], H[self._n + 1 :] = self.this.end, self.joints.moved[1]
+        return self._keep_apart(self.s.H, H)
 
     def _resize(self, size: float) -> None:
         """Let steps have this size; what is left over is an impulse."""
@@ -226,6 +234,7 @@ class StraightRun(AnyState):
         left = float(np.abs(self.this.r).max(initial=0.0))
         numbers = self._limit, self._increment, left, self._tolerance
         text = failure(self.index + 1, steps, self.h, *numbers, self._rescues)
+        text = self._because(text, steps, self.index + 1)
         return f"{text}. Nor did it in {2**HALVINGS} parts" if self._rescues else text
 
     # --- results ---
@@ -255,6 +264,7 @@ class StraightRun(AnyState):
         return at_end(s.weights, s.earlier, self._sizes)
 
     def _result(self, history: Recorder) -> Result:
+        self._turning.report()
         if self._divided:
             _log.warning(
                 "%d of %d steps were made in parts, where no solution was found in full",
