@@ -31,7 +31,16 @@ VERBS = {
 
 VIEWS = {
     ConstraintsAt: {"contradiction", "jacobian", "rates", "rigid_motions"},
-    Memory: {"accept", "carry", "follow", "restore", "saved", "turn_axes"},
+    Memory: {
+        "accept",
+        "carry",
+        "follow",
+        "restore",
+        "saved",
+        "stretch_springs",
+        "turn_axes",
+        "unchanged",
+    },
     Prescribed: {
         "accelerations",
         "act",
@@ -58,6 +67,7 @@ IMPORTED = {"equations.Equations", "equations.Instant", "equations.Plan"}
 
 COMPILED = {
     "nodes.attachment.expand_motion",
+    "nodes.element_turns.most_strained",
     "nodes.element_turns.nearest",
     "nodes.loads.Loads",
     "nodes.sums.report_rates",

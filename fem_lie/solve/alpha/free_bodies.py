@@ -41,6 +41,7 @@ from fem_lie.solve.alpha.step.free_records import Options as Iteration
 from fem_lie.solve.motion.convergence import failure
 from fem_lie.solve.motion.policies import Policy
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.saving import Saving
 from fem_lie.solve.stopwatch import Stopwatch
@@ -62,6 +63,25 @@ def held_by_nothing(scene: Scene, policy: Policy) -> bool:
     nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
     simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
     return bool(scene.bodies) and rigid and simple and not held and policy.rule() is not None
+
+
+class Alone:
+    """Runs whose results go to files: by the same loop, to the same bits, as those in memory.
+
+    Attributes:
+        fingerprint: Of the scene.
+    """
+
+    def __init__(self, options: Options, scene: Scene) -> None:
+        """Of a scene that :func:`applies`."""
+        self._options, self._scene = options, scene
+        also = [("states of the loop of free rigid bodies", "the loop that makes steps")]
+        self.fingerprint = Fingerprint(Equations(scene, dynamics=True), options, also)
+
+    def integrate(self, store: Checkpoints, progress: bool | None) -> Result:
+        """All steps that a file and its checkpoint leave to be made."""
+        steps, step, saving = store.plan
+        return Run(self._options, self._scene, step).integrate(steps, saving, progress, store)
 
 
 class Run:

@@ -88,10 +88,11 @@ class GeneralisedAlpha(Options, Integrator):
         return free_bodies.Run(self, scene, step).integrate(steps, saving, progress)
 
     def _alone(self, scene: Scene) -> Alone | None:
-        if self.parametrisation == Parametrisation.EXPONENTIAL and impacts.applies(
-            scene, self.policy
-        ):
+        exponential = self.parametrisation == Parametrisation.EXPONENTIAL
+        if exponential and impacts.applies(scene, self.policy):
             return impacts.Alone(self, scene)
         if coupled_impacts.applies(scene):
             return coupled_impacts.CoupledAlone(self, scene)
+        if exponential and free_bodies.applies(scene, self.policy):
+            return free_bodies.Alone(self, scene)
         return None

@@ -244,7 +244,8 @@ class VariationalRun(RunState):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
-            self.tell(history, self.time, moved=self.index > 0)
+            with self.equations.memory.unchanged():
+                self.tell(history, self.time, moved=self.index > 0)
         return wanted
 
     def tell(self, history: Recorder, time: float, moved: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 
 import numpy as np
 
@@ -41,6 +42,10 @@ class Memory:
         """
         for each in self._connections.sets:
             each.stretch_springs(H, h.reshape(-1, 6))
+
+    def unchanged(self) -> AbstractContextManager[None]:
+        """Context in which looking at states does not change what elements carry."""
+        return self._terms.unchanged()
 
     def accept(self, H: Array, start: Array | None = None) -> None:
         """Go on from here: joints count their turns, and what rubs its slips.

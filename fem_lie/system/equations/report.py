@@ -65,7 +65,8 @@ class Report:
     def elastic(self) -> float:
         """Energy of elements, and of springs that are not in the tables of the equations."""
         H, connections = self._state.H, self._system.connections
-        found = self._terms.energy(H)
+        with self._terms.unchanged():
+            found = self._terms.energy(H)
         return found if connections.of_joints_only else found + connections.other_spring_energy(H)
 
     @property
@@ -82,13 +83,14 @@ class Report:
     def reactions(self) -> Array:
         """Force and moment of supports on what is held, about it, global components, (s, 6)."""
         system, state = self._system, self._state
-        if not self._carried:
-            self._terms.settle(state.H)
         if not len(system.supported):
             return np.zeros((0, 6))
         H, r = state.H, np.empty(system.size)
-        # along the axes of supports, where there are any
-        system.with_reactions(state, np.ones(system.m), r)
+        with self._terms.unchanged():
+            if not self._carried:
+                self._terms.settle(state.H)
+            # along the axes of supports, where there are any
+            system.with_reactions(state, np.ones(system.m), r)
         local, held = r[: 6 * system.count].reshape(-1, 6), system.held
         if system.supports:
             local[~held] = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -194,6 +195,15 @@ class Terms:
         """Carry again what was carried when it was copied."""
         for term, values in zip(self._carrying, carried, strict=True):
             term.restore(values)
+
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Carry in the end what was carried before: to look at a state changes nothing."""
+        carried = self.carried()
+        try:
+            yield
+        finally:
+            self.restore(carried)
 
     def clear_stress(self) -> None:
         """Make all carried stresses zero: a tangent without geometric stiffness."""
