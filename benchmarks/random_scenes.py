@@ -21,8 +21,19 @@ import numpy as np
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.lie.kinds import NodeKind
+from fem_lie.lie.kinds import placed as placed_nodes
 from fem_lie.solve.motion.integrator import Integrator
-from tests.random_scenes import CONSERVING, HELD, MOTION, PROPORTIONAL, Wanted, random_scene
+from tests.random_scenes import (
+    CONSERVING,
+    HELD,
+    MIXED,
+    MIXED_CONSERVING,
+    MOTION,
+    PROPORTIONAL,
+    Wanted,
+    random_scene,
+)
 from tests.scene_builder import build
 from tests.scene_data import SceneData, ShellData, converted, placed, reordered
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
@@ -90,9 +101,13 @@ def places(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
     found, size = {}, way.data.size
     shift = way.units.length(way.shift) / size
     for body in way.data.bodies:
-        H = frames[..., info.body(body.name).nodes, :, :]
-        x = (H[..., 0, :] / size - shift) @ way.rotation
+        own = info.body(body.name)
+        H, kinds = frames[..., own.nodes, :, :], own.node_kinds
+        assert kinds is not None
+        x = (H[..., placed_nodes(kinds), 0, :] / size - shift) @ way.rotation
         found[f"places of {body.name}"] = Values(x, "of the size")
+        if (kinds != NodeKind.FRAME).any():
+            continue
         # a shell's first two directors are its own choice
         first = 3 if isinstance(body, ShellData) else 1
         found[f"directors of {body.name}"] = Values(H[..., first:, :] @ way.rotation, "of 1")
@@ -119,7 +134,9 @@ def motion(scheme: Integrator) -> Callable[[Way], Numbers]:
         result = scheme.run(built.scene, duration=data.duration, step=step, progress=False)
         speeds = {}
         for body in data.bodies:
-            nodes = result.info.body(body.name).nodes
+            own = result.info.body(body.name)
+            assert own.node_kinds is not None
+            nodes = own.nodes[placed_nodes(own.node_kinds)]
             R = result.frames[:, nodes, 1:].swapaxes(-1, -2)
             v = back.velocity(_global(R, result.velocities[:, nodes, :3]))
             speeds[f"velocities of {body.name}"] = Values(v @ way.rotation, "velocity")
@@ -174,6 +191,15 @@ STUDIES = {
     ),
     "energy-momentum": Study(replace(CONSERVING, steps=SHORT), motion(fl.EnergyMomentum())),
     "energy-decaying": Study(replace(CONSERVING, steps=SHORT), motion(fl.EnergyDecaying())),
+    "mixed, generalised-α": Study(
+        replace(MIXED, steps=SHORT), motion(fl.GeneralisedAlpha(tolerance=1e-11))
+    ),
+    "mixed, energy-momentum": Study(
+        replace(MIXED_CONSERVING, steps=SHORT), motion(fl.EnergyMomentum())
+    ),
+    "mixed, energy-decaying": Study(
+        replace(MIXED_CONSERVING, steps=SHORT), motion(fl.EnergyDecaying())
+    ),
     "statics": Study(HELD, equilibrium),
     "vibrations": Study(HELD, frequencies),
     "buckling": Study(PROPORTIONAL, load_factors),

@@ -24,7 +24,9 @@ from tests.scene_data import (
     AreaLoadData,
     BeamData,
     BeamPressureData,
+    BlockData,
     ClampData,
+    ContactData,
     CoordinateRef,
     DriveData,
     EdgeLoadData,
@@ -36,15 +38,18 @@ from tests.scene_data import (
     LinkData,
     MotionData,
     OnsetData,
+    PatchData,
     PointLoadData,
     PointRef,
     PreStressData,
     RectangleData,
+    ReducedData,
     RigidData,
     SceneData,
     SectionData,
     ShellData,
     ShellSectionData,
+    SlenderData,
     SlidingData,
     SpringData,
     SurfacePressureData,
@@ -65,6 +70,8 @@ class Wanted:
         damping: Of beams and springs.
         strains: Eigenstrain and pre-stress of beams.
         following: Loads without a potential: moments, pressure on beams, forces that follow.
+        elements: Other bodies than beams, shells and rigid ones, of :data:`ELEMENTS`; with them
+            come contacts by penalties.
         bodies: At most.
         steps: In time.
     """
@@ -78,6 +85,7 @@ class Wanted:
     damping: bool = True
     strains: bool = True
     following: bool = True
+    elements: tuple[str, ...] = ()
     bodies: int = 4
     steps: int = 25
 
@@ -92,6 +100,20 @@ PROPORTIONAL = replace(
     HELD, histories=False, damping=False, strains=False, pressure=False, following=False
 )
 """For buckling: loads grow with the load factor."""
+
+_CABLES = ("Hermite cable", "discrete cable")
+_SLENDER = ("Kirchhoff rod", "discrete rod", *_CABLES, "ANCF beam")
+_PATCHES = ("thin shell", "ANCF shell")
+_BLOCKS = ("hexahedron 1", "hexahedron 2", "tetrahedron 2")
+ELEMENTS = (*_SLENDER, *_PATCHES, *_BLOCKS, "reduced")
+"""Of rods, cables, ANCF beams and shells, thin shells and solids; and reduced-order beams."""
+
+MIXED = replace(MOTION, elements=ELEMENTS)
+"""For generalised-α: all kinds of bodies, joints, loads and contacts."""
+MIXED_CONSERVING = replace(
+    CONSERVING, elements=tuple(e for e in ELEMENTS if e not in ("discrete rod", "reduced"))
+)
+"""The same for the schemes that conserve, but for what these refuse by name."""
 
 STEP = 5e-3
 GROUND = PointRef()
@@ -155,6 +177,8 @@ class _Growth:
             self._close()
         if self.wanted.sliding and self.rng.random() < 0.4:
             self._slide()
+        if self.wanted.elements:
+            self._touch()
         self._act()
         for _ in range(self.rng.integers(1, 4)):
             self._load()
@@ -214,7 +238,10 @@ class _Growth:
         self, place: np.ndarray, *, clamped: bool = False, parent: _Port | None = None
     ) -> _Port:
         """A new body with one of its places there."""
-        makers = [self._beam, self._beam, self._shell] + [self._rigid] * (not clamped)
+        makers: list[Any] = [self._beam, self._beam, self._shell] + [self._rigid] * (not clamped)
+        if self.wanted.elements:
+            makers = [*makers[1:], self._slender, self._slender, self._patch, self._block]
+            makers += [self._reduced] * (not clamped and "reduced" in self.wanted.elements)
         while True:
             maker = makers[self.rng.integers(len(makers))]
             body, port = maker(f"body {len(self.bodies)}", place)
@@ -285,9 +312,74 @@ class _Growth:
         )
         return body, _Port(PointRef(name, "00"), place, body)
 
+    def _slender(self, name: str, place: np.ndarray) -> tuple[SlenderData, _Port]:
+        along = self._vector(self._between(0.5, 1.5))
+        element = self._element(_SLENDER)
+        body = SlenderData(
+            name=name,
+            element=element,
+            section=self._rectangle(square=element in _CABLES),
+            cells=int(self.rng.integers(2, 4)),
+            clamped=None,
+            start=place,
+            end=place + along,
+            bow=self._across(along) * self._between(0.05, 0.1) * self._chance(0.4),
+            up=self._across(along),
+        )
+        return body, _Port(PointRef(name, "start"), place, body)
+
+    def _element(self, of: Sequence[str]) -> str:
+        return str(self._one([name for name in of if name in self.wanted.elements]))
+
+    def _rectangle(self, *, square: bool = False) -> RectangleData:
+        width, height = self.rng.uniform(0.02, 0.06, 2)
+        height = width if square else height
+        return RectangleData(
+            width, height, self._between(3e8, 3e9), self._between(0.0, 0.4), self._between(1e3, 3e3)
+        )
+
+    def _patch(self, name: str, place: np.ndarray) -> tuple[PatchData, _Port]:
+        flat, port = self._shell(name, place)
+        element = self._element(_PATCHES)
+        body = PatchData(name, element, flat.section, flat.cells, None, flat.corners)
+        return body, _Port(port.ref, place, body)
+
+    def _block(self, name: str, place: np.ndarray) -> tuple[BlockData, _Port]:
+        a = self._direction()
+        b = self._across(a)
+        c = np.cross(a, b)
+        u, v, w = (
+            self._between(*range_) * n
+            for range_, n in (((0.4, 1.0), a), ((0.1, 0.3), b), ((0.1, 0.3), c))
+        )
+        cell, degree = self._element(_BLOCKS).split()
+        body = BlockData(
+            name=name,
+            cell=cell,
+            degree=int(degree),
+            clamped=None,
+            E=self._between(1e6, 1e7),
+            nu=self._between(0.1, 0.35),
+            density=self._between(1e2, 3e2),
+            corner=place - 0.5 * (v + w),
+            a=u,
+            b=v,
+            c=w,
+        )
+        return body, _Port(PointRef(name, "a=0"), place, body)
+
+    def _reduced(self, name: str, place: np.ndarray) -> tuple[ReducedData, _Port]:
+        along = self._vector(self._between(0.5, 1.5))
+        modes, up = int(self.rng.integers(1, 4)), self._across(along)
+        body = ReducedData(name, self._rectangle(), modes, place, place + along, up)
+        return body, _Port(PointRef(name, "start"), place, body)
+
     def _ports(self, body: Any) -> list[_Port]:
         """Where the next thing can be attached."""
-        if isinstance(body, BeamData):
+        if isinstance(body, BlockData):
+            middle = body.corner + 0.5 * (body.b + body.c)
+            return [_Port(PointRef(body.name, "a=1"), middle + body.a, body)]
+        if isinstance(body, BeamData | SlenderData | ReducedData):
             return [
                 _Port(PointRef(body.name, "start"), body.start, body),
                 _Port(PointRef(body.name, "end"), body.end, body),
@@ -317,7 +409,7 @@ class _Growth:
         elif self.wanted.histories and kind < 0.7:
             self.moving = False
             port = self._body(place, clamped=True)
-            if isinstance(port.body, ShellData):
+            if _holds_itself(port.body):
                 self._clamp(port)
             else:
                 turns = self._chance(0.5)
@@ -328,9 +420,10 @@ class _Growth:
 
     def _clamp(self, port: _Port) -> None:
         self.moving = False
-        if isinstance(port.body, ShellData):
-            # the port "00" lies on it
-            held = replace(port.body, clamped=self._one(("a=0", "b=0")))
+        if _holds_itself(port.body):
+            # the port "00" lies on both curves
+            where = self._one(("a=0", "b=0")) if port.ref.name == "00" else port.ref.name
+            held = replace(port.body, clamped=where)
             self.bodies[self.bodies.index(port.body)] = held
         else:
             self.supports.append(ClampData(port.ref))
@@ -371,8 +464,9 @@ class _Growth:
     def _on_clamp(self, port: _Port) -> bool:
         """Whether the node cannot move, so that a joint there may be redundant."""
         held = [s.point for s in self.supports if not isinstance(s, LinkData)]
-        clamped = isinstance(port.body, ShellData) and port.body.clamped is not None
-        return port.ref in held or (clamped and port.ref.name in _CURVES[port.body.clamped])
+        where = port.body.clamped if _holds_itself(port.body) else None
+        clamped = where is not None and port.ref.name in _CURVES.get(where, (where,))
+        return port.ref in held or clamped
 
     def _rod(self, parent: _Port) -> None:
         place = parent.place + self._vector(self._between(0.3, 0.8))
@@ -383,7 +477,7 @@ class _Growth:
 
     def _join(self, parent: _Port, child: _Port) -> None:
         """A joint or link between two ports at one place."""
-        if parent.body is not None and not self._turns_held(parent, child) and self._chance(0.15):
+        if self._may_link(parent, child) and self._chance(0.15):
             self.supports.append(LinkData(parent.ref, child.ref))
             return
         kind = self._kind(parent, child)
@@ -397,8 +491,20 @@ class _Growth:
         if parent.body is None:
             self._let_turn(joint)
 
+    def _may_link(self, parent: _Port, child: _Port) -> bool:
+        """Whether both are nodes with frames."""
+        if parent.body is None or self._turns_held(parent, child):
+            return False
+        return not any(
+            isinstance(p.body, BlockData | PatchData)
+            or (isinstance(p.body, SlenderData) and p.body.element == "ANCF beam")
+            for p in (parent, child)
+        )
+
     def _turns_held(self, *ports: _Port) -> bool:
-        """Whether a shell with five parameters is among them."""
+        """Whether a shell with five parameters or a cable is among them."""
+        if any(isinstance(p.body, SlenderData) and p.body.element in _CABLES for p in ports):
+            return True
         return not self.wanted.six and any(isinstance(p.body, ShellData) for p in ports)
 
     def _kind(self, parent: _Port, child: _Port) -> str:
@@ -477,6 +583,18 @@ class _Growth:
         kind = self._one(("Sliding", "Collar", "Sleeve"))
         self.joints.append(SlidingData(f"joint {len(self.joints)}", kind, rail.name, port.ref, at))
 
+    def _touch(self) -> None:
+        """A rigid body before a plane, which it may meet."""
+        bodies = [body for body in self.bodies if isinstance(body, RigidData)]
+        if not bodies or not self._chance(0.4):
+            return
+        body, normal, radius = self._one(bodies), self._direction(), self._between(0.05, 0.1)
+        at = body.position - (radius + self._between(0.0, 0.01)) * normal
+        stiffness = self._between(5e3, 2e4)
+        self.actions.append(
+            ContactData(PointRef(body.name, "centre"), radius, stiffness, normal, at)
+        )
+
     # ---- what acts
 
     def _spring(self, coordinate: CoordinateRef) -> None:
@@ -524,6 +642,8 @@ class _Growth:
             self._load_beam(body)
         elif isinstance(body, RigidData):
             self._load_point(PointRef(body.name, "centre"))
+        elif not isinstance(body, ShellData):
+            self._load_any(body)
         else:
             self._load_shell(body)
 
@@ -541,6 +661,19 @@ class _Growth:
                 moment=self._vector(self._between(0.5, 5.0)) * self._follows(0.5),
             )
         )
+
+    def _load_any(self, body: Any) -> None:
+        """A force at its far end, and a moment where it has rotations."""
+        gradients = isinstance(body, SlenderData) and body.element == "ANCF beam"
+        if not self.wanted.pressure and (gradients or isinstance(body, BlockData)):
+            # conserving schemes have loads on nodes alone
+            return
+        port = self._ports(body)[-1]
+        rotates = not isinstance(body, PatchData) and not self._turns_held(port)
+        force = self._vector(self._between(1.0, 30.0))
+        moment = self._vector(self._between(0.1, 1.0)) * (rotates and self._chance(0.5))
+        following = rotates and self._chance(0.5)
+        self.loads.append(PointLoadData(port.ref, following, self._history(), force, moment))
 
     def _load_beam(self, beam: BeamData) -> None:
         kinds = 5 if self.wanted.strains else 3 if self.wanted.following else 2
@@ -572,6 +705,11 @@ class _Growth:
             self.loads.append(EdgeLoadData(shell.name, curve, following, history, force))
         else:
             self.loads.append(AreaLoadData(shell.name, history, self._vector(50.0)))
+
+
+def _holds_itself(body: Any) -> bool:
+    """Whether clamps are a matter of the body, and not of a node."""
+    return hasattr(body, "clamped")
 
 
 _CURVES = {"a=0": ("00", "01"), "b=0": ("00", "10")}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import singledispatch
+from functools import partial, singledispatch
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,18 @@ FORMULATIONS: dict[str, Any] = {
     "director 2": fl.Director(2),
     "HR": fl.HellingerReissner(),
     "MITC4": fl.Displacement(),
+    "HW": fl.HuWashizu(),
 }
+SLENDER: dict[str, Callable[..., Any]] = {
+    "Kirchhoff rod": partial(fl.Rod, formulation=fl.Kirchhoff()),
+    "discrete rod": partial(fl.Rod, formulation=fl.DiscreteRod()),
+    "Hermite cable": lambda *line, up, name: fl.Cable(*line, name=name),
+    "discrete cable": lambda *line, up, name: fl.Cable(
+        *line, formulation=fl.DiscreteCable(), name=name
+    ),
+    "ANCF beam": fl.AncfBeam,
+}
+PATCHES: dict[str, Callable[..., Any]] = {"thin shell": fl.ThinShell, "ANCF shell": fl.AncfShell}
 
 
 @dataclass
@@ -31,9 +42,15 @@ class Built:
     clock: float
     bodies: dict[str, Any] = field(default_factory=dict)
     joints: dict[str, Any] = field(default_factory=dict)
+    faces: dict[data.PointRef, fl.Point] = field(default_factory=dict)
 
     def point(self, ref: data.PointRef) -> fl.Point:
-        return fl.ground() if ref.body is None else self.bodies[ref.body][ref.name]
+        if ref.body is None:
+            return fl.ground()
+        body = self.bodies[ref.body]
+        if isinstance(body, fl.Solid):
+            return self.faces[ref]
+        return body[ref.name]
 
     def coordinate(self, ref: data.CoordinateRef) -> fl.Coordinate:
         return self.joints[ref.joint].coordinates()[ref.number]
@@ -123,6 +140,70 @@ def _(item: data.ShellData, built: Built) -> None:
     if item.clamped is not None:
         shell.clamp(item.clamped)
     built.bodies[item.name] = built.scene.add(shell)
+
+
+@add.register
+def _(item: data.SlenderData, built: Built) -> None:
+    def line(s: float) -> np.ndarray:
+        return item.start + s * (item.end - item.start) + 4 * s * (1 - s) * item.bow
+
+    mesh, make = fl.curve(line, item.cells), SLENDER[item.element]
+    body = built.scene.add(make(mesh, _section(item.section), up=item.up, name=item.name))
+    if item.clamped is not None:
+        if isinstance(body, fl.AncfBeam | fl.Cable):
+            body.clamp(body[item.clamped])
+        else:
+            built.scene.add(fl.Clamp(body[item.clamped]))
+    built.bodies[item.name] = body
+
+
+@add.register
+def _(item: data.PatchData, built: Built) -> None:
+    def place(a: float, b: float) -> np.ndarray:
+        return np.array([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b]) @ item.corners
+
+    s = item.section
+    section = fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density))
+    patch = fl.smooth_patch(place, item.cells)
+    shell = PATCHES[item.element](patch, section, name=item.name)
+    if item.clamped is not None:
+        shell.clamp(item.clamped)
+    built.bodies[item.name] = built.scene.add(shell)
+
+
+@add.register
+def _(item: data.BlockData, built: Built) -> None:
+    def place(α: float, β: float, γ: float) -> np.ndarray:
+        return item.corner + α * item.a + β * item.b + γ * item.c
+
+    mesh = fl.block(place, (1, 1, 1), cell=item.cell)
+    law = fl.NeoHooke(item.E, item.nu, item.density)
+    solid = fl.Solid(mesh, law, degree=item.degree, name=item.name)
+    if item.clamped is not None:
+        solid.clamp(item.clamped)
+    built.bodies[item.name] = built.scene.add(solid)
+    # axes that rotate with the scene, as forces that follow a face are along them
+    axes = np.array([side / np.linalg.norm(side) for side in (item.a, item.b, item.c)])
+    for face in ("a=0", "a=1"):
+        built.faces[data.PointRef(item.name, face)] = solid.grip(face, axes)
+
+
+@add.register
+def _(item: data.ReducedData, built: Built) -> None:
+    full = fl.Beam(
+        fl.straight(item.start, item.end, 4), _section(item.section), up=item.up, name=item.name
+    )
+    scene = fl.Scene()
+    scene.add(full)
+    body = fl.reduced_body(scene, [full.start, full.end], item.modes, name=item.name)
+    built.bodies[item.name] = built.scene.add(body)
+
+
+@add.register
+def _(item: data.ContactData, built: Built) -> None:
+    ball = fl.Sphere(built.point(item.ball), item.radius)
+    plane = fl.Plane(fl.ground(), item.normal, item.at)
+    built.scene.add(fl.Contact(ball, plane, fl.Penalty(item.stiffness)))
 
 
 _OWN = ("at", "axis", "second", "to", "normal", "pitch", "radius")

@@ -108,6 +108,67 @@ class ShellData:
 
 
 @dataclass(frozen=True)
+class SlenderData:
+    """A rod, cable or ANCF beam along the line of :class:`BeamData`.
+
+    Attributes:
+        element: One of those of :mod:`tests.scene_builder`.
+        clamped: ``"start"`` or ``None``.
+    """
+
+    name: str
+    element: str
+    section: RectangleData
+    cells: int
+    clamped: str | None
+    start: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    end: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    bow: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
+    up: Annotated[np.ndarray, Quantity(moves=VECTOR)]
+
+
+@dataclass(frozen=True)
+class PatchData:
+    """A thin or ANCF shell, bilinear between four corners (00, 10, 01, 11), shape (4, 3)."""
+
+    name: str
+    element: str
+    section: ShellSectionData
+    cells: tuple[int, int]
+    clamped: str | None
+    corners: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+
+
+@dataclass(frozen=True)
+class BlockData:
+    """A neo-Hookean solid: ``corner + α a + β b + γ c`` with numbers from 0 to 1."""
+
+    name: str
+    cell: str
+    degree: int
+    clamped: str | None
+    E: Annotated[float, Quantity(-1, 1, -2)]
+    nu: Annotated[float, Quantity()]
+    density: Annotated[float, Quantity(-3, 1)]
+    corner: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    a: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
+    b: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
+    c: Annotated[np.ndarray, Quantity(1, moves=VECTOR)]
+
+
+@dataclass(frozen=True)
+class ReducedData:
+    """A straight beam of four elements reduced to the modes of its ends and some inner ones."""
+
+    name: str
+    section: RectangleData
+    modes: int
+    start: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    end: Annotated[np.ndarray, Quantity(1, moves=POINT)]
+    up: Annotated[np.ndarray, Quantity(moves=VECTOR)]
+
+
+@dataclass(frozen=True)
 class PointRef:
     """A named point of a body, or ground."""
 
@@ -200,6 +261,17 @@ class DriveData:
     coordinate: CoordinateRef
     history: HistoryData | OnsetData | None
     amplitude: Annotated[float, _along((0, 0, 0), (1, 0, 0))] = 0.0
+
+
+@dataclass(frozen=True)
+class ContactData:
+    """A ball around a point above a plane fixed to ground, pushed off by a penalty."""
+
+    ball: PointRef
+    radius: Annotated[float, Quantity(1)]
+    stiffness: Annotated[float, Quantity(0, 1, -2)]
+    normal: Annotated[np.ndarray, Quantity(moves=VECTOR)]
+    at: Annotated[np.ndarray, Quantity(1, moves=POINT)]
 
 
 def _of_ratio(item: Any) -> tuple[int, ...]:

@@ -3,9 +3,27 @@
 import numpy as np
 import pytest
 
-from benchmarks.random_scenes import STUDIES, allowed, difference, differences, outcome, ways
+from benchmarks.random_laws import broken
+from benchmarks.random_scenes import (
+    FAR,
+    STUDIES,
+    TARGET,
+    allowed,
+    difference,
+    differences,
+    outcome,
+    ways,
+)
 from fem_lie import lie
-from tests.random_scenes import CONSERVING, HELD, MOTION, PROPORTIONAL, random_scene
+from tests.random_scenes import (
+    CONSERVING,
+    HELD,
+    MIXED,
+    MIXED_CONSERVING,
+    MOTION,
+    PROPORTIONAL,
+    random_scene,
+)
 from tests.scene_builder import build
 from tests.scene_data import arguments, converted, placed, reordered, replaced
 from tests.unit_systems import OTHER_SYSTEMS
@@ -15,7 +33,9 @@ def _numbers(data):
     return [value for _, value in arguments(data) if isinstance(value, float | np.ndarray)]
 
 
-@pytest.mark.parametrize("wanted", [MOTION, CONSERVING, HELD, PROPORTIONAL])
+@pytest.mark.parametrize(
+    "wanted", [MOTION, CONSERVING, HELD, PROPORTIONAL, MIXED, MIXED_CONSERVING]
+)
 def test_random_scenes_can_be_built(wanted):
     for seed in range(6):
         data = random_scene(seed, wanted)
@@ -51,11 +71,34 @@ def test_what_is_replaced_is_nothing_else():
 
 
 @pytest.mark.parametrize("seed", [8, 10])
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", [name for name in STUDIES if "mixed" not in name])
 def test_nothing_depends_on_units_place_direction_and_order(study, seed):
     first, found = differences(STUDIES[study], seed)
     assert not first.failure
     assert {way: e for way, e in found.items() if not e[0] <= allowed(way)} == {}
+
+
+@pytest.mark.parametrize(
+    ("study", "seed"),
+    [("mixed, generalised-α", seed) for seed in (1, 2, 5, 8)],
+)
+def test_nothing_depends_on_units_direction_and_order_of_bodies_of_any_kind(study, seed):
+    """Rods, cables, solids, thin and ANCF shells, reduced bodies: distance is in the docs."""
+    known = STUDIES[study]
+    all_ways = ways(random_scene(seed, known.wanted), seed)
+    first = outcome(known, all_ways.pop("as it is"))
+    assert not first.failure
+    near = {way: there for way, there in all_ways.items() if way not in FAR}
+    found = {way: difference(first, outcome(known, there)) for way, there in near.items()}
+    assert {way: error for way, error in found.items() if not error[0] <= TARGET} == {}
+
+
+@pytest.mark.parametrize(
+    ("scheme", "seed"),
+    [("generalised-α", 2), ("generalised-α", 4)],
+)
+def test_steps_converge_energy_is_balanced_and_runs_resume(scheme, seed):
+    assert broken(scheme, seed) == {}
 
 
 @pytest.mark.parametrize("seed", [9, 74, 99, 117])
