@@ -16,6 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags
+from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.rigid_parts import RigidParts
@@ -24,6 +25,7 @@ from fem_lie.scene import Scene
 from fem_lie.solve.methods import methods_on_paths
 from fem_lie.solve.stability.mode_scaling import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
+from fem_lie.solve.statics.pivots import tangent_csr
 from fem_lie.system.equations import LinearState, Plan
 
 _SEED, _REPEATS = 1, 30  # of the first vector of the inverse iteration, and its length
@@ -67,7 +69,7 @@ class StableEquilibrium(SceneEquilibrium):
     def check_start(self, factor: float) -> None:
         """Raise ``ValueError`` if the tangent is singular in the present state."""
         self._fill(factor)
-        A = self._csr()
+        A = tangent_csr(self.equations)
         scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
         if self.equations.unknowns.m:
             scale = sp.diags(self.equations.matrix.units)
@@ -86,8 +88,13 @@ class StableEquilibrium(SceneEquilibrium):
     def _loose_motions(self) -> int:
         """Motions without strain that joints allow and nothing resists."""
         K, B = self.pencil()
-        parts = RigidParts(K, K, K, self.equations.constraints(self._H).rigid_motions(self.weight))
-        Z = parts.mechanisms(B)
+        kinds = self.equations.unknowns.kinds
+        motions = [
+            (piece.unknowns, piece.basis)
+            for piece in self.equations.constraints(self._H).rigid_motions(self.weight)
+            if (kinds[piece.nodes] < SLOPE).all()
+        ]
+        Z = RigidParts(K, K, K, motions).mechanisms(B)
         if not len(Z):
             return 0
         resists = np.abs(np.linalg.eigvalsh(0.5 * Z @ ((K + K.T) @ Z.T)))
@@ -95,7 +102,7 @@ class StableEquilibrium(SceneEquilibrium):
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent of the free unknowns in their units, and constraints with rows of length one."""
-        A, n, free = self._csr(), 6 * self._moving, self._free
+        A, n, free = tangent_csr(self.equations), 6 * self._moving, self._free
         weights = sp.diags(self.weight[free])
         K = (weights @ A[free][:, free] @ weights).tocsr()
         B = (A[n:][:, free] @ weights).tocsr()
@@ -180,7 +187,10 @@ class StableEquilibrium(SceneEquilibrium):
         Slender members have small axial forces beside what their axial stiffness makes of their
         displacements: so many digits of a plain solution are lost in them.
         """
-        A, x = self._csr().astype(np.longdouble), np.zeros(len(b), dtype=np.longdouble)
+        A, x = (
+            tangent_csr(self.equations).astype(np.longdouble),
+            np.zeros(len(b), dtype=np.longdouble),
+        )
         for _ in range(1 + _REFINED):
             x += self.solve_raw(np.asarray(b - A @ x, dtype=np.float64))
         found = np.asarray(x, dtype=np.float64)
@@ -214,8 +224,3 @@ class StableEquilibrium(SceneEquilibrium):
         found = [scaled(self.equations.report(self._H, shape).twists, lengths) for shape in shapes]
         moved = np.array([shape for shape, _ in found]).reshape(-1, unknowns.total, 6)
         return moved, np.array([turns for _, turns in found], dtype=np.bool_)
-
-    def _csr(self) -> sp.csr_matrix:
-        data, columns, pointers = self.equations.matrix.csr
-        size = self.equations.unknowns.size
-        return sp.csr_matrix((data.copy(), columns, pointers), shape=(size, size))

@@ -114,6 +114,8 @@ class Pursuit:
                     )
                 continue
             count += 1
+            if count == 1 and (free := self._free_motions(new)):
+                raise ValueError(f"the path has no start: {free}")
             used = length
             length = min(self._resolution, used * self._growth(here, new, arc))
             whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
@@ -142,6 +144,11 @@ class Pursuit:
                 )
             first = replace(first, sign=float(np.sign(rate)))
         return replace(first, sign=-first.sign, iterations=0) if backwards else first
+
+    def _free_motions(self, station: Station) -> str:
+        """What to say of rigid motions that nothing resists in a state, if any is."""
+        self.model.restore(station.state)
+        return self.model.free_motions(station.factor)
 
     def _hint(self, here: Station) -> str:
         """What to say of the state beyond which nothing goes."""

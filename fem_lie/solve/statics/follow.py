@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.methods import methods_for, on_domains
 from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
+from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.pivots import negative_pivots
 from fem_lie.solve.statics.unstable import maxima, warn_if_unstable
@@ -68,7 +70,10 @@ def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: 
     except ConvergenceError as error:
         result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None
-    return _result(model, path, levels, watch.seconds)
+    result = _result(model, path, levels, watch.seconds)
+    if free := model.free_motions(levels[-1]):
+        raise SingularStartError(free, result)
+    return result
 
 
 def beyond(scene: Scene, levels: Sequence[float]) -> list[float]:
@@ -211,9 +216,9 @@ class SceneEquilibrium:
             self._strain()
         return factor
 
-    def _settles(self, factor: float) -> bool:
+    def _settles(self, factor: float, most: int = _MOST) -> bool:
         """Go to the equilibrium at a load factor that is near; whether there is one."""
-        for _ in range(_MOST):
+        for _ in range(most):
             internal, load = self.forces()
             self.factorise(factor)
             dx = self.solve(factor * load - internal)
@@ -316,6 +321,22 @@ class SceneEquilibrium:
     def check_passage(self, before: _State) -> None:
         """Raise ``PassedThroughError`` if surfaces went through each other since a state."""
         self.equations.memory.check_passage(before.frames, self._H)
+
+    def free_motions(self, factor: float) -> str:
+        """What to say of rigid motions that nothing resists in the present state, if any is.
+
+        The state is polished, and left so.
+        """
+        search = FreeMotions(self.equations)
+        if not search.possible or not len(search.allowed(self._H)):
+            return ""
+        # forces that are not in balance would resist, or seem to
+        with suppress(SingularMatrixError):
+            self._settles(factor, POLISHED)
+        internal, load = self.forces()
+        self._fill(factor)
+        free = search.unresisted(search.allowed(self._H), internal - factor * load)
+        return search.message(free, factor) if len(free) else ""
 
     def turn_hint(self) -> str:
         """Which element turns far, if that may be why it does not go on."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.methods import methods_for, on_domains
+from fem_lie.solve.statics.free_motions import POLISHED, FreeMotions, SingularStartError
 from fem_lie.solve.statics.increment import move
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.pivots import negative_pivots
@@ -26,10 +28,6 @@ from fem_lie.system.equations import Equations, Instant, Plan
 _SMALLEST = 1e-3  # part of the preload that is given up
 
 _log = logging.getLogger(__name__)
-
-
-class SingularStartError(ConvergenceError):
-    """A step began with a singular matrix: no other way of loading helps."""
 
 
 class LoadSteps:
@@ -69,7 +67,7 @@ class LoadSteps:
         self._reactions: list[Array] = []
         self._counts: list[int] = []
         self._pivots: list[int] = []
-        self._failed = 0
+        self._failed, self._to_check = 0, True
         self._watch = Stopwatch()
 
     def result(self) -> StaticResult:
@@ -237,9 +235,33 @@ class LoadSteps:
             PassedThroughError: Surfaces went through each other.
         """
         self.equations.report(self.H).check_turns(f"at load factor {factor:g}")
+        if self._to_check and factor:
+            self._check_held(factor)
         pivots = self._negative_pivots(factor)
         self.equations.memory.accept(self.H, before)
         return pivots
+
+    def _check_held(self, factor: float) -> None:
+        """Refuse the first state if rigid motions are free in it that pivots do not show.
+
+        Raises:
+            SingularStartError: They are.
+        """
+        self._to_check, search = False, FreeMotions(self.equations)
+        if not search.possible or not len(search.allowed(self.H)):
+            return
+        memory = self.equations.memory
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.saved()
+        # forces that are not in balance would resist, or seem to
+        with suppress(SingularMatrixError):
+            for _ in range(POLISHED):
+                self._iterate(factor)
+        self._fill(factor)
+        free = search.unresisted(search.allowed(self.H), self._r)
+        self.H, self.multipliers = H, multipliers
+        memory.restore(saved)
+        if len(free):
+            raise SingularStartError(search.message(free, factor), self.result())
 
     def _negative_pivots(self, factor: float) -> int:
         """Of the last iteration; if it has some, of the state that it has led to."""
@@ -250,6 +272,11 @@ class LoadSteps:
         return found
 
     def _factorise(self, factor: float) -> None:
+        """Residual and factors of the matrix of the present state."""
+        self._fill(factor)
+        self._solver.factorise()
+
+    def _fill(self, factor: float) -> None:
         """Residual and matrix of the present state."""
         equations, H, zero = self.equations, self.H, self._zero
         if not self._options.carried_stress:
@@ -261,7 +288,6 @@ class LoadSteps:
         self.residual = float(np.abs(self._r).max(initial=0.0))
         plan = Plan(zero, self._scale, steady=bool(self._rotation))
         equations.fill(now, self._found, plan)
-        self._solver.factorise()
 
     def _iterate(self, factor: float) -> None:
         self._factorise(factor)

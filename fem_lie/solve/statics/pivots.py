@@ -43,11 +43,15 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
 
 def tangent(equations: Equations) -> sp.csr_matrix:
     """The matrix as it is now, in rows and columns of one dimension."""
+    units = sp.diags(equations.matrix.units)
+    return (units @ tangent_csr(equations) @ units).tocsr()
+
+
+def tangent_csr(equations: Equations) -> sp.csr_matrix:
+    """A copy of the matrix as it is now, in the unknowns' own units."""
     values, columns, pointers = equations.matrix.csr
     size = equations.unknowns.size
-    A = sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
-    units = sp.diags(equations.matrix.units)
-    return (units @ A @ units).tocsr()
+    return sp.csr_matrix((values.copy(), columns, pointers), shape=(size, size))
 
 
 def _softened(A: sp.csr_matrix, n: int) -> sp.csr_matrix:

@@ -16,7 +16,8 @@ from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import beyond, followed, in_proportion
-from fem_lie.solve.statics.load_steps import LoadSteps, SingularStartError
+from fem_lie.solve.statics.free_motions import SingularStartError
+from fem_lie.solve.statics.load_steps import LoadSteps
 from fem_lie.solve.statics.newton import Newton
 from fem_lie.solve.statics.unstable import warn_if_unstable
 
@@ -72,7 +73,8 @@ def statics(
     Raises:
         ValueError: Bad scene or options; no inertia, or gravity or forces fixed in space that are
             not parallel to the axis, with ``spin``.
-        ConvergenceError: The smallest step failed; its ``result`` holds the states before.
+        ConvergenceError: The smallest step failed, or nothing resists a rigid motion of some body;
+            its ``result`` holds the states before.
     """
     instance(newton, Newton | None, "newton", "options of fl.Newton or None")
     options = Newton() if newton is None else newton

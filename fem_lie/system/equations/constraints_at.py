@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie.linear.redundancy import IdleMultipliers
-from fem_lie.system.small_motions.rigid_motions import rigid_motions
+from fem_lie.system.small_motions.rigid_motions import RigidMotions, rigid_motions
 from fem_lie.system.system import System
 
 _INVOLVED = 1e-2  # of the largest part of what cannot be mended
@@ -34,7 +34,7 @@ class ConstraintsAt:
         """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of all rows, targets at rest, (m,)."""
         return self._system.connections.rates(self._H, v)
 
-    def rigid_motions(self, weight: Array) -> list[tuple[Indices, Array]]:
+    def rigid_motions(self, weight: Array) -> list[RigidMotions]:
         """Of pieces that elements connect, what is held leaves these.
 
         See :func:`~fem_lie.system.small_motions.rigid_motions.rigid_motions`.

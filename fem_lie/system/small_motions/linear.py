@@ -7,7 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._arrays import Array
-from fem_lie.lie.kinds import shown_all
+from fem_lie.lie.kinds import SLOPE, shown_all
 from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.slepc import Complex
 from fem_lie.linear.spectrum import Pencil
@@ -142,7 +142,12 @@ class SmallMotions:
         system.elastic.add_forces(self.H, forces)
         nodes = np.arange(system.count)
         blocks[kkt.place(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
-        motions = rigid_motions(system, self.H, self.weight)
+        # axes that do not turn about themselves feel that of a stressed piece
+        motions = [
+            (piece.unknowns, piece.basis)
+            for piece in rigid_motions(system, self.H, self.weight)
+            if (system.kinds[piece.nodes] < SLOPE).all()
+        ]
         return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
 
     def twists(self, vector: Complex) -> Complex:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
@@ -10,13 +12,26 @@ from scipy.sparse.csgraph import connected_components
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.lie import kinds
-from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.rigid_parts import FREE
 from fem_lie.system.system import System
 
 
-def rigid_motions(system: System, H: Array, weight: Array) -> list[tuple[Indices, Array]]:
-    """See :class:`RigidParts`; unknowns are free ones, and twists those times ``weight``."""
+class RigidMotions(NamedTuple):
+    """Rigid motions of a piece that elements connect, of any types of nodes.
+
+    Attributes:
+        nodes: Of the piece, shape (n,).
+        unknowns: Their free unknowns among all free ones, shape (k,).
+        basis: Orthonormal rigid motions that what is held allows, shape (k, ≤ 6).
+    """
+
+    nodes: Indices
+    unknowns: Indices
+    basis: Array
+
+
+def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]:
+    """Of all pieces in which there are any; unknowns are twists over ``weight``."""
     count = system.count
     # without elements each node is a piece of its own
     none = np.zeros(0, dtype=np.int64)
@@ -32,9 +47,6 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[tuple[Indices
     found = []
     for piece in range(pieces):
         nodes = np.flatnonzero(label == piece)
-        if (system.kinds[nodes] >= SLOPE).any():
-            # axes that do not turn about themselves feel that of a stressed piece
-            continue
         R = kinds.rigid_motions(system.kinds[nodes], H[nodes], H[nodes, 0].mean(axis=0))
         R *= np.repeat([system.length, 1.0], 3)
         for k in range(6):
@@ -47,9 +59,19 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[tuple[Indices
         allowed = scipy.linalg.null_space(R[stuck], rcond=FREE) if stuck.any() else np.eye(6)
         free = ~held[nodes].ravel()
         unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()[free]
-        if allowed.shape[1]:
-            found.append((number[unknowns], np.linalg.qr(R[free] @ allowed)[0]))
+        basis = _orthonormal(R[free] @ allowed)
+        if basis.shape[1]:
+            found.append(RigidMotions(nodes, number[unknowns], basis))
     return found
+
+
+def _orthonormal(motions: Array) -> Array:
+    """Basis of the columns, fewer where some move nothing, as a turn of a straight cable."""
+    Q, R = np.linalg.qr(motions)
+    sizes = np.abs(np.diagonal(R))
+    if (sizes > FREE * sizes.max(initial=0.0)).all() and len(sizes) == motions.shape[1]:
+        return np.asarray(Q)
+    return np.asarray(scipy.linalg.orth(motions, rcond=FREE)) if motions.any() else Q[:, :0]
 
 
 def stress_terms(forces: Array) -> Array:

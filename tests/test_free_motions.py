@@ -1,0 +1,102 @@
+"""Rigid motions that nothing resists are noticed in statics, whatever nodes are."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+SOFT = fl.Material(1e6, 0.3, 100.0)
+SECTION = fl.Section.circle(0.05, SOFT)
+AXIS = (1, 0, 0)
+
+
+def brick(scene, **load):
+    """A solid on a hinge about its long axis, pulled along it at the other face."""
+    body = scene.add(fl.Solid.brick((1, 0.4, 0.4), fl.NeoHooke(1e6, 0.3, 100.0), cells=(3, 2, 2)))
+    hinge = scene.add(fl.Revolute(fl.ground(), body.grip("a=0"), axis=AXIS))
+    for corner in ("100", "110", "101", "111"):
+        scene.add(fl.PointLoad(body[corner], force=(20, 0, 0)))
+    return body["111"], hinge
+
+
+def beam(scene, kind, pull):
+    """Between two pins, of which one moves along the axis."""
+    body = scene.add(kind.straight((0, 0, 0), AXIS, SECTION, cells=4))
+    hinge = scene.add(fl.Cylindrical(fl.ground(), body.end, axis=AXIS))
+    scene.add(fl.Spherical(fl.ground(), body.start))
+    scene.add(fl.PointLoad(body.end, force=(pull, 0, 0)))
+    return body.end, hinge
+
+
+def net(scene):
+    """A triangle that turns about one of its sides, pulled along that."""
+    points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (1, 1, 0)]
+    body = scene.add(fl.Net(points, [[0, 1, 2], [0, 3], [3, 2], [1, 3]], SECTION))
+    body.pin(body.node(0), body.node(2))
+    scene.add(fl.PointLoad(body.node(3), force=(10, 0, 0)))
+    return body.node(3), None
+
+
+SCENES = {
+    "brick on an axial hinge": brick,
+    "ANCF beam on pins": lambda scene: beam(scene, fl.AncfBeam, 10.0),
+    "beam on pins": lambda scene: beam(scene, fl.Beam, 10.0),
+    "net": net,
+}
+OPTIONS = {
+    "at once": {},
+    "steps": {"load_steps": 5},
+    "plain": {"newton": fl.Newton(carried_stress=False)},
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
+def test_a_free_rotation_is_refused(name, options):
+    scene = fl.Scene()
+    SCENES[name](scene)
+    with pytest.raises(fl.ConvergenceError, match="motion"):
+        fl.statics(scene, **options)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_paths_refuse_it_too(name):
+    scene = fl.Scene()
+    SCENES[name](scene)
+    with pytest.raises(ValueError, match="the path has no start"):
+        fl.follow_path(scene)
+
+
+@pytest.mark.parametrize("name", ["brick on an axial hinge", "ANCF beam on pins"])
+def test_a_soft_spring_holds_it(name):
+    """Load steps and one step agree, and nothing turns."""
+    found = []
+    for options in ({}, {"load_steps": 4}):
+        scene = fl.Scene()
+        point, hinge = SCENES[name](scene)
+        scene.add(fl.Spring(hinge.angle, stiffness=1e-3))
+        result = fl.statics(scene, **options)
+        found.append(result.position(point)[-1])
+    np.testing.assert_allclose(*found, atol=1e-9)
+    np.testing.assert_allclose(found[0][1:], point.position[1:], atol=1e-2)
+
+
+def test_the_message_names_the_bodies():
+    scene = fl.Scene()
+    brick(scene)
+    held = scene.add(fl.Beam.straight((0, 3, 0), (1, 3, 0), SECTION, cells=1, name="held"))
+    scene.add(fl.Clamp(held.start))
+    with pytest.raises(fl.ConvergenceError, match=r"1 rigid motion of solid 1 left free"):
+        fl.statics(scene)
+
+
+def test_weight_holds_a_solid_that_hangs():
+    """A pendulum at rest: its weight resists the rotation that the hinge leaves free."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    lengths, origin = (0.1, 0.1, 0.5), (-0.05, -0.05, -0.5)
+    rubber = fl.NeoHooke(1e6, 0.3, 100.0)
+    body = scene.add(fl.Solid.brick(lengths, rubber, cells=(1, 1, 3), origin=origin))
+    scene.add(fl.Revolute(fl.ground(), body.grip("c=1"), axis=AXIS))
+    low = fl.statics(scene).position(body["000"])[-1]
+    np.testing.assert_allclose(low[:2], body["000"].position[:2], atol=1e-3)
+    assert low[2] < -0.5
