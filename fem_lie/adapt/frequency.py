@@ -16,6 +16,7 @@ import numpy as np
 from fem_lie._arrays import Array, whole
 from fem_lie.adapt.estimates.estimate import Estimated
 from fem_lie.adapt.goals import Goal, fields_along
+from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.solve.statics.statics import statics
@@ -74,7 +75,7 @@ class Frequency(Goal):
         free = pencil.K.shape[0] - pencil.B.shape[0]
         if self.mode > free:
             raise ValueError(f"mode must be 1 … {free}, the degrees of freedom, got {self.mode}")
-        s, vectors, _ = pencil.smallest(self.mode, 0.0, "fem_lie_frequency_")
+        s, vectors, _ = smallest(pencil, self.mode, 0.0, "fem_lie_frequency_")
         omega, vector = float(s[-1].imag), vectors[-1].real
         if omega <= 0.0:
             raise ValueError(f"mode {self.mode} does not swing: its eigenvalue is {s[-1]:.3g}")

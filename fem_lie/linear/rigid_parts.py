@@ -13,14 +13,21 @@ The last is of stress alone: the internal forces ``f`` of a piece have no result
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.linear.extended import Extended, product
+
+Real = TypeVar("Real", np.float64, np.longdouble)
 
 _KNOWN = 1e-7  # part of its size to which an eigenvector is known
 _ULPS = 1e-14
+_VANISHES = 1e-2  # of the largest stiffness, to a last bit
 _MOST = 1200  # rigid motions of all pieces, of which those that joints allow are looked for
 FREE = 1e-9  # rigid motions of a piece of size one that move what is held by less
 
@@ -65,7 +72,7 @@ class RigidParts:
             (R @ scipy.linalg.null_space(allowed, rcond=FREE)).T if len(size) else R.T
         )
 
-    def strained(self, vectors: Array) -> Array:
+    def strained(self, vectors: npt.NDArray[Real]) -> npt.NDArray[Real]:
         """``ψ`` of each row."""
         out = vectors.copy()
         for unknowns, basis in self._motions:
@@ -76,12 +83,16 @@ class RigidParts:
             out[:, unknowns] = part
         return out
 
-    def stiffness(self, vectors: Array) -> Array:
-        """``Φ K Φᵀ`` of rows, shape (k, k)."""
+    def product(self, vectors: Array) -> Extended:
+        """``K φ`` of rows, shape (k, n), in extended precision."""
         strained = self.strained(vectors)
-        product = vectors @ (self.rest @ vectors.T) + strained @ (self.elements @ strained.T)
-        product += (vectors - strained) @ (self.stress @ strained.T)
-        return np.asarray(product)
+        elastic, stressed = product(self.elements, strained), product(self.stress, strained)
+        resultant = stressed - self.strained(stressed)
+        return product(self.rest, vectors) + self.strained(elastic) + resultant
+
+    def product_with_pressure(self, vectors: Array) -> Extended:
+        """The same where forces of elements have a resultant, as those of pressure do."""
+        return product(self.rest, vectors) + product(self.elements, self.strained(vectors))
 
     def round_off(self, vectors: Array) -> Array:
         """What of ``φᵀ K φ`` of each row can be round-off.
@@ -92,6 +103,8 @@ class RigidParts:
         size, small = np.abs(vectors), np.abs(strained)
         cancels = (size * (abs(self.rest) @ size.T).T).sum(axis=1)
         cancels += (size * (abs(self.stress) @ small.T).T).sum(axis=1)
+        # forces that vanish, such as those of springs at rest, are round-off of stiffness
+        cancels += _VANISHES * abs(self.rest).max() * (size * size).sum(axis=1)
         strains = (small * (abs(self.elements) @ small.T).T).sum(axis=1)
         rigid = np.linalg.norm(strained, axis=1) <= _KNOWN * np.linalg.norm(vectors, axis=1)
         return np.asarray(_ULPS * cancels + np.where(rigid, strains, _ULPS * strains))

@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie.bodies.body import Body
 from fem_lie.lie.kinds import NodeKind
-from fem_lie.linear.spectrum import Pencil
+from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation

@@ -36,7 +36,9 @@ class Modes:
         turns_only: Which of them have no displacement beyond round-off, shape (k,).
         frames: The equilibrium, shape (n, 4, 3); in steady rotation in the turning frame.
         size: Length of the model.
-        residuals: ``|Q(s) φ|`` over the size of what cancels in it, shape (k,).
+        residuals: ``|P⁻¹ Q(s) φ|`` over ``|φ|`` in terms of the mass, shape (k,): how much a step
+            of inverse iteration changes a mode, with ``P`` the equations at a shift. Modes above
+            1e-5 are computed again by another method, or refused.
         info: Bodies and joints.
     """
 

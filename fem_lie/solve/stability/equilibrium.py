@@ -20,7 +20,8 @@ from fem_lie.lie.kinds import SLOPE
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.rigid_parts import RigidParts
-from fem_lie.linear.spectrum import Pencil
+from fem_lie.linear.spectra.pencil import Pencil
+from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.scene import Scene
 from fem_lie.solve.methods import methods_on_paths
 from fem_lie.solve.stability.mode_scaling import largest_elongation, node_lengths, scaled
@@ -123,7 +124,7 @@ class StableEquilibrium(SceneEquilibrium):
         K = (0.5 * (K + K.T)).tocsr()
         count = min(count, K.shape[0] - B.shape[0])
         unit = sp.identity(K.shape[0], format="csr")
-        s, vectors, _ = Pencil(unit, None, K, B).smallest(count, 0.0, prefix)
+        s, vectors, _ = smallest(Pencil(unit, None, K, B), count, 0.0, prefix)
         values = -(s**2).real
         return values, np.array([self.increments(vector.real) for vector in vectors])
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, whole
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.vibrations import Modes
 from fem_lie.scene import Scene
@@ -61,7 +62,7 @@ def vibrations(
 
     Raises:
         ValueError: Bad scene or options; no inertia; more modes than degrees of freedom.
-        ConvergenceError: No equilibrium, or not all modes were found.
+        ConvergenceError: No equilibrium, or no method computes all modes to their residuals.
     """
     rotation = Rotation.of(spin, about)
     rotation.check(scene)
@@ -85,7 +86,7 @@ def vibrations(
         state.move(at.frames)
     elif not state.balanced():
         state.move(_equilibrium(scene, spin, about, load_steps).frames)
-    s, vectors, residuals = state.pencil().smallest(count, state.rate, petsc_options_prefix)
+    s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     lengths = node_lengths(unknowns.bodies)
     found = [scaled(state.twists(vector), lengths) for vector in vectors]
     modes = Modes(

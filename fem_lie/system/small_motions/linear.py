@@ -10,7 +10,7 @@ from fem_lie._arrays import Array
 from fem_lie.lie.kinds import SLOPE, shown_all
 from fem_lie.linear.rigid_parts import RigidParts
 from fem_lie.linear.slepc import Complex
-from fem_lie.linear.spectrum import Pencil
+from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.instant import Instant
 from fem_lie.system.small_motions.rigid_motions import rigid_motions, stress_terms
@@ -126,8 +126,7 @@ class SmallMotions:
         """The eigenvalue problem."""
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
         free = ~self._system.held.ravel()
-        parts = self._parts(K) if self._system.elastic.pairs else None
-        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], parts)
+        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], self._parts(K))
 
     def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent of the free unknowns in units of energy, and the Jacobian of constraints."""

@@ -1,0 +1,142 @@
+"""Eigenvalues nearest to a shift, by SLEPc.
+
+Bordered by ``B`` the problem has infinite eigenvalues; shift-and-invert makes them zero, and Krylov
+methods do not see them. (V. Hernandez, J. E. Roman & V. Vidal, ACM Trans. Math. Softw. 31 (2005)
+351; C. Campos & J. E. Roman, SIAM J. Sci. Comput. 38 (2016) S385.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import scipy.sparse as sp
+from slepc4py import SLEPc
+
+from fem_lie.linear.slepc import Complex, padded, pairs_of, set_up, to_petsc
+from fem_lie.linear.spectra.pencil import SHIFT, Pencil
+
+_TARGET = 0.1  # shift over the unit of s
+_FAR = 10.0  # how much larger than the unit of s eigenvalues may be
+_SPARE = 8  # pairs more than wanted: the nearest to the shift are not quite the smallest
+
+
+@dataclass(frozen=True, eq=False)
+class Approximation:
+    """Eigenpairs as a method computes them, not yet checked.
+
+    Attributes:
+        s: Eigenvalues, of quadratic problems both of a conjugate pair, shape (k,).
+        vectors: Shape (k, n).
+        solve: ``e`` with ``P e + Bᵀ μ = r``, ``B e = 0`` of rows ``r``, shape (k, n); ``P`` is the
+            quadratic at the shift of the method.
+    """
+
+    s: Complex
+    vectors: Complex
+    solve: Callable[[Complex], Complex]
+
+
+@dataclass(frozen=True)
+class Krylov:
+    """Krylov-Schur, or TOAR if there is damping or gyroscopic coupling.
+
+    Attributes:
+        prefix: Of SLEPc's options.
+        nearer: The shift over the one that is usual.
+        spare: Pairs more than are asked for.
+    """
+
+    prefix: str
+    nearer: float = 1.0
+    spare: int = _SPARE
+
+    def __call__(self, pencil: Pencil, count: int, floor: float) -> Approximation:
+        """See :func:`~fem_lie.linear.spectra.smallest.smallest`."""
+        if pencil.C is None:
+            shift = SHIFT * pencil.fastest**2 * self.nearer**2 or 1.0
+            found = self._linear(pencil, count, shift)
+            wanted = np.sort(np.abs(found.s) ** 2)[:count].max(initial=0.0)
+            if 0.0 < wanted < shift:
+                # seen from so far away, multiple eigenvalues are hard to tell apart
+                found = self._linear(pencil, count, 0.1 * wanted)
+            return found
+        rate = max(np.sqrt(SHIFT) * pencil.fastest, floor) or 1.0
+        found = self._quadratic(pencil, count, rate)
+        wanted = np.sort(np.abs(found.s))[: 2 * count].max(initial=0.0)
+        if wanted > _FAR * rate:
+            # seen from so far away, they are not accurate
+            found = self._quadratic(pencil, count, wanted)
+        return found
+
+    def _linear(self, pencil: Pencil, count: int, shift: float) -> Approximation:
+        """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
+        K, M = _bordered(pencil, pencil.K, shift), padded(pencil.M, pencil.B)
+        solver = SLEPc.EPS().create(PETSc.COMM_SELF)
+        solver.setOperators(to_petsc(K), to_petsc(M))
+        types = SLEPc.EPS.ProblemType
+        solver.setProblemType(types.GHEP if pencil.symmetric else types.GNHEP)
+        solver.setTarget(-shift)
+        set_up(solver, min(count + self.spare, K.shape[0]), SLEPc.EPS, self.prefix)
+        squares, vectors = pairs_of(solver, K, pencil.M.shape[0])
+        s = np.sqrt((-squares).astype(np.complex128))
+        return Approximation(np.where(s.imag < 0, -s, s), vectors, _Factors(solver, 1.0))
+
+    def _quadratic(self, pencil: Pencil, count: int, rate: float) -> Approximation:
+        """Eigenvalues ``s``, scaled by a rate so that those wanted are about one."""
+        assert pencil.C is not None
+        # about one, too: what is very small has been found
+        size = np.abs(pencil.K.diagonal()).max(initial=0.0) + rate**2 * pencil.M.diagonal().max()
+        unit = 2.0 ** -np.round(np.log2(size))
+        K = unit * _bordered(pencil, pencil.K, rate**2)
+        C, M = (
+            padded(unit * rate**k * part, pencil.B) for k, part in ((1, pencil.C), (2, pencil.M))
+        )
+        solver = SLEPc.PEP().create(PETSc.COMM_SELF)
+        solver.setOperators([to_petsc(K), to_petsc(C), to_petsc(M)])
+        solver.setTarget(_TARGET * self.nearer)
+        set_up(solver, min(2 * count + self.spare, K.shape[0]), SLEPc.PEP, self.prefix)
+        s, vectors = pairs_of(solver, K, pencil.M.shape[0])
+        return Approximation(rate * s, vectors, _Factors(solver, unit))
+
+
+def _bordered(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
+    """``[[K, Bᵀ], [B, 0]]`` with constraints about as large as the stiffness."""
+    B = pencil.B
+    if not B.shape[0]:
+        return K
+    size = np.abs(K.diagonal()) + shift * pencil.M.diagonal()
+    # whatever the unit of each
+    rows = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+    B = sp.diags(np.mean(size) / rows) @ B
+    return sp.bmat([[K, B.T], [B, None]], format="csr")
+
+
+@dataclass(frozen=True, eq=False)
+class _Factors:
+    """The factorisation by which a solver of SLEPc inverts the problem at its shift.
+
+    Attributes:
+        solver: It owns the factorisation.
+        unit: What the problem is multiplied by.
+    """
+
+    solver: Any
+    unit: float
+
+    def __call__(self, residuals: Complex) -> Complex:
+        """See ``Approximation.solve``."""
+        linear = self.solver.getST().getKSP()
+        x, b = linear.getOperators()[0].createVecs()
+        found, n = np.zeros_like(residuals), residuals.shape[1]
+        for k, residual in enumerate(residuals):
+            for factor, part in ((1.0, residual.real), (1.0j, residual.imag)):
+                b.set(0.0)
+                b.array[:n] = self.unit * part
+                linear.solve(b, x)
+                found[k] += factor * x.array[:n]
+        return found

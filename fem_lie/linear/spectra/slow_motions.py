@@ -1,0 +1,170 @@
+"""The slowest modes from the span of rigid motions and of their own vectors, by Ritz's method.
+
+Round-off of the stiffness of elements is larger than a soft spring, and makes numbers of zeros. In
+that span the stiffness is known without it (:mod:`fem_lie.linear.rigid_parts`). Motions ``Z`` that
+nothing resists, ``K Z = 0``, are eigenvectors with ``s = 0``. Of quadratic problems each of these
+zeros is a double one where nothing damps the motion, and round-off parts a double zero by its root;
+in terms of velocities of ``Z`` alone, instead of displacements, each zero is there once less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem_lie._arrays import Array
+from fem_lie.linear.rigid_parts import RigidParts
+from fem_lie.linear.slepc import Complex
+from fem_lie.linear.spectra.pencil import SHIFT, Pencil
+
+_WIDE = 1.01  # quotient of rates between which there is a gap
+_BESIDE = 1e-6  # of a vector that is rigid motion but for errors
+_MIXED = 1e-2  # of a vector: most that round-off mixes into it
+_SPLIT = 1e-7  # of a vector: parts that are round-off
+_DEPENDENT = 1e-14  # squared
+_UNDAMPED = 1e-12  # of the terms that cancel in the damping of a motion
+
+
+@dataclass(frozen=True, eq=False)
+class SlowMotions:
+    """Eigenpairs of which the slow ones are computed anew.
+
+    Attributes:
+        free: Motions that nothing resists, with eigenvalues zero, shape (z, n).
+        s: Other eigenvalues, shape (k,).
+        vectors: Theirs, shape (k, n).
+    """
+
+    free: Array
+    s: Complex
+    vectors: Complex
+
+
+def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotions:
+    """Eigenpairs, the slow ones by parts of the stiffness."""
+    parts = pencil.parts
+    assert parts is not None
+    rigid = _orthonormal(parts.mechanisms(pencil.B), pencil.M)
+    if not len(rigid):
+        return SlowMotions(rigid, s, vectors)
+    limit = _gap(np.abs(s), np.sqrt(SHIFT) * pencil.fastest)
+    slow = np.abs(s) <= limit
+    free, resisted = _split(parts, rigid)
+    strained = _beside(pencil.M, rigid, vectors[slow])
+    basis, z = np.concatenate([free, resisted, strained]), len(free)
+    K = np.asarray(basis @ pencil.stiffness(basis).T, dtype=np.float64)
+    if pencil.C is None:
+        rates, coordinates = _undamped(K, z, pencil.symmetric)
+    else:
+        size = np.abs(basis) @ (abs(pencil.C) @ np.abs(basis.T))
+        rates, coordinates = _damped(K, basis @ (pencil.C @ basis.T), z, size.max(initial=0.0))
+    found = coordinates @ basis
+    kept = np.abs(rates) <= limit
+    span = np.concatenate([free, found[kept].real, found[kept].imag])
+    others = without(pencil, _orthonormal(span, pencil.M), s[~slow], vectors[~slow])
+    return SlowMotions(
+        free, np.concatenate([rates[kept], s[~slow]]), np.concatenate([found[kept], others])
+    )
+
+
+def _gap(rates: Array, limit: float) -> float:
+    """A rate below a limit, or about it, which is between those of modes and near to none."""
+    sizes = np.sort(np.concatenate([rates, [1e-3 * limit, 1e3 * limit]]))
+    wide = np.flatnonzero((sizes[:-1] <= limit) & (sizes[1:] > _WIDE * sizes[:-1]))
+    return float(np.sqrt(sizes[wide[-1]] * sizes[wide[-1] + 1]))
+
+
+def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Complex:
+    """Faster modes without what round-off has mixed into them of the span of slow ones, (q, n).
+
+    Their forces do no work on it: ``Φ Q(s) (φ − Φᵀ a) = 0``.
+    """
+    own = [slow @ term.T.real for term in pencil.terms(slow.astype(np.complex128))]
+    work = [slow @ term.T for term in pencil.terms(vectors)]
+    powers = np.stack([s**2, s, np.ones_like(s)])
+    Q = np.einsum("pk,pij->kij", powers, np.asarray(own, dtype=np.float64))
+    r = np.einsum("pk,pik->ki", powers, np.asarray(work, dtype=np.complex128))
+    # what is more is no round-off: a free motion that is damped has a second eigenvalue
+    share = np.linalg.norm(vectors @ (pencil.M @ slow.T), axis=1)
+    mixed = share <= _MIXED * np.sqrt(pencil.kinetic(vectors))
+    cleared = vectors.copy()
+    cleared[mixed] -= np.linalg.solve(Q[mixed], r[mixed, :, np.newaxis])[:, :, 0] @ slow
+    return cleared
+
+
+def _beside(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
+    """Basis of what vectors have beside rigid motion, but errors of theirs, shape (k, n)."""
+    both = np.concatenate([vectors.real, vectors.imag])
+    both = _unit(both / np.abs(both).max(initial=1e-300), M / M.diagonal().max(), _SPLIT)
+    both = _unit(both, M, 0.0)
+    for _ in range(2):
+        both = both - both @ (M @ rigid.T) @ rigid
+    return _orthonormal(_unit(both, M, _BESIDE), M)
+
+
+def _split(parts: RigidParts, rigid: Array) -> tuple[Array, Array]:
+    """Rigid motions that nothing resists, and the others."""
+    if not len(rigid):
+        return rigid, rigid
+    _, values, turn = np.linalg.svd(rigid @ (parts.rest @ rigid.T))
+    motions = turn @ rigid
+    free = values <= parts.round_off(motions)
+    return motions[free], motions[~free]
+
+
+def _undamped(K: Array, z: int, symmetric: bool) -> tuple[Complex, Complex]:
+    """The same as :func:`_damped` of ``s² + K``, and of conjugates the one with ``Im s ≥ 0``."""
+    solve = np.linalg.eigh if symmetric else np.linalg.eig
+    squares, x = solve(0.5 * (K + K.T)[z:, z:] if symmetric else K[z:, z:])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        free = np.where(squares != 0.0, K[:z, z:] @ x / squares, 0.0)
+    s = np.sqrt((-squares).astype(np.complex128))
+    return np.where(s.imag < 0.0, -s, s), np.concatenate([free, x]).T.astype(np.complex128)
+
+
+def _damped(K: Array, C: Array, z: int, size: float) -> tuple[Complex, Complex]:
+    """Eigenvalues of ``s² + s C + K``, but zeros of the first ``z`` coordinates, which ``K`` lacks.
+
+    Args:
+        K: Stiffness in coordinates of unit mass, shape (k, k).
+        C: Damping.
+        z: How many of them have no stiffness.
+        size: Of the terms that cancel in ``C``.
+
+    Returns:
+        Eigenvalues, and coordinates of their vectors as rows.
+    """
+    n = len(K)
+    unit = float(max(np.sqrt(np.abs(K).max(initial=0.0)), np.abs(C).max(initial=0.0))) or 1.0
+    # of y, the last n - z coordinates, and v, rates of all
+    A = np.zeros((2 * n - z, 2 * n - z))
+    A[: n - z, n:] = np.eye(n - z)
+    A[n - z :, : n - z], A[n - z :, n - z :] = -K[:, z:] / unit**2, -C / unit
+    s, states = np.linalg.eig(A)
+    # displacements that grow with time, of motions which are not damped, either
+    still = np.linalg.svd(C[:z, :z], compute_uv=False) <= _UNDAMPED * size
+    kept = np.argsort(np.abs(s), kind="stable")[int(still.sum()) :]
+    s = s[kept].astype(np.complex128)
+    states = states[:, kept].astype(np.complex128)
+    rows = np.divide(states[n - z : n], s, out=np.zeros((z, len(s)), np.complex128), where=s != 0)
+    coordinates = np.concatenate([rows, states[: n - z]]).T
+    coordinates /= np.linalg.norm(coordinates, axis=1, keepdims=True)
+    return np.asarray(unit * s, dtype=np.complex128), coordinates
+
+
+def _unit(vectors: Array, M: sp.csr_matrix, least: float) -> Array:
+    """Rows of length one; those that are not longer than ``least`` are left out."""
+    size = np.sqrt((vectors * (M @ vectors.T).T).sum(axis=1).clip(0.0))
+    kept = size > least
+    return np.asarray(vectors[kept] / size[kept, np.newaxis])
+
+
+def _orthonormal(vectors: Array, M: sp.csr_matrix) -> Array:
+    """Basis (k, n) of the span of rows, with ``Φ M Φᵀ = 1``."""
+    if not len(vectors):
+        return vectors
+    weight, base = np.linalg.eigh(vectors @ (M @ vectors.T))
+    kept = weight > _DEPENDENT * weight.max()
+    return np.asarray((base[:, kept] / np.sqrt(weight[kept])).T @ vectors)

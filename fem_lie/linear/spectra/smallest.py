@@ -1,0 +1,178 @@
+"""The smallest eigenvalues of a constrained quadratic problem, each checked by its residual.
+
+With ``P`` the quadratic at a shift of about the size of the eigenvalues, a step of inverse
+iteration changes an eigenvector ``φ`` by ``e = P⁻¹ Q(s) φ``. The length of ``e`` over that of
+``φ``, both measured by the mass, depends on no unit. For symmetric problems it bounds the relative
+distance of ``s² + shift`` from an eigenvalue (T. Kato, J. Phys. Soc. Japan 4 (1949) 334), however
+stiff elements are; forces that are left over, ``Q(s) φ``, are small beside those of stiff elements
+even if ``s`` is wrong.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem_lie._arrays import Array
+from fem_lie.linear.direct import ConvergenceError
+from fem_lie.linear.slepc import Complex
+from fem_lie.linear.spectra.dense import dense
+from fem_lie.linear.spectra.krylov import Approximation, Krylov
+from fem_lie.linear.spectra.pencil import SHIFT, Pencil
+from fem_lie.linear.spectra.slow_motions import without, without_round_off
+
+_ACCEPTED = 1e-5  # largest residual; eigenvalues of symmetric problems are right to its square
+_NEAR = 1e-2  # residual below which a step of inverse iteration improves a mode
+_SLOWER = 0.99  # of a rate, those of clearly slower modes
+_SPLIT = 1e-7  # of a vector: parts that are round-off
+
+
+def smallest(
+    pencil: Pencil, count: int, floor: float, prefix: str
+) -> tuple[Complex, Complex, Array]:
+    """Eigenvalues of least absolute value with ``Im s ≥ 0``, vectors (count, n) and residuals.
+
+    Where SLEPc's are not right to their residuals, or too few, those of a dense method are taken,
+    and those of SLEPc with another shift where the problem is too large for it.
+
+    Args:
+        pencil: The problem.
+        count: How many.
+        floor: A rate that matters, such as that of a rotation; 0 if there is none.
+        prefix: Of SLEPc's options; those of its second attempt have ``again_`` behind it.
+
+    Raises:
+        ConvergenceError: No method has all of them.
+    """
+    reasons = []
+    for method in (Krylov(prefix), dense, Krylov(f"{prefix}again_", nearer=0.3, spare=4 * count)):
+        try:
+            found = method(pencil, count, floor)
+        except ConvergenceError as error:
+            reasons.append(str(error))
+            continue
+        s, vectors = _physical(pencil, found)
+        if len(s) < count:
+            reasons.append(f"{len(s)} of {count} modes found")
+            continue
+        order = np.argsort(np.abs(s), kind="stable")[:count]
+        s, vectors, residuals = _improved(pencil, found, s[order], vectors[order])
+        if (residuals <= _ACCEPTED).all():
+            order = np.argsort(np.abs(s), kind="stable")
+            return s[order], vectors[order], residuals[order]
+        reasons.append(f"a mode has a residual of {residuals.max():.1e}")
+    raise ConvergenceError(
+        f"{count} modes with residuals below {_ACCEPTED:g} were not found: {'; '.join(reasons)}. "
+        f"Ask for fewer, or see SLEPc's options under the prefix {prefix!r}"
+    )
+
+
+def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex]:
+    """Eigenpairs without round-off of zeros, and one of each conjugate pair."""
+    possible = _possible(pencil, found.s, found.vectors)
+    s, vectors = found.s[possible], found.vectors[possible]
+    free = np.empty((0, pencil.M.shape[0]))
+    if pencil.parts is not None:
+        slow = without_round_off(pencil, s, vectors)
+        free, s, vectors = slow.free, slow.s, slow.vectors
+    s = _rayleigh(s, vectors, pencil.terms(vectors))
+    strained = vectors - (vectors @ (pencil.M @ free.T)) @ free
+    noise = pencil.round_off(strained, pencil.kinetic(vectors))
+    s = np.where(np.abs(s) <= noise, 0.0, s)
+    if pencil.C is not None:
+        s, vectors = _one_of_each_pair(s, vectors)
+    zeros = np.zeros(len(free), dtype=np.complex128)
+    return np.concatenate([zeros, s]), np.concatenate([free.astype(np.complex128), vectors])
+
+
+def _possible(pencil: Pencil, s: Complex, vectors: Complex) -> npt.NDArray[np.bool_]:
+    """Which eigenpairs are motions: infinite eigenvalues of constraints come as large numbers.
+
+    Their vectors violate the constraints, and their own quotients are nowhere near.
+    """
+    quotients = np.abs(_rayleigh(s, vectors, pencil.terms(vectors)))
+    fast = np.abs(s) > np.sqrt(SHIFT) * pencil.fastest
+    return np.asarray(~fast | (quotients > 0.5 * np.abs(s)))
+
+
+def _improved(
+    pencil: Pencil, found: Approximation, s: Complex, vectors: Complex
+) -> tuple[Complex, Complex, Array]:
+    """Eigenpairs, the slowest first, after a step of inverse iteration where that improves them.
+
+    The step would raise what a vector has of slower modes.
+    """
+    slower = _slower(pencil, s, vectors)
+    vectors = np.concatenate(
+        [without(pencil, basis, s[[k]], vectors[[k]]) for k, basis in enumerate(slower)]
+    )
+    residuals, change = _residuals(pencil, found, s, vectors, pencil.terms(vectors))
+    for own, basis in zip(change, slower, strict=True):
+        own -= (own @ (pencil.M @ basis.T)) @ basis
+    near = np.where((residuals <= _NEAR)[:, np.newaxis], vectors - change, vectors)
+    terms = pencil.terms(near)
+    nearest = np.where(s == 0.0, 0.0, _rayleigh(s, near, terms))
+    lower, _ = _residuals(pencil, found, nearest, near, terms)
+    better = lower < residuals
+    return (
+        np.where(better, nearest, s),
+        np.where(better[:, np.newaxis], near, vectors),
+        np.minimum(lower, residuals),
+    )
+
+
+def _slower(pencil: Pencil, s: Complex, vectors: Complex) -> list[Array]:
+    """For each mode the span of clearly slower ones, with ``Φ M Φᵀ = 1``."""
+    found, rows = [], [0]
+    basis: Array = np.empty((0, vectors.shape[1]))
+    for k, vector in enumerate(vectors):
+        found.append(basis[: rows[np.searchsorted(np.abs(s), _SLOWER * np.abs(s[k]))]])
+        for part in (vector.real, vector.imag):
+            size, left = np.sqrt(part @ (pencil.M @ part)), part
+            for _ in range(2):
+                left = left - (left @ (pencil.M @ basis.T)) @ basis
+            length = np.sqrt(left @ (pencil.M @ left))
+            if length > _SPLIT * size:
+                basis = np.vstack([basis, left / length])
+        rows.append(len(basis))
+    return found
+
+
+def _residuals(
+    pencil: Pencil,
+    found: Approximation,
+    s: Complex,
+    vectors: Complex,
+    terms: tuple[Complex, Complex, Complex],
+) -> tuple[Array, Complex]:
+    """Lengths of ``P⁻¹ Q(s) φ`` over those of ``φ``, and the vectors themselves."""
+    M, C, K = terms
+    wide = s.astype(np.clongdouble)[:, np.newaxis]
+    change = found.solve(np.asarray(wide * wide * M + wide * C + K, dtype=np.complex128))
+    size = pencil.kinetic(change) / pencil.kinetic(vectors).clip(1e-300)
+    return np.asarray(np.sqrt(size)), change
+
+
+def _rayleigh(s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Complex]) -> Complex:
+    """Of each ``φ`` the root of ``φᴴ Q(s) φ`` that is nearest to ``s``."""
+    m, c, k = ((vectors.conj() * term).sum(axis=1) for term in terms)
+    root = np.sqrt(c * c - 4.0 * m * k)
+    # the sum of which neither part cancels
+    q = -0.5 * (c + np.where((c.conj() * root).real < 0.0, -root, root))
+    first = np.divide(q, m, out=np.zeros_like(q), where=m != 0)
+    second = np.divide(k, q, out=first.copy(), where=q != 0)
+    return np.asarray(
+        np.where(np.abs(first - s) <= np.abs(second - s), first, second), dtype=np.complex128
+    )
+
+
+def _one_of_each_pair(s: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+    """Of conjugates the one with ``Im s > 0``; real ones all; of double zeros one each."""
+    still = s == 0.0
+    turning = ~still & (s.imag > -1e-9 * np.abs(s))
+    rigid = vectors[still]
+    span = np.concatenate([rigid.real, rigid.imag])
+    if len(rigid):
+        span = np.linalg.svd(span, full_matrices=False)[2][: (len(rigid) + 1) // 2]
+    rates = np.concatenate([np.zeros(len(span)), s[turning]])
+    return rates, np.concatenate([span.astype(np.complex128), vectors[turning]])
