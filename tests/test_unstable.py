@@ -15,15 +15,29 @@ from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.unstable import maxima
 
 
-def test_an_unstable_equilibrium_beyond_a_limit_load_says_so():
-    """Lee's frame at P = 20000, its limit load is 18557: one step finds another branch."""
+def test_an_unstable_equilibrium_says_so():
+    """A straight column under twice Euler's load, and Lee's frame below its limit load of 18557."""
+    column = fl.Beam.straight(
+        (0, 0, 0), (0, 0, 1), fl.Section.circle(0.01, fl.Material(2e11, 0.3, 7850.0)), cells=8
+    )
+    scene, euler = fl.Scene(), np.pi**2 / 4 * column.stiffness[0, 4, 4]
+    scene.add(column)
+    scene.add(fl.Clamp(column.start))
+    scene.add(fl.PointLoad(column.end, (0, 0, -2 * euler)))
     with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as told:
-        result = fl.statics(frame(20000.0))
+        result = fl.statics(scene)
     assert len(told) == 1
-    np.testing.assert_array_equal(result.negative_pivots, [1])
+    np.testing.assert_array_equal(result.negative_pivots, [2])  # one in each plane
     assert not result.stable.any()
     below = fl.statics(frame(18000.0), levels=(0.5, 1.0))  # warnings are errors
     np.testing.assert_array_equal(below.negative_pivots, [0, 0])
+
+
+def test_a_load_beyond_its_limit_arrives_at_a_stable_state_and_says_that_it_snapped():
+    """Lee's frame at P = 20000, beyond its limit load of 18557."""
+    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.9[23]") as told:
+        result = fl.statics(frame(20000.0))
+    assert len(told) == 1 and result.stable.all()
 
 
 def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import instance, number, positive
+from fem_lie._arrays import instance, number, positive, whole
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -191,10 +191,10 @@ def check_kinds(tolerance: float, max_iterations: int, policy: Policy) -> None:
 
     Raises:
         TypeError: One of them is.
-        ValueError: The tolerance is not finite.
+        ValueError: The tolerance is not finite, or the number of iterations is out of its range.
     """
     number(tolerance, "tolerance")
-    instance(max_iterations, int | np.integer, "max_iterations", "a whole number")
+    whole(max_iterations, "max_iterations")
     instance(policy, Policy, "policy", "a Policy such as Automatic()")
 
 
@@ -206,10 +206,8 @@ def check_until_round_off(tolerance: float, max_iterations: int, policy: Policy)
         ValueError: One is out of its range.
     """
     check_kinds(tolerance, max_iterations, policy)
-    if not tolerance >= 0 or max_iterations < 1:
-        raise ValueError(
-            f"wanted tolerance ≥ 0 and max_iterations ≥ 1, got {tolerance}, {max_iterations}"
-        )
+    if not tolerance >= 0:
+        raise ValueError(f"expected tolerance ≥ 0, got {tolerance}")
 
 
 _MOST_STEPS = 2.0**53  # beyond, times of steps are no numbers of their own

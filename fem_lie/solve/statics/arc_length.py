@@ -301,7 +301,7 @@ class _Follower:
         u_f = model.translations(x_f)
         if first:
             moves, turns = rms(u_f), rms(model.twists(x_f)[:, 3:])
-            if not moves > _ON_THE_SPOT * turns:
+            if moves <= _ON_THE_SPOT * turns:  # not if they are no numbers
                 what = "turns nodes on the spot" if turns else "moves nothing"
                 raise ConvergenceError(
                     f"the load {what}, and an arc length measures translations: use load steps "
