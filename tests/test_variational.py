@@ -124,7 +124,7 @@ def test_resumed_to_the_last_bit(tmp_path, monkeypatch, scene):
 
 
 def test_options():
-    with pytest.raises(ValueError, match="expected tolerance ≥ 0, got -1.0"):
+    with pytest.raises(ValueError, match=r"expected tolerance ≥ 0, got -1\.0"):
         fl.Variational(tolerance=-1.0)
     with pytest.raises(TypeError, match="policy"):
         fl.Variational(policy="never")
