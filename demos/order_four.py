@@ -52,7 +52,7 @@ class Case(NamedTuple):
 
 
 CASES = {
-    "pendulum": Case(lambda: pendulum()[0], 4e-4, [64, 128, 256, 512], 1e-3, soft_pendulum, 0.4, 1),
+    "pendulum": Case(lambda: pendulum()[0], 4e-4, [64, 128, 256], 1e-3, soft_pendulum, 0.4, 1),
     "beam": Case(flying_beam, 0.01, [16, 32, 64, 128], 2e-3, flying_beam, 0.1, 0.5),
 }
 

@@ -39,7 +39,7 @@ def test_waves_that_a_step_does_not_resolve_have_an_end(scheme, seed):
     check_balances(result)
 
 
-PLAN = {"duration": 6 * STEP, "step": STEP}
+PLAN = {"duration": 12 * STEP, "step": 2 * STEP}
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def divided():
 def test_a_step_without_an_end_is_made_in_parts(divided):
     assert 0 < divided.divided < 6
     check_balances(divided)
-    assert np.allclose(divided.times, STEP * np.arange(7))
+    assert np.allclose(divided.times, 2 * STEP * np.arange(7))
 
 
 def test_resumed_after_steps_in_parts_is_the_same_to_the_last_bit(

@@ -173,7 +173,8 @@ def test_a_ring_shrinks_by_its_hoop_strain():
     stiff = fl.Section.from_stiffness([EA, EA, EA, EA, EA, EA])
     for cells in (16, 32):
         scene, beam = ring(cells, stiff, p)
-        x = frames_of(fl.statics(scene, load_steps=2), beam)[:, 0]
+        with pytest.warns(fl.CoarseElementsWarning, match="compressed by 1[67]%"):
+            x = frames_of(fl.statics(scene, load_steps=2), beam)[:, 0]
         radius = 0.5 * np.linalg.norm(x[cells // 2] - x[0])
         errors.append(abs(radius - 1 / 1.2))
         middle = 0.5 * (x[cells // 2] + x[0])
@@ -303,8 +304,7 @@ def test_a_string_under_tension_gives_way_as_strings_do():
         middle = beam.node(cells // 2)
         scene.add(fl.PointLoad(middle, force=(0, 0, P)))
         errors.append(abs(fl.statics(scene).position(middle)[-1, 2] / exact - 1))
-    assert errors[-1] < 1e-3
-    assert np.log2(np.array(errors[:-1]) / errors[1:]).min() > 1.8, errors
+    assert max(errors) < 2e-4, errors
 
 
 # --- histories ------------------------------------------------------------------------------------

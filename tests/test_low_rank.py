@@ -82,10 +82,10 @@ def test_what_is_beside_is_the_stiffness_of_the_contact(line):
 
 
 def test_a_stiff_contact_makes_no_more_matrices_than_a_soft_one():
-    made = [
-        SCHEME.run(falling(k), duration=0.3, step=1e-3, progress=False).factorisations
-        for k in (1e3, 1e5)
-    ]
+    soft = SCHEME.run(falling(1e3), duration=0.3, step=1e-3, progress=False)
+    with pytest.warns(fl.UnresolvedContactWarning):
+        stiff = SCHEME.run(falling(1e5), duration=0.3, step=1e-3, progress=False)
+    made = soft.factorisations, stiff.factorisations
     assert made[1] <= 1.5 * made[0]
 
 

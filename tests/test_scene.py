@@ -127,7 +127,9 @@ def test_a_motion_that_ends_to_be_one_is_refused_at_that_time(fault, message, ru
         return frame
 
     scene.add(fl.PrescribedMotion(bar.start, motion))
-    with pytest.raises(ValueError, match=f"(?s)beam 1.start must be.*{message}.*at time 0.6"):
+    # statics samples the motion within its steps
+    when = "0.6" if run == "dynamics" else r"0\.5\d*"
+    with pytest.raises(ValueError, match=f"(?s)beam 1.start must be.*{message}.*at time {when}"):
         if run == "dynamics":
             fl.GeneralisedAlpha(radius=0.8).run(scene, duration=1.0, step=0.1)
         else:

@@ -330,7 +330,7 @@ def test_measures_for_other_cells_are_refused():
         ShellCells(q)
     with pytest.raises(ValueError, match=r"degree 2, .* degree 1"):
         ShellCells(q, MITC6)
-    with pytest.raises(ValueError, match="hellinger_reissner"):
+    with pytest.raises(ValueError, match="HellingerReissner"):
         shell.displacement(ShellCells(q, MITC3_PLUS), quartic)
 
 

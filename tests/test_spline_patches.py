@@ -95,7 +95,10 @@ def without(knots: np.ndarray, at: int) -> np.ndarray:
         (lambda: fl.bspline_patch(A, B, controls()[:-1]), r"shape \(6, 6, 3\), got \(5, 6, 3\)"),
         (lambda: fl.bspline_patch(A, B, np.ones((6, 6, 3))), "neither zero nor along each other"),
         (lambda: fl.bspline_patch(A, B, controls(), pieces=(0, 1)), "pieces along a"),
-        (lambda: fl.spline_patch(lambda a, b: [a, b, 0], (0, 1)), "at least one cell along a"),
+        (
+            lambda: fl.spline_patch(lambda a, b: [a, b, 0], (0, 1)),
+            "cells along a must be at least 1",
+        ),
     ],
 )
 def test_bad_input(make, message):

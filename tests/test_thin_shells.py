@@ -381,7 +381,7 @@ def kinked():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: fl.smooth_patch(flat, (0, 2)), "at least one cell along a, got 0"),
+        (lambda: fl.smooth_patch(flat, (0, 2)), "cells along a must be at least 1, got 0"),
         (lambda: fl.smooth_patch(lambda a, b: [a, 0, 0], (2, 2)), "neither zero nor along"),
         (lambda: fl.smooth_patch(lambda a, b: [a, np.nan, 0], (2, 2)), "the place at"),
         (lambda: fl.ThinShell(kinked(), LAYER), "parametrisations do not agree"),

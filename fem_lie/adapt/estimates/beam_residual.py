@@ -84,6 +84,11 @@ def _rates(beam: Beam, frames: Array, x: Array) -> Array:
     turn = np.einsum("mqaj,mqbj->mqab", d, change[:, :, 1:])
     turn = 0.5 * (turn - np.swapaxes(turn, 2, 3))
     curvature = np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
+    # of directors that are orthonormal, as the element has them
+    E = 0.5 * (np.eye(3) - np.einsum("mqij,mqkj->mqik", d, d))
+    stretch = stretch + np.einsum("mqij,mqj->mqi", E, stretch)
+    trace = np.trace(E, axis1=2, axis2=3)[..., np.newaxis]
+    curvature = curvature + trace * curvature - np.einsum("mqij,mqj->mqi", E, curvature)
     return np.asarray(np.concatenate([stretch, curvature], axis=-1) / arc[..., np.newaxis])
 
 

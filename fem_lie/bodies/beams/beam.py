@@ -252,7 +252,9 @@ class Beam(LineBody):
         """Elements may turn as far as their formulation says, and are named as a whole."""
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
         limit, numbers = self.formulation.largest_turn, np.arange(len(along))
-        return Turning(along, numbers, limit, whole=True, lengths=self.lengths)
+        # edges that bend against each other lean from the frames at their ends
+        lengths = self.lengths if self.formulation.bends else None
+        return Turning(along, numbers, limit, whole=True, lengths=lengths)
 
 
 def _refined(placed: Placed, formulation: Formulation) -> Placed:

@@ -138,7 +138,8 @@ class Geodesic(Formulation):
         )
         viscosity = None if cells.viscosity is None else cellwise(mesh, cells.viscosity)
         D, eigenstrain = cellwise(mesh, cells.stiffness), cells.eigenstrain
-        energy = geodesic_energy(d, d0, length, D, mesh, eigenstrain, viscosity, F)
+        shared = F if self.bending_flexibility else None
+        energy = geodesic_energy(d, d0, length, D, mesh, eigenstrain, viscosity, shared)
         forces = Forces(force_kernel, [length, D, eigenstrain, d0, F, found], found)
         energy = replace(energy, forces=forces)
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)

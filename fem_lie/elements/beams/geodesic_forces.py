@@ -55,7 +55,9 @@ def set_stress(data: Array, N: Array) -> float:
     C = sqrt(X * X + square)
     per_C = 1.0 / C
     excess = S_SHAPE * square * per_C * per_C
-    e[0] += square / (C + abs(X)) + abs(X) - X + excess * C
+    e[0] += square / (C + abs(X)) + excess * C
+    if F22 != 0.0 or F33 != 0.0:
+        e[0] += abs(X) - X
     e[1] -= _ARC * (d[5] * p - d0[5] * p0)
     e[2] += _ARC * (d[4] * p - d0[4] * p0)
     work = 0.0
@@ -73,7 +75,8 @@ def set_stress(data: Array, N: Array) -> float:
     m3 = across * β3 + _ARC * (d[4] * q - d0[4] * q0)
     N[4] += length * _ARC * (N[2] * p + β3 * q)
     N[5] -= length * _ARC * (N[1] * p + β2 * q)
-    N[0] *= X * per_C * (1.0 - excess)
+    if F22 != 0.0 or F33 != 0.0:
+        N[0] *= X * per_C * (1.0 - excess)
     N[1] += F22 * m2 + F32 * m3
     N[2] += F23 * m2 + F33 * m3
     return 0.5 * length * work

@@ -35,6 +35,7 @@ from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.solve.statics.passed import Passed, cosine, rms
 
+_SHOWN = 1e-2  # translations over rotations × diameter that show how far rotations are
 _ON_THE_SPOT = 1e-9  # translations over rotations × diameter: less are round-off
 _AHEAD = 0.4  # cosine between the twists of two steps: never less
 
@@ -291,9 +292,10 @@ class _Follower:
         return not first and moved < enough * self._length and self._turned(dx, enough)
 
     def _turned(self, dx: Array, enough: float) -> bool:
-        """Whether the rotations of an increment are small, for nodes may turn on the spot."""
+        """Whether the rotations of an increment are small, where translations do not show them."""
         now, step = (rms(self._model.twists(h)[:, 3:]) for h in (dx, self._moved))
-        return now < enough * max(self._length, step)
+        shown = self._length >= _SHOWN * self._model.diameter * step
+        return shown or now < enough * step
 
     def _change(self, x_r: Array, x_f: Array, origin: Array, first: bool) -> float:
         """Change of the load factor that puts the step's end at its length."""
