@@ -65,6 +65,13 @@ class Pencil:
         split = self.parts.product if self.symmetric else self.parts.product_with_pressure
         return split(vectors)
 
+    @property
+    def split_is_exact(self) -> bool:
+        """Whether ``parts`` are all of ``K``: nodes without a drilling rotation lack rigid ones."""
+        probe = np.random.default_rng(0).normal(size=(1, self.K.shape[0]))
+        whole = product(self.K, probe)
+        return bool(abs(self.stiffness(probe) - whole).max() <= _SYMMETRIC * abs(whole).max())
+
     def terms(self, vectors: Complex) -> tuple[Complex, Complex, Complex]:
         """``M φ``, ``C φ`` and ``K φ`` of rows, see :meth:`stiffness`."""
         both = np.concatenate([vectors.real, vectors.imag])

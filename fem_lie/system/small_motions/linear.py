@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
@@ -126,7 +128,8 @@ class SmallMotions:
         """The eigenvalue problem."""
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
         free = ~self._system.held.ravel()
-        return Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], self._parts(K))
+        pencil = Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], self._parts(K))
+        return pencil if pencil.split_is_exact else replace(pencil, parts=None)
 
     def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent of the free unknowns in units of energy, and the Jacobian of constraints."""
