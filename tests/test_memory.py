@@ -43,10 +43,15 @@ else:
 """
 
 
-@pytest.mark.parametrize(("room", "said"), [(4_000_000, "lacks memory: "), (2**32, "enough")])
+# the ordering of MUMPS, which is asked after KLU too, may end the process itself
 @pytest.mark.parametrize(
-    ("kind", "package"),
-    [("lu", "umfpack"), ("lu", "klu"), ("lu", "mumps"), ("cholesky", "cholmod")],
+    ("kind", "package", "room", "said"),
+    [
+        ("lu", "umfpack", 4_000_000, "lacks memory: "),
+        ("cholesky", "cholmod", 4_000_000, "lacks memory: "),
+        *(("lu", package, 2**32, "enough") for package in ("umfpack", "klu", "mumps")),
+        ("cholesky", "cholmod", 2**32, "enough"),
+    ],
 )
 def test_a_package_that_gets_no_memory_says_so(kind, package, room, said):
     script = LITTLE.format(kind=kind, package=package, room=room)
