@@ -113,7 +113,7 @@ def test_stiff_solids_of_degree_two(cell):
 
 @pytest.mark.parametrize("E", [1e7, 1e9])
 def test_a_law_that_cancels_goes_on_and_is_named(E, caplog):
-    """Energy is conserved as far as the law tells it: to an ulp of a stiffness times a volume."""
+    """Energy is conserved as far as the law has it: to an ulp of a stiffness times a volume."""
     law = fl.NeoHooke(E, 0.3, 1000.0)
     result = ran(fl.EnergyMomentum(), spun(fl.Hyperelastic(naive, 1000.0, law.parameters), "free"))
     assert result.divided == 0

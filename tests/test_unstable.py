@@ -24,9 +24,9 @@ def test_an_unstable_equilibrium_says_so():
     scene.add(column)
     scene.add(fl.Clamp(column.start))
     scene.add(fl.PointLoad(column.end, (0, 0, -2 * euler)))
-    with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as told:
+    with pytest.warns(fl.UnstableEquilibriumWarning, match="unstable at load factor 1") as caught:
         result = fl.statics(scene)
-    assert len(told) == 1
+    assert len(caught) == 1
     np.testing.assert_array_equal(result.negative_pivots, [2])  # one in each plane
     assert not result.stable.any()
     below = fl.statics(frame(18000.0), levels=(0.5, 1.0))  # warnings are errors
@@ -35,9 +35,9 @@ def test_an_unstable_equilibrium_says_so():
 
 def test_a_load_beyond_its_limit_arrives_at_a_stable_state_and_says_that_it_snapped():
     """Lee's frame at P = 20000, beyond its limit load of 18557."""
-    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.9[23]") as told:
+    with pytest.warns(fl.UnstableEquilibriumWarning, match=r"maximum near 0\.9[23]") as caught:
         result = fl.statics(frame(20000.0))
-    assert len(told) == 1 and result.stable.all()
+    assert len(caught) == 1 and result.stable.all()
 
 
 def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():

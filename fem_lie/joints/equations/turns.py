@@ -2,7 +2,7 @@
 
 An angle is known from frames up to whole turns, and what joints forbid of ``Q`` is zero not only
 where they hold: ``skew Q = 0`` also at half a turn about any axis, ``Q₁₃ = Q₂₃ = 0`` also where the
-axes e₃ point against each other. Iterations with large increments need to be told which is meant.
+axes e₃ point against each other. Iterations with large increments need the intended one given.
 """
 
 from __future__ import annotations
