@@ -5,6 +5,8 @@ import time
 from pathlib import Path
 
 import dolfinx.jit
+import numpy as np
+import pytest
 from hypothesis import settings
 
 # the same examples in each run; HYPOTHESIS_PROFILE=default looks for others
@@ -32,3 +34,9 @@ def pytest_sessionstart(session):
 def pytest_collection_modifyitems(items):
     """Laws first, demos after them."""
     items.sort(key=lambda item: item.path.name.startswith("test_demos"))
+
+
+@pytest.fixture
+def rng():
+    """Random numbers that are the same for each test, whichever tests ran before it."""
+    return np.random.default_rng(7)

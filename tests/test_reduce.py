@@ -12,7 +12,6 @@ from fem_lie.reduce.beside_rest import BesideRest
 from fem_lie.reduce.local_motions import expanded, local_motion
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
-RNG = np.random.default_rng(3)
 
 
 def rod(cells=8, *, clamped=True, end=(1.0, 0.0, 0.0)):
@@ -36,33 +35,33 @@ def states(scene, frames):
     return replace(fl.statics(scene), frames=frames)
 
 
-def motions(count):
-    return lie.se3_exp(RNG.uniform(-2.0, 2.0, (count, 6)))
+def motions(rng, count):
+    return lie.se3_exp(rng.uniform(-2.0, 2.0, (count, 6)))
 
 
 @pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(0), fl.NodeAxes(5)], ids=str)
-def test_a_rigid_motion_is_found_and_nothing_is_left(axes):
+def test_a_rigid_motion_is_found_and_nothing_is_left(rng, axes):
     _, body = rod()
-    G = motions(4)
+    G = motions(rng, 4)
     found = local_motion(body, lie.se3_compose(G[:, np.newaxis], body.frames), axes)
     np.testing.assert_allclose(found.rigid, G, atol=1e-13)
     np.testing.assert_allclose(found.increments, 0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize("axes", [fl.MeanAxes(), fl.NodeAxes(3)], ids=str)
-def test_local_motion_knows_no_place_and_expands_to_where_it_was(axes):
+def test_local_motion_knows_no_place_and_expands_to_where_it_was(rng, axes):
     _, body = rod()
-    bent = lie.se3_retract(body.frames, RNG.uniform(-0.1, 0.1, (1, 9, 6)))
-    everywhere = lie.se3_compose(motions(3)[:, np.newaxis], bent)
+    bent = lie.se3_retract(body.frames, rng.uniform(-0.1, 0.1, (1, 9, 6)))
+    everywhere = lie.se3_compose(motions(rng, 3)[:, np.newaxis], bent)
     here, there = (local_motion(body, frames, axes) for frames in (bent, everywhere))
     np.testing.assert_allclose(there.increments, np.tile(here.increments, (3, 1, 1)), atol=1e-13)
     np.testing.assert_allclose(expanded(body, there), everywhere, atol=1e-13)
 
 
-def test_axes_of_shells_do_not_feel_turns_about_third_directors():
+def test_axes_of_shells_do_not_feel_turns_about_third_directors(rng):
     _, body = square()
-    G, spun = motions(2), np.zeros((2, len(body.frames), 6))
-    spun[:, :, 5] = RNG.uniform(-1.0, 1.0, spun.shape[:2])
+    G, spun = motions(rng, 2), np.zeros((2, len(body.frames), 6))
+    spun[:, :, 5] = rng.uniform(-1.0, 1.0, spun.shape[:2])
     frames = lie.se3_retract(lie.se3_compose(G[:, np.newaxis], body.frames), spun)
     found = local_motion(body, frames, fl.MeanAxes())
     np.testing.assert_allclose(found.rigid, G, atol=1e-12)
@@ -71,12 +70,12 @@ def test_axes_of_shells_do_not_feel_turns_about_third_directors():
         local_motion(body, frames, fl.NodeAxes(0))
 
 
-def test_projection_finds_coordinates_in_any_posture():
+def test_projection_finds_coordinates_in_any_posture(rng):
     scene, body = rod(clamped=False)
     basis = fl.craig_bampton(scene, [body.start], 5)
     basis = fl.Basis(body, basis.shapes[6:])  # those that leave the start where it is
-    η = 1e-2 * RNG.uniform(-1.0, 1.0, (3, 5))
-    G = motions(3)
+    η = 1e-2 * rng.uniform(-1.0, 1.0, (3, 5))
+    G = motions(rng, 3)
     frames = fl.Reduced(basis, G, η, np.zeros(3)).expand()
     clamped, _ = rod()
     found = basis.project(states(clamped, frames), axes=fl.NodeAxes(0))
@@ -85,16 +84,16 @@ def test_projection_finds_coordinates_in_any_posture():
     assert found.errors.max() < 1e-12
 
 
-def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss():
+def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss(rng):
     scene, body = rod()
     increments = np.einsum(
-        "km,mni->kni", RNG.uniform(-1.0, 1.0, (6, 3)), 0.02 * RNG.uniform(-1.0, 1.0, (3, 9, 6))
+        "km,mni->kni", rng.uniform(-1.0, 1.0, (6, 3)), 0.02 * rng.uniform(-1.0, 1.0, (3, 9, 6))
     )
     increments[:, 0] = 0.0
     bent = lie.se3_retract(body.frames, increments)
     axes = fl.NodeAxes(0)
     basis = fl.pod(states(scene, bent), body, 3, axes=axes)
-    turned = states(scene, lie.se3_compose(motions(6)[:, np.newaxis], bent))
+    turned = states(scene, lie.se3_compose(motions(rng, 6)[:, np.newaxis], bent))
     assert basis.project(turned, axes=axes).errors.max() < 1e-12
     fewer = fl.pod(states(scene, bent), body, 2, axes=axes)
     assert fewer.project(turned, axes=axes).errors.max() > 1e-3
