@@ -1,4 +1,4 @@
-"""``python -m fem_lie``: versions, solvers and caches; clears caches if asked."""
+"""``python -m fem_lie``: versions, solvers, BLAS and caches; clears caches if asked."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from petsc4py import PETSc
 import dolfinx
 import slepc4py
 
+from fem_lie import _blas
 from fem_lie._jit.machine_code import FOLDER
 
 _PACKAGES = ("fenics-ufl", "fenics-basix", "fenics-ffcx", "numba", "numpy", "scipy", "h5py")
@@ -64,7 +65,9 @@ def report() -> str:
     """All of it as text."""
     lines = [f"{name:13} {version}" for name, version in versions()]
     solvers = [name for name in _SOLVERS if PETSc.Sys.hasExternalPackage(name)]
-    lines += ["", f"{'solvers':13} {', '.join(solvers)}", ""]
+    blas = _blas.find()
+    lines += ["", f"{'solvers':13} {', '.join(solvers)}", f"{'BLAS':13} {blas}"]
+    lines += [f"{'':13} {_blas.ADVICE}", ""] if blas.is_reference else [""]
     for name, folder in caches().items():
         count, total = size(folder)
         lines.append(f"{name:13} {folder}: {count} files, {total / 1e6:.1f} MB")

@@ -8,6 +8,7 @@ import dolfinx
 import pytest
 
 from fem_lie import __main__ as program
+from fem_lie import _blas
 
 
 def test_versions_solvers_and_caches():
@@ -16,6 +17,7 @@ def test_versions_solvers_and_caches():
     )
     assert f"DOLFINx       {dolfinx.__version__}" in done.stdout
     assert "mumps" in done.stdout
+    assert f"BLAS          {_blas.find()}" in done.stdout
     for folder in program.caches().values():
         assert str(folder) in done.stdout
 
