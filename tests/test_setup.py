@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 from functools import partial
 from pathlib import Path
+from select import select
 
 import pytest
 
@@ -51,11 +52,19 @@ def _answer(folder, answer=None, **given):
             **ends,
             **ORDINARY,
         )
-        said = done.stderr if answer is None else os.read(primary, 4096).decode()
+        said = done.stderr if answer is None else _all_of(primary)
     finally:
         os.close(primary)
         os.close(terminal)
     return done.stdout.strip(), (folder / "calls").exists(), said
+
+
+def _all_of(terminal):
+    """What was written to a terminal: one read may return a part of it, such as the echo alone."""
+    said = b""
+    while select([terminal], [], [], 0.2)[0]:
+        said += os.read(terminal, 4096)
+    return said.decode()
 
 
 def test_without_a_terminal_sudo_is_not_used(ask):
