@@ -2,7 +2,7 @@
 .PHONY: help set-up demo test lint bench docs clean-environment
 
 # These take an hour or more, or want another version beside this one.
-STUDIES = compile in_turns peers random_conserving random_scenes
+STUDIES = compile everyday in_turns peers random_conserving random_scenes
 
 help:
 	@echo 'make demo               set up and run the flexible double pendulum (ARGS="--help")'

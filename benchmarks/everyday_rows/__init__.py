@@ -1,0 +1,1 @@
+"""Rows of the table of everyday speed, a file for each subject."""
