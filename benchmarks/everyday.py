@@ -2,9 +2,9 @@
 
     python3 -m benchmarks.everyday --table [word ...] [--list]
 
-Rows are those whose titles have one of the words, by default all. Times are those of the processor,
-the least of three; what is compared is measured in turns. A row is an entry of ``ROWS`` in a file of
-``benchmarks/everyday_rows``: a title, its target and a function that measures it.
+Rows are those whose titles have one of the words, by default all. Times are of the processor,
+the least of three; what is compared is measured in turns. A row is an entry of ``ROWS`` in a file
+of ``benchmarks/everyday_rows``: a title, its target and a function that measures it.
 """
 
 from __future__ import annotations
